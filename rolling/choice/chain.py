@@ -1,0 +1,98 @@
+"""Levels of specimens by the linear chain, beside the computed ones.
+
+Sphere, contact and plate as linear bodies are moved by the approach under the constant load. Their
+level is no second solution of the contact, but one of the vibration: where both changes of a level
+agree, neither flights nor the stiffness that changes with the force decide.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from acoustics.arrays import Array
+from rolling.choice.candidates import LOSS_KEY
+from rolling.choice.heard import Specimen
+from rolling.marches import force_law
+from rolling.results import result_file
+from rolling.results.run_folder import RESULT
+from rolling.scene.height_files import read_regular
+from rolling.scene.scene import Scene
+from rolling.sound import radiators
+from rolling.terminal.files import write_json
+
+CHAIN = "chain.json"
+POSITIONS = 12  # along the track, whose stiffness enters
+_MAX_BYTES = 100_000
+
+
+def chain_levels(specimens: Sequence[Specimen]) -> Array | None:
+    """Return the levels of specimens by the linear chain, (specimens,) [dB(A)].
+
+    They are means over the loss factors. A sphere that falls is no linear chain, and a specimen
+    without sound has no level: None.
+    """
+    levels = []
+    for specimen in specimens:
+        level = _chain_level(specimen)
+        if level is None:
+            return None
+        levels.append(level)
+    return np.array(levels)
+
+
+def _chain_level(specimen: Specimen) -> float | None:
+    """Return the level of a specimen [dB(A)], from its file if there is one."""
+    if specimen.scene.rolling.drop_mm is not None:
+        return None
+    path = specimen.folder / CHAIN
+    level = _stored_level(path, specimen.loss_factors)
+    if level is None:
+        level = _computed_level(specimen)
+        content = {"loss_factors": list(specimen.loss_factors), "laeq_db": level}
+        write_json(path, content)
+    return level
+
+
+def _stored_level(path: Path, loss_factors: Sequence[float]) -> float | None:
+    """Return the stored level of a specimen [dB(A)]; None without one, or for a damaged file."""
+    try:
+        stored = json.loads(read_regular(path, _MAX_BYTES))
+        level = stored["laeq_db"]
+        same = stored["loss_factors"] == list(loss_factors)
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return None
+    if not same or not isinstance(level, float) or not math.isfinite(level):
+        return None
+    return level
+
+
+def _computed_level(specimen: Specimen) -> float | None:
+    """Return the level of a specimen from its march [dB(A)]; None where nothing sounds."""
+    scene = specimen.scene
+    result = result_file.read_result(specimen.folder / RESULT, scene)
+    law = force_law.force_law(scene, result)
+    places = law.position_m[:: max(1, len(law.position_m) // POSITIONS)]
+    stiffness = law.stiffness(places, law.approach(places, scene.load))
+    closed = scene.track.closed and result.steps % result.solved_steps == 0
+    approach = result.whole_series("approach")
+    if closed and scene.motion.is_constant(scene.duration):
+        approach = result.series["approach"]
+    levels = []
+    for loss_factor in specimen.loss_factors:
+        estimate = radiators.vibration_estimate(
+            _with_loss(scene, loss_factor), approach, result.step, closed, stiffness
+        )
+        if estimate.laeq_db is None:
+            return None
+        levels.append(estimate.laeq_db)
+    return float(np.mean(levels))
+
+
+def _with_loss(scene: Scene, loss_factor: float) -> Scene:
+    """Return a scene with another loss factor of the contact."""
+    return scene.with_({LOSS_KEY: loss_factor})

@@ -1,0 +1,660 @@
+"""The inverse question: the coarsest value whose level stays below a limit.
+
+The limit holds for a single specimen: 95 % of specimens lie below it, with a confidence of 95 %, by
+the one-sided tolerance limit of a normal distribution over specimens. The search computes both ends
+of a range and some values between, looks whether the level rises with the value, and halves the
+interval in which the limit is crossed. All values meet the same specimens.
+
+References
+----------
+ISO 16269-6:2014, Determination of statistical tolerance intervals. Its factors for an unknown mean
+and standard deviation follow from the noncentral t distribution.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from scipy.stats import nct, norm
+from scipy.stats import t as student
+
+from acoustics.arrays import Array
+from acoustics.texts import printable
+from rolling.choice import drawing
+from rolling.choice.candidates import Candidate
+from rolling.choice.choosing import OpenChoice, default_folder, open_choice
+from rolling.choice.difference import SURE, level_db
+from rolling.choice.sensitivity import refuse_sweep
+from rolling.choice.specimens import SEED_KEYS
+from rolling.contact.solver import ContactError
+from rolling.results import labels
+from rolling.scene import library
+from rolling.scene.messages import SceneError, is_number, nearest, plain_number, quoted
+from rolling.scene.models import full_key
+from rolling.scene.scene import Scene
+from rolling.scene.surfaces import GRADES
+from rolling.terminal import files, progress
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+Value = float | str
+
+SEEDS = 12  # usual number of specimens
+FEWEST = 3  # specimens for which a tolerance limit is stated
+SHARE = 0.95  # of specimens that lie below a tolerance limit
+CONFIDENCE = 0.95
+TIMES = 5.0  # usual range: the value over this number to the value times it
+RESOLUTION = 1.05  # ratio of the last two values of the search
+BETWEEN = 3  # values between the ends that are computed before the search
+DIGITS = 4  # of a value of the search
+CUTS = 4  # of a range whose ends are refused
+FINISH = "surface.finish"
+TABLE = "below.csv"
+PICTURE = "below.png"
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A value of the search, and what is heard of its specimens.
+
+    Attributes
+    ----------
+    value : float or str
+        The value.
+    levels_db : (specimens,) array, dB(A)
+        What a listener would hear of each specimen, at the louder of the loss factors.
+    """
+
+    value: Value
+    levels_db: Array
+
+    @property
+    def mean_db(self) -> float:
+        """Mean level, dB(A)."""
+        return float(np.mean(self.levels_db))
+
+    @property
+    def upper_db(self) -> float:
+        """Tolerance limit, dB(A): 95 % of specimens lie below, with 95 % confidence."""
+        return tolerance_limit(self.levels_db)
+
+
+class Fall(NamedTuple):
+    """Two neighbouring values between which the level falls where it should rise."""
+
+    quieter: Value
+    louder: Value
+
+
+@dataclass(frozen=True, eq=False)
+class Limit:
+    """Answer to the question which value of a key stays below a level.
+
+    Attributes
+    ----------
+    name, key : str
+        Name of the scene, and the dotted key.
+    level_db : float, dB(A)
+        The limit.
+    points : list of Point
+        Computed values, in the order of the search.
+    value : float or str, or None
+        The coarsest value below the limit; None where no value is.
+    rises : bool
+        Whether the level rises with the value, so that the coarsest value is the largest one.
+    falls : list of Fall
+        Where the level does not follow that direction.
+    noun : str
+        What the specimens are: surfaces, or places of the scan.
+    notes : list of str
+        What became of the range.
+    folder : Path
+        Folder of the specimens.
+    """
+
+    name: str
+    key: str
+    level_db: float
+    points: list[Point]
+    value: Value | None
+    rises: bool
+    falls: list[Fall]
+    noun: str
+    notes: list[str]
+    folder: Path
+
+    @property
+    def ordered(self) -> list[Point]:
+        """Computed values from the quiet end to the loud end."""
+        return from_quiet(self.points, self.rises, self.key)
+
+    @property
+    def next_louder(self) -> Point | None:
+        """The computed value after the answer; None at the end of the range."""
+        ordered = self.ordered
+        for point, louder in pairwise(ordered):
+            if point.value == self.value:
+                return louder
+        return None
+
+    def at(self, value: Value) -> Point:
+        """Return the computed point of a value."""
+        return next(point for point in self.points if point.value == value)
+
+    def table(self) -> pd.DataFrame:
+        """Tabulate the search.
+
+        Returns
+        -------
+        table : pandas.DataFrame
+            One row per computed value in the order of the search: order, value, vibration_db (mean
+            over specimens), vibration_deviation_db (their standard deviation), tolerance_limit_db,
+            specimens, is_below, is_answer.
+        """
+        import pandas as pd  # slow to import, for tables only
+
+        rows: list[dict[str, Any]] = []
+        for number, point in enumerate(self.points, start=1):
+            rows.append(
+                {
+                    "order": number,
+                    self.key: point.value,
+                    "vibration_db": point.mean_db,
+                    "vibration_deviation_db": float(np.std(point.levels_db, ddof=1)),
+                    "tolerance_limit_db": point.upper_db,
+                    "specimens": len(point.levels_db),
+                    "is_below": point.upper_db <= self.level_db,
+                    "is_answer": point.value == self.value,
+                }
+            )
+        return pd.DataFrame(rows)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the path of the search: levels with their tolerance limits over the value.
+
+        Parameters
+        ----------
+        ax : matplotlib axes. Axes to draw on. Default: new ones.
+
+        Returns
+        -------
+        ax : matplotlib axes
+        """
+        from rolling.choice.advice_pictures import plot_limit
+
+        return plot_limit(self, ax)
+
+    @property
+    def sentences(self) -> list[str]:
+        """The answer in words, and what to doubt."""
+        return [*_sentences(self)]
+
+    def __repr__(self) -> str:
+        return "\n".join(self.sentences)
+
+
+def coarsest_below(
+    scene: Scene,
+    key: str,
+    level_db: float,
+    between: tuple[Value, Value] | None = None,
+    seeds: int = SEEDS,
+    folder: Path | str | None = None,
+    workers: int = 0,
+) -> Limit:
+    """Find the coarsest value of a key whose level of the vibration stays below a limit.
+
+    Below means that 95 % of specimens lie below the limit, with a confidence of 95 %.
+
+    Parameters
+    ----------
+    scene : Scene
+        A scene without a sweep, on a random or a measured surface.
+    key : str
+        Key of a number above 0, of the finish, or of the grade of the ball.
+    level_db : float, dB(A)
+        The limit, at the listener of the scene.
+    between : pair of float or str
+        Range of the search. Default: a fifth of the value of the scene to five times it, as far as
+        scenes are allowed, or all finishes or grades.
+    seeds : int
+        Number of specimens, from 3 to 60. Default: 12.
+    folder : Path or str
+        Folder that keeps the specimens, so that the same call goes on. Default:
+        outputs/below-DIGITS.
+    workers : int
+        Processes; 0: one per core. Default: 0.
+
+    Returns
+    -------
+    limit : Limit
+        The answer, with `table()`, `plot(ax)` and `sentences`.
+
+    Raises
+    ------
+    SceneError
+        The scene sweeps or cannot run, the key is unknown or has no such value, the range is not
+        allowed, or nothing is random in the scene.
+    FolderError
+        The folder holds something else.
+    ContactError
+        A contact has no solution.
+    KeyboardInterrupt
+        Ctrl-C was pressed. The folder keeps what is done.
+    """
+    refuse_sweep(scene)
+    key = _known_key(scene, key)
+    if not (is_number(level_db) and math.isfinite(level_db)):
+        raise SceneError([f"below: got {quoted(level_db)}, allowed: a level in dB(A)"])
+    if not (isinstance(seeds, int) and FEWEST <= seeds <= 60):
+        raise SceneError(
+            [f"seeds: got {quoted(seeds)}, allowed: a whole number from {FEWEST} to 60"]
+        )
+    base = drawing.unchanged(scene)
+    target = default_folder("below", [base.scene]) if folder is None else Path(folder)
+    names = _names_of(key)
+    notes: list[str] = []
+    if names:
+        values = _range_of_names(names, between, key)
+    else:
+        values, notes = _range_of_numbers(base, key, between, workers, target)
+    slowest = base.scene.slowest_speed
+    if key == drawing.SPEED:
+        slowest *= float(min(values)) / float(labels.value_at(scene, key))
+    with open_choice([base], target, workers) as work:
+        count = _count(work, scene, seeds)
+        search = _Search(
+            work=work,
+            base=base,
+            key=key,
+            level_db=float(level_db),
+            count=count,
+            slowest=slowest,
+            is_given=between is not None,
+        )
+        result = search.run(values, bool(names), notes)
+    write_limit(result)
+    return result
+
+
+def tolerance_factor(count: int, share: float = SHARE, confidence: float = CONFIDENCE) -> float:
+    """Return the factor of a one-sided normal tolerance limit over the standard deviation.
+
+    Mean plus factor times deviation of a number of values is above a share of all values, with the
+    confidence (ISO 16269-6, unknown mean and deviation).
+    """
+    root = math.sqrt(count)
+    return float(nct.ppf(confidence, count - 1, norm.ppf(share) * root)) / root
+
+
+def tolerance_limit(levels_db: Array) -> float:
+    """Return the one-sided tolerance limit of levels; silence is minus infinity."""
+    finite = levels_db[np.isfinite(levels_db)]
+    if not len(finite):
+        return -math.inf
+    if len(finite) < FEWEST:
+        return float(finite.max())
+    factor = tolerance_factor(len(finite))
+    return float(np.mean(finite) + factor * np.std(finite, ddof=1))
+
+
+def percent(share: float) -> str:
+    """Write a share in whole percent."""
+    return f"{100 * share:.0f} %"
+
+
+# ---- key and range
+
+
+def _known_key(scene: Scene, key: str) -> str:
+    """Return a dotted key whose value can be searched; refuse any other."""
+    key = full_key(key, Scene)
+    value = labels.value_at(scene, key)
+    place = f"{scene.place(key)}: {key}"
+    if key in (FINISH, drawing.GRADE):
+        if value is None:
+            raise SceneError([f"{place}: the scene has none; give it one from which to start"])
+        return key
+    if key in SEED_KEYS:
+        raise SceneError([f"{place}: a seed has no size; allowed: a number that has one"])
+    if not is_number(value) or not value > 0 or isinstance(value, int):
+        raise SceneError(
+            [
+                f"{place}: got {quoted(value)}, allowed: a key with a number above 0,"
+                f" {FINISH} or {drawing.GRADE}"
+            ]
+        )
+    return key
+
+
+def _names_of(key: str) -> list[str]:
+    """Return the names that a key takes, sorted by their roughness; none for a number."""
+    if key == drawing.GRADE:
+        return sorted(GRADES, key=lambda name: GRADES[name].roughness_ra_um)
+    if key == FINISH:
+        finishes = library.data("finishes")["finishes"]
+        return sorted(finishes, key=lambda name: float(finishes[name]["roughness_ra_um"][0]))
+    return []
+
+
+def _range_of_names(names: Sequence[str], between: Any, key: str) -> list[Value]:
+    """Return the names of a range, both ends included."""
+    if between is None:
+        return [*names]
+    for name in between:
+        if name not in names:
+            raise SceneError(
+                [
+                    f"between: {key}: got {quoted(name)}, allowed: {', '.join(names)}"
+                    f"{nearest(str(name), names)}"
+                ]
+            )
+    first, last = sorted(map(names.index, between))
+    if first == last:
+        raise SceneError([f"between: {key}: got {quoted(between[0])} twice, allowed: two names"])
+    return [*names[first : last + 1]]
+
+
+def _range_of_numbers(
+    base: Candidate, key: str, between: Any, workers: int, folder: Path
+) -> tuple[list[Value], list[str]]:
+    """Return both ends of a range, and notes on a usual range that is cut."""
+    if between is not None:
+        if not all(is_number(value) and value > 0 for value in between):
+            raise SceneError(
+                [f"between: {key}: got {quoted([*between])}, allowed: two numbers above 0"]
+            )
+        low, high = sorted(map(float, between))
+        if high < low * RESOLUTION:
+            raise SceneError(
+                [
+                    f"between: {key}: got {plain_number(low)} and {plain_number(high)}, allowed:"
+                    f" numbers that differ by more than {RESOLUTION - 1:.0%}"
+                ]
+            )
+        for value in (low, high):
+            drawing.refuse(_changed(base, key, value), workers, folder)
+        return [low, high], []
+    own = float(labels.value_at(base.scene, key))
+    ends: list[Value] = []
+    notes = []
+    for wanted in (own / TIMES, own * TIMES):
+        end, reason = _allowed_end(base, key, own, wanted, workers, folder)
+        ends.append(end)
+        if reason:
+            notes.append(
+                f"The range ends at {printable(labels.worded(key, end))}, because"
+                f" {plain_number(_short(wanted))} is refused ({printable(reason)})."
+            )
+    return ends, notes
+
+
+def _allowed_end(
+    base: Candidate, key: str, own: float, wanted: float, workers: int, folder: Path
+) -> tuple[float, str]:
+    """Return the end of a range, cut where scenes are refused, and the reason of the refusal."""
+    value = _short(wanted)
+    first_reason = ""
+    for _ in range(CUTS):
+        try:
+            drawing.refuse(_changed(base, key, value), workers, folder)
+            return value, first_reason
+        except SceneError as error:
+            first_reason = first_reason or error.faults[0]
+        value = _short(math.sqrt(own * value))
+    return own, first_reason
+
+
+def _changed(base: Candidate, key: str, value: Value) -> Candidate:
+    """Return the candidate of a value."""
+    return drawing.with_value(base, key, value, labels.worded(key, value))
+
+
+def _short(value: float) -> float:
+    """Return a number with the digits of the search."""
+    return float(f"{value:.{DIGITS}g}")
+
+
+def _count(work: OpenChoice, scene: Scene, seeds: int) -> int:
+    """Return the number of specimens; refuse a scene in which nothing is random."""
+    count = min(seeds, work.specimens.count)
+    if count < FEWEST:
+        has = "no random surface"
+        if work.specimens.noun != "surfaces":
+            has = f"room for {count} of the {FEWEST} places that it takes"
+        raise SceneError(
+            [
+                f"{scene.place('surface')}: surface: {scene.name} has {has}, so that no limit holds"
+                " for 95 % of specimens; allowed: a surface with a seed, or a larger scan"
+            ]
+        )
+    return count
+
+
+# ---- search
+
+
+class _Search:
+    """Computes levels over a value until the crossing of a limit is known."""
+
+    def __init__(
+        self,
+        *,
+        work: OpenChoice,
+        base: Candidate,
+        key: str,
+        level_db: float,
+        count: int,
+        slowest: float,
+        is_given: bool,
+    ) -> None:
+        self._work = work
+        self._base = base
+        self._key = key
+        self._level_db = level_db
+        self._count = count
+        self._slowest = slowest
+        self._is_given = is_given
+        self._points: list[Point] = []
+
+    def run(self, values: Sequence[Value], are_names: bool, notes: Sequence[str]) -> Limit:
+        """Return the answer over a range: the ends of numbers, or all names."""
+        notes = [*notes]
+        first = self._end(values[0], notes)
+        last = self._end(values[-1], notes)
+        rises = bool(last.mean_db >= first.mean_db)
+        if are_names:
+            left = [*values[values.index(first.value) : values.index(last.value) + 1]]
+            places = np.linspace(0, len(left) - 1, BETWEEN + 2)[1:-1]
+            between = [left[round(float(place))] for place in places]
+        else:
+            left = []
+            ends = float(first.value), float(last.value)
+            between = [_short(float(value)) for value in np.geomspace(*ends, BETWEEN + 2)[1:-1]]
+        for value in between:
+            self._point(value)
+        answer = self._crossing(rises, left)
+        return Limit(
+            name=self._base.scene.name,
+            key=self._key,
+            level_db=self._level_db,
+            points=self._points,
+            value=answer,
+            rises=rises,
+            falls=falls(from_quiet(self._points, rises, self._key)),
+            noun=self._work.specimens.noun,
+            notes=notes,
+            folder=self._work.folder,
+        )
+
+    def _end(self, value: Value, notes: list[str]) -> Point:
+        """Return the point of an end; a usual range is cut where its contact has no solution."""
+        wanted = value
+        own = labels.value_at(self._base.scene, self._key)
+        for _ in range(CUTS):
+            try:
+                point = self._point(value)
+            except ContactError as error:
+                if self._is_given or isinstance(value, str):
+                    raise
+                reason = printable(str(error).splitlines()[0])
+                note = f"{labels.worded(self._key, wanted)} has no solution ({reason})"
+                value = _short(math.sqrt(float(own) * float(value)))
+                continue
+            if value != wanted:
+                notes.append(
+                    f"The range ends at {labels.worded(self._key, value)}, because {note}."
+                )
+            return point
+        return self._point(own)
+
+    def _point(self, value: Value) -> Point:
+        """Return the point of a value, computed if it is new."""
+        for point in self._points:
+            if point.value == value:
+                return point
+        changed = _changed(self._base, self._key, value)
+        if self._key == drawing.SPEED and changed.scene.numerics.step_nodes == "auto":
+            scene = changed.scene.with_({"numerics.slowest_m_s": self._slowest})
+            changed = replace(changed, scene=scene)
+        (contender,) = self._work.hear([changed], self._count)
+        levels = [float(level_db(one.squares).max()) for one in contender.heard]
+        point = Point(value=value, levels_db=np.array(levels))
+        self._points.append(point)
+        progress.line(
+            f"{labels.worded(self._key, value)}: {percent(SHARE)} of {self._work.specimens.noun} lie"
+            f" below {point.upper_db:.1f} dB(A)"
+        )
+        return point
+
+    def _crossing(self, rises: bool, names: Sequence[Value]) -> Value | None:
+        """Halve the first interval, from the quiet end, in which the limit is crossed."""
+        while True:
+            ordered = from_quiet(self._points, rises, self._key)
+            below = [point.upper_db <= self._level_db for point in ordered]
+            if True not in below:
+                return None
+            first = below.index(True)
+            if False not in below[first:]:
+                return ordered[-1].value
+            above = first + below[first:].index(False)
+            middle = _middle(ordered[above - 1].value, ordered[above].value, names)
+            if middle is None:
+                return ordered[above - 1].value
+            self._point(middle)
+
+
+def _middle(quieter: Value, louder: Value, names: Sequence[Value]) -> Value | None:
+    """Return the value between two values; None where they are near enough."""
+    if isinstance(quieter, str) or isinstance(louder, str):
+        at, to = sorted((names.index(quieter), names.index(louder)))
+        return names[(at + to) // 2] if to - at > 1 else None
+    low, high = sorted((quieter, louder))
+    if high <= low * RESOLUTION:
+        return None
+    middle = _short(math.sqrt(low * high))
+    return middle if low < middle < high else None
+
+
+def from_quiet(points: Sequence[Point], rises: bool, key: str) -> list[Point]:
+    """Return points ordered by their values, from the quiet end of the range to the loud one."""
+    names: list[str] = []
+    if any(isinstance(point.value, str) for point in points):
+        names = _names_of(key)
+
+    def place(point: Point) -> float:
+        return names.index(point.value) if isinstance(point.value, str) else point.value
+
+    return sorted(points, key=place, reverse=not rises)
+
+
+def falls(ordered: Sequence[Point]) -> list[Fall]:
+    """Return the neighbouring points between which the mean level surely falls.
+
+    All points have the same specimens, so the differences are those of pairs.
+    """
+    found = []
+    for quieter, louder in pairwise(ordered):
+        rise = louder.levels_db - quieter.levels_db
+        if not np.all(np.isfinite(rise)) or rise.mean() >= 0:
+            continue
+        error = float(np.std(rise, ddof=1)) / math.sqrt(len(rise))
+        if error == 0 or student.cdf(-rise.mean() / error, len(rise) - 1) >= SURE:
+            found.append(Fall(quieter.value, louder.value))
+    return found
+
+
+# ---- files and sentences
+
+
+def write_limit(result: Limit) -> None:
+    """Write table and picture of the search into its folder."""
+    from rolling.choice.advice_pictures import limit_picture
+    from rolling.figures.picture import csv_bytes
+    from rolling.figures.settings import left_out_if_it_fails
+
+    files.write_bytes(result.folder / TABLE, csv_bytes(result.table()))
+    with left_out_if_it_fails("below"):
+        files.write_bytes(result.folder / PICTURE, limit_picture(result))
+
+
+def _sentences(result: Limit) -> Iterator[str]:
+    """Yield the answer, where the level does not rise, and what became of the range."""
+    ordered = result.ordered
+    count = f"{len(ordered[0].levels_db)} {result.noun}"
+    limit = f"{result.level_db:g} dB(A)"
+    if result.value is None:
+        quietest = min(ordered, key=lambda point: point.upper_db)
+        yield (
+            f"No value of the range stays below {limit}: even at {_worded(result, quietest)}"
+            f" {percent(SHARE)} of {result.noun} lie below {quietest.upper_db:.1f} dB(A) only ({count})."
+        )
+    else:
+        answer = result.at(result.value)
+        holds = f"{percent(SHARE)} of {result.noun} lie below {answer.upper_db:.1f} dB(A)"
+        louder = result.next_louder
+        if louder is None:
+            yield (
+                f"The whole range stays below {limit}, up to {_worded(result, answer)}: there"
+                f" {holds} ({count}, {percent(CONFIDENCE)} confidence)."
+            )
+        else:
+            extreme = "coarsest" if isinstance(result.value, str) else "largest"
+            if not result.rises:
+                extreme = "finest" if isinstance(result.value, str) else "smallest"
+            yield (
+                f"{_worded(result, answer)} is the {extreme} that stays below {limit}: {holds},"
+                f" with {percent(CONFIDENCE)} confidence ({count}); at {_worded(result, louder)} it is"
+                f" {louder.upper_db:.1f} dB(A)."
+            )
+        if ordered[0].upper_db > result.level_db:
+            yield (
+                f"Values from {_worded(result, ordered[0])} on are above the limit as well, so the"
+                " answer holds from the first computed value below it on."
+            )
+    if result.falls:
+        places = [
+            f"from {labels.worded(result.key, fall.quieter)} to"
+            f" {labels.worded(result.key, fall.louder)}"
+            for fall in result.falls
+        ]
+        direction = "rise" if result.rises else "fall"
+        yield (
+            f"The level does not {direction} all the way: it goes the other way"
+            f" {printable(' and '.join(places))}, so the answer is the first crossing from the"
+            " quiet end."
+        )
+    yield from result.notes
+
+
+def _worded(result: Limit, point: Point) -> str:
+    """Write the value of a point with its word and unit."""
+    return printable(labels.worded(result.key, point.value))

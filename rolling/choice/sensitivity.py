@@ -1,0 +1,467 @@
+"""What would help: how much louder a scene becomes when a value of its drawing is a little larger.
+
+The scene and the changed scene meet the same specimens, so that what they share cancels. The march
+is shared where the value does not change the contact. The linear chain gives every change a second
+time.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from acoustics.texts import printable
+from rolling.choice import drawing
+from rolling.choice.candidates import Candidate
+from rolling.choice.chain import chain_levels
+from rolling.choice.choice import Contender
+from rolling.choice.choosing import BATCH, LEAST_SHARE, OpenChoice, default_folder, open_choice
+from rolling.choice.difference import (
+    FIRST_PAIRS,
+    SURE,
+    Difference,
+    difference,
+    paired_mean,
+    pairs_needed,
+    student_factor,
+)
+from rolling.choice.drawing import Change, LeftOut
+from rolling.contact.solver import ContactError
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
+from rolling.terminal import files, progress
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+WITHIN_DB = 0.1  # wanted ± of a change
+MINUTES = 10.0  # after which no more specimens begin
+TOLD_DB = 0.1  # distance of the linear chain from which on it is told
+SHOWN_DB = 0.005  # smallest change that shows in hundredths of a decibel
+NEXT = 2  # values that the sentence names after the first
+TABLE = "improve.csv"
+PICTURE = "improve.png"
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """Change of the level when one value of a scene is a little larger.
+
+    Attributes
+    ----------
+    change : Change
+        The value and the changed scene.
+    apart : Difference
+        Level of the changed scene less that of the scene, over the same specimens.
+    chain_db, chain_uncertainty_db : float or None, dB
+        The same by the linear chain, for a larger value; None where it has no level.
+    """
+
+    change: Change
+    apart: Difference
+    chain_db: float | None
+    chain_uncertainty_db: float | None
+
+    @property
+    def db(self) -> float:
+        """Change of the level of the vibration when the value is larger, dB(A)."""
+        assert self.apart.db is not None  # a silent scene is refused
+        return self._for_larger(self.apart.db)
+
+    @property
+    def released_db(self) -> float | None:
+        """Change of the level of the released power when the value is larger, dB(A)."""
+        if self.apart.released_db is None:
+            return None
+        return self._for_larger(self.apart.released_db)
+
+    @property
+    def uncertainty_db(self) -> float | None:
+        """Standard uncertainty of the change, dB; None for a single specimen."""
+        return self.apart.uncertainty_db
+
+    @property
+    def differs_from_chain(self) -> bool:
+        """Whether the linear chain differs by more than both uncertainties, and by 0.1 dB."""
+        if self.chain_db is None:
+            return False
+        both = (self.uncertainty_db or 0.0) + (self.chain_uncertainty_db or 0.0)
+        return abs(self.db - self.chain_db) > max(both, TOLD_DB)
+
+    def _for_larger(self, db: float) -> float:
+        """Return a change for the larger value, from that of the value that was computed."""
+        return db if self.change.is_upwards else -db
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivities:
+    """Changes of the level of a scene by the values of its drawing, the largest first.
+
+    Attributes
+    ----------
+    name : str
+        Name of the scene.
+    rows : list of Sensitivity
+        The changes.
+    left_out : list of LeftOut
+        Values that could not be changed, with the reason.
+    noun : str
+        What the specimens are: surfaces, or places of the scan.
+    within_db : float, dB
+        The wanted ±.
+    limit : str
+        Why some ± are above the wanted one; empty if none is.
+    folder : Path
+        Folder of the specimens.
+    """
+
+    name: str
+    rows: list[Sensitivity]
+    left_out: list[LeftOut]
+    noun: str
+    within_db: float
+    limit: str
+    folder: Path
+
+    def table(self) -> pd.DataFrame:
+        """Tabulate the changes, the largest first.
+
+        Returns
+        -------
+        table : pandas.DataFrame
+            One row per value: key, value, changed_to, per (the step that the changes are for),
+            vibration_db and released_power_db (changes of the levels when the value is larger, with
+            their uncertainties), chain_db (the same by the linear chain), specimens, shares_march,
+            and note. Values that could not be changed stand last, with the reason as their note.
+        """
+        import pandas as pd  # slow to import, for tables only
+
+        rows: list[dict[str, Any]] = []
+        for row in self.rows:
+            change = row.change
+            rows.append(
+                {
+                    "key": change.key,
+                    "value": change.old,
+                    "changed_to": change.new,
+                    "per": f"+{change.step}",
+                    "vibration_db": row.db,
+                    "vibration_uncertainty_db": row.uncertainty_db,
+                    "chain_db": row.chain_db,
+                    "chain_uncertainty_db": row.chain_uncertainty_db,
+                    "released_power_db": row.released_db,
+                    "released_power_uncertainty_db": row.apart.released_uncertainty_db,
+                    "specimens": row.apart.pairs,
+                    "shares_march": change.shares_march,
+                    "note": _note(row),
+                }
+            )
+        for left in self.left_out:
+            rows.append({"key": left.key, "note": left.reason})
+        return pd.DataFrame(rows)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the changes as bars, with their ± and the linear chain beside them.
+
+        Parameters
+        ----------
+        ax : matplotlib axes. Axes to draw on. Default: new ones.
+
+        Returns
+        -------
+        ax : matplotlib axes
+        """
+        from rolling.choice.advice_pictures import plot_sensitivities
+
+        return plot_sensitivities(self, ax)
+
+    @property
+    def sentences(self) -> list[str]:
+        """The answer in words: what would help most, and what to doubt."""
+        return [*_sentences(self)]
+
+    def __repr__(self) -> str:
+        return "\n".join(self.sentences)
+
+
+def sensitivities(
+    scene: Scene,
+    folder: Path | str | None = None,
+    within_db: float = WITHIN_DB,
+    minutes: float = MINUTES,
+    workers: int = 0,
+) -> Sensitivities:
+    """Find how much louder a scene becomes when a value of its drawing is a little larger.
+
+    Every value is changed by a tenth (a ball by a grade, a skewness by 0.1), and the scene and the
+    changed scene are heard on the same specimens, at least six. A value whose increase is not
+    allowed is divided by 1.1 instead.
+
+    Parameters
+    ----------
+    scene : Scene
+        A scene without a sweep.
+    folder : Path or str
+        Folder that keeps the specimens, so that the same call goes on. Default:
+        outputs/improve-DIGITS.
+    within_db : float, dB
+        Wanted ± of every change. Default: 0.1.
+    minutes : float
+        Time after which no more specimens begin; the first six are always heard. Default: 10.
+    workers : int
+        Processes; 0: one per core. Default: 0.
+
+    Returns
+    -------
+    sensitivities : Sensitivities
+        The changes, with `table()`, `plot(ax)` and `sentences`.
+
+    Raises
+    ------
+    SceneError
+        The scene sweeps, cannot run, or makes no sound.
+    FolderError
+        The folder holds something else.
+    ContactError
+        The contact of the scene has no solution.
+    KeyboardInterrupt
+        Ctrl-C was pressed. The folder keeps what is done.
+    """
+    refuse_sweep(scene)
+    base = drawing.unchanged(scene)
+    target = default_folder("improve", [base.scene]) if folder is None else Path(folder)
+    with open_choice([base], target, workers) as work:
+        changes, left_out = drawing.changes_of(scene, base, workers, target)
+        found = _Search(work, base, within_db, minutes)
+        rows = found.rows(changes)
+    rows.sort(key=lambda row: -abs(row.db))
+    result = Sensitivities(
+        name=scene.name,
+        rows=rows,
+        left_out=[*left_out, *found.failed],
+        noun=work.specimens.noun,
+        within_db=within_db,
+        limit=found.limit,
+        folder=target,
+    )
+    write_sensitivities(result)
+    return result
+
+
+def refuse_sweep(scene: Scene) -> None:
+    """Refuse a scene with a sweep."""
+    if scene.sweep:
+        keys = ", ".join(scene.sweep)
+        raise SceneError(
+            [
+                f"{scene.place('sweep')}: sweep: the scene sweeps {keys}, allowed: one scene"
+                " without a sweep; --set of each swept key chooses one"
+            ]
+        )
+
+
+class _Search:
+    """Hears changed scenes on the specimens of a scene until their changes are known."""
+
+    def __init__(self, work: OpenChoice, base: Candidate, within_db: float, minutes: float) -> None:
+        self._work = work
+        self._base = base
+        self._within_db = within_db
+        self._minutes = minutes
+        self._began = time.monotonic()
+        self.limit = ""
+        self.failed: list[LeftOut] = []
+
+    def rows(self, changes: list[Change]) -> list[Sensitivity]:
+        """Return the changes of the level; those that fail are kept in `failed`."""
+        most = self._work.specimens.count
+        first = min(FIRST_PAIRS, most)
+        rows = []
+        for change in changes:
+            row = self._row(change, first)
+            if row is not None:
+                rows.append(row)
+        for number, row in enumerate(rows):
+            while True:
+                count = row.apart.pairs
+                needed = min(self._needed(row), count + BATCH)
+                if needed <= count:
+                    break
+                if count == most:
+                    self.limit = f"there are no more {self._work.specimens.noun}"
+                    break
+                if time.monotonic() - self._began > 60 * self._minutes:
+                    self.limit = f"the limit of {self._minutes:g} minutes was reached"
+                    break
+                more = self._row(row.change, min(needed, most))
+                if more is None:
+                    break
+                row = more
+                rows[number] = more
+        failed = [left.key for left in self.failed]
+        return [row for row in rows if row.change.key not in failed]
+
+    def _row(self, change: Change, count: int) -> Sensitivity | None:
+        """Return the change of the level over some specimens; None where a contact fails."""
+        (base,) = self._work.hear([self._base], count)
+        if not math.isfinite(base.level_db):
+            raise SceneError([f"{change.candidate.scene.name}: makes no sound within hearing"])
+        try:
+            (changed,) = self._work.hear([change.candidate], count)
+        except ContactError as error:
+            self.failed.append(LeftOut(change.key, change.name, str(error)))
+            return None
+        if not np.all(np.isfinite(changed.levels_db)):
+            self.failed.append(LeftOut(change.key, change.name, "then nothing sounds"))
+            return None
+        row = _sensitivity(change, base, changed)
+        progress.line(f"{change.name}: {_number(row.db, row.uncertainty_db)} per +{change.step}")
+        return row
+
+    def _needed(self, row: Sensitivity) -> int:
+        """Return the specimens after which the ± of a change is the wanted one.
+
+        The scatter gets at least half of the wanted ±, whatever the other parts are.
+        """
+        apart = row.apart
+        if apart.uncertainty_db is None or apart.uncertainty_db <= self._within_db:
+            return apart.pairs
+        others = math.hypot(*(db for part, db in apart.parts_db.items() if part != "scatter"))
+        left = math.sqrt(max(0.0, self._within_db**2 - others**2))
+        wanted_db = max(left, LEAST_SHARE * self._within_db)
+        (base,) = self._work.hear([self._base], apart.pairs)
+        (changed,) = self._work.hear([row.change.candidate], apart.pairs)
+        return pairs_needed(changed.levels_db - base.levels_db, wanted_db)
+
+
+def _sensitivity(change: Change, base: Contender, changed: Contender) -> Sensitivity:
+    """Return the change of a level between two contenders on the same specimens."""
+    chain_db = None
+    chain_uncertainty_db = None
+    of_base = chain_levels(base.specimens)
+    of_changed = chain_levels(changed.specimens)
+    if of_base is not None and of_changed is not None:
+        of_pairs = paired_mean(of_changed - of_base)
+        chain_db = of_pairs.mean if change.is_upwards else -of_pairs.mean
+        if math.isfinite(of_pairs.error):
+            chain_uncertainty_db = of_pairs.error * student_factor(of_pairs.freedom)
+    return Sensitivity(
+        change=change,
+        apart=difference(changed.heard, base.heard),
+        chain_db=chain_db,
+        chain_uncertainty_db=chain_uncertainty_db,
+    )
+
+
+def write_sensitivities(result: Sensitivities) -> None:
+    """Write table and picture of the changes into their folder."""
+    from rolling.choice.advice_pictures import sensitivities_picture
+    from rolling.figures.picture import csv_bytes
+    from rolling.figures.settings import left_out_if_it_fails
+
+    files.write_bytes(result.folder / TABLE, csv_bytes(result.table()))
+    if result.rows:
+        with left_out_if_it_fails("improve"):
+            files.write_bytes(result.folder / PICTURE, sensitivities_picture(result))
+
+
+# ---- sentences
+
+
+def _sentences(result: Sensitivities) -> Iterator[str]:
+    """Yield the answer and its doubts."""
+    helpful = [row for row in result.rows if _is_sure(row) and row.change.key != drawing.DISTANCE]
+    if helpful:
+        best = helpful[0]
+        text = f"{_capital(_help(best))} is {_amount(best)} dB(A) quieter, which helps most"
+        others = [f"a {_help_words(row)} ({_amount(row)})" for row in helpful[1 : 1 + NEXT]]
+        if others:
+            text += f"; then come {' and '.join(others)}"
+        yield f"{text} ({best.apart.pairs} {result.noun})."
+    elif result.rows:
+        yield "No value of the drawing surely makes the sound quieter."
+    else:
+        yield "The scene has no value of a drawing that can be changed."
+    for row in result.rows:
+        if row.differs_from_chain:
+            yield (
+                f"The linear chain does not confirm the change by {row.change.name}:"
+                f" {_number(row.chain_db, row.chain_uncertainty_db)} in place of"
+                f" {_number(row.db, row.uncertainty_db)} per +{row.change.step}."
+            )
+    wide = [row for row in result.rows if (row.uncertainty_db or 0.0) > result.within_db]
+    if wide:
+        names = " and ".join(dict.fromkeys(row.change.name for row in wide))
+        text = f"The ± stays above {result.within_db:g} dB for {names}"
+        if result.limit:
+            text += f", because {result.limit}"
+        yield f"{text}."
+    downwards = [row.change.name for row in result.rows if not row.change.is_upwards]
+    if downwards:
+        yield (
+            f"A larger value is not allowed for {' and '.join(downwards)}, so the change is that"
+            " of a smaller one with the other sign."
+        )
+    for left in result.left_out:
+        yield f"Left out: {left.name} ({printable(left.reason)})."
+
+
+def _is_sure(row: Sensitivity) -> bool:
+    """Return whether the sign of a change is sure, and the change shows in two digits."""
+    return row.apart.sureness is not None and row.apart.sureness >= SURE and abs(row.db) >= SHOWN_DB
+
+
+def _help(row: Sensitivity) -> str:
+    """Say what would make a scene quieter: a 10 % thicker plate."""
+    return f"a {_help_words(row)}"
+
+
+def _help_words(row: Sensitivity) -> str:
+    """Say by how much which value would be larger or smaller."""
+    words = row.change.words.smaller if row.db > 0 else row.change.words.larger
+    if row.change.step == "one grade":
+        return f"one step {words}"
+    return f"{row.change.step} {words}"
+
+
+def _amount(row: Sensitivity) -> str:
+    """Write the size of a change with its ±, without a sign."""
+    return _two_digits(abs(row.db), row.uncertainty_db)
+
+
+def _number(db: float | None, uncertainty_db: float | None) -> str:
+    """Write a change with its sign, its ± and its unit."""
+    assert db is not None
+    sign = ""
+    if abs(db) >= SHOWN_DB:
+        sign = "-" if db < 0 else "+"
+    return f"{sign}{_two_digits(abs(db), uncertainty_db)} dB(A)"
+
+
+def _two_digits(size_db: float, uncertainty_db: float | None) -> str:
+    """Write a size with its ± in hundredths of a decibel; the ± is rounded up."""
+    if uncertainty_db is None:
+        return f"{size_db:.2f}"
+    return f"{size_db:.2f} ± {math.ceil(100 * uncertainty_db - 1e-9) / 100:.2f}"
+
+
+def _note(row: Sensitivity) -> str:
+    """Return what to know about a row of the table."""
+    notes = []
+    if not row.change.is_upwards:
+        notes.append("a larger value is not allowed, so a smaller one was computed")
+    if row.differs_from_chain:
+        notes.append("the linear chain differs")
+    return "; ".join(notes)
+
+
+def _capital(text: str) -> str:
+    """Return a text that begins with a capital letter."""
+    return text[:1].upper() + text[1:]
