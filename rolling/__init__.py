@@ -11,11 +11,11 @@ Scenes
     SmoothBall, GradedBall, BallHeightFile; SurfaceFault; check (module), SceneError;
     surface_parameters
 Runs
-    simulate, simulate_sweep, choose, open_run, save_run, live, plot (module), ContactError,
-    SweepError, FolderError
+    simulate, simulate_sweep, choose, sensitivities, coarsest_below, open_run, save_run, live,
+    plot (module), ContactError, SweepError, FolderError
 Objects that functions return
-    Run, Runs, Choice, Difference, ContactSound, Vibration, Listening; Findings, Finding; Contact,
-    ContactState
+    Run, Runs, Choice, Difference, Sensitivities, Limit, ContactSound, Vibration, Listening;
+    Findings, Finding; Contact, ContactState
 Contact
     HalfSpace, solve_contact, WarmStart, march, RollingContact, closed_forms (module)
 """

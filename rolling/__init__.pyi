@@ -7,6 +7,8 @@ from rolling.check.doubt import Finding as Finding
 from rolling.check.findings import Findings as Findings
 from rolling.choice.choice import Choice as Choice
 from rolling.choice.difference import Difference as Difference
+from rolling.choice.limit import Limit as Limit
+from rolling.choice.sensitivity import Sensitivities as Sensitivities
 from rolling.contact import closed_forms as closed_forms
 from rolling.contact.half_space import HalfSpace as HalfSpace
 from rolling.contact.march import march as march
@@ -19,9 +21,11 @@ from rolling.contact.state import RollingContact as RollingContact
 from rolling.interface import Runs as Runs
 from rolling.interface import SweepError as SweepError
 from rolling.interface import choose as choose
+from rolling.interface import coarsest_below as coarsest_below
 from rolling.interface import live as live
 from rolling.interface import open_run as open_run
 from rolling.interface import save_run as save_run
+from rolling.interface import sensitivities as sensitivities
 from rolling.interface import simulate as simulate
 from rolling.interface import simulate_sweep as simulate_sweep
 from rolling.results.run_result import Run as Run

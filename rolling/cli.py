@@ -245,15 +245,85 @@ def _choose(given: argparse.Namespace) -> int:
     """Say which of some scenes is quieter."""
     from rolling.scene import file
 
+    _refuse_odd_choice(given)
     scenes = [file.read_scene(scene, given.overrides) for scene in given.scenes]
+    if given.improve:
+        return _improve(scenes[0], given)
+    if given.below is not None:
+        return _below(scenes[0], given)
     with progress.step(LOADING):
         from rolling.choice.choosing import Budget, choose_scenes
         from rolling.choice.command import print_choice, write_choice
-    budget = Budget(within_db=given.within_db, minutes=given.minutes)
+    within_db = given.within_db or defaults.WITHIN_DB
+    budget = Budget(within_db=within_db, minutes=given.minutes)
     choice = choose_scenes(scenes, given.out, budget, given.workers)
     write_choice(choice)
     print_choice(choice)
     return OK
+
+
+def _refuse_odd_choice(given: argparse.Namespace) -> None:
+    """Refuse options of a choice that do not go together."""
+    option = "--improve" if given.improve else "--below"
+    if given.improve or given.below is not None:
+        if len(given.scenes) > 1:
+            given.parser.error(f"{option}: got {len(given.scenes)} scenes, allowed: one")
+    elif given.key is not None:
+        given.parser.error("--key: only goes with --below, or with --improve")
+    if given.below is not None and given.key is None:
+        given.parser.error(
+            "--below: needs --key, the value that is searched, such as"
+            " --key surface.roughness_ra_um"
+        )
+    if given.between is not None and given.below is None:
+        given.parser.error("--between: only goes with --below")
+
+
+def _improve(scene: Scene, given: argparse.Namespace) -> int:
+    """Say what would make a scene quieter."""
+    with progress.step(LOADING):
+        from rolling.choice.command import print_advice
+        from rolling.choice.sensitivity import improve_scene, write_sensitivities
+    found = improve_scene(
+        scene=scene,
+        folder=given.out,
+        keys=None if given.key is None else [given.key],
+        within_db=given.within_db or defaults.IMPROVED_WITHIN_DB,
+        minutes=given.minutes,
+        workers=given.workers,
+    )
+    paths = write_sensitivities(found)
+    print_advice(found.folder, found.sentences, found.lines, paths)
+    return OK
+
+
+def _below(scene: Scene, given: argparse.Namespace) -> int:
+    """Find the coarsest value with which a scene stays below a level."""
+    with progress.step(LOADING):
+        from rolling.choice.command import print_advice
+        from rolling.choice.limit import coarsest_value, write_limit
+    limit = coarsest_value(
+        scene=scene,
+        key=given.key,
+        level_db=given.below,
+        between=None if given.between is None else _ends(given.between),
+        folder=given.out,
+        workers=given.workers,
+    )
+    paths = write_limit(limit)
+    print_advice(limit.folder, limit.sentences, [], paths)
+    return OK
+
+
+def _ends(texts: Sequence[str]) -> tuple[float | str, float | str]:
+    """Return the ends of a range, numbers where the texts are numbers."""
+    ends: list[float | str] = []
+    for text in texts:
+        try:
+            ends.append(float(text))
+        except ValueError:
+            ends.append(text)
+    return ends[0], ends[1]
 
 
 def _compare(given: argparse.Namespace) -> int:

@@ -6,8 +6,8 @@ import base64
 import sys
 import tempfile
 import webbrowser
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -39,14 +39,18 @@ if TYPE_CHECKING:
     import xarray
 
     from rolling.choice.choice import Choice
+    from rolling.choice.limit import Limit
+    from rolling.choice.sensitivity import Sensitivities
 
 __all__ = [
     "Runs",
     "SweepError",
     "choose",
+    "coarsest_below",
     "live",
     "open_run",
     "save_run",
+    "sensitivities",
     "simulate",
     "simulate_sweep",
 ]
@@ -350,13 +354,7 @@ def choose(
     for scene in listed:
         instance("scenes", scene, Scene)
     budget = Budget(within_db=within_db, minutes=minutes)
-    with ExitStack() as stack:
-        if progress is False:
-            stack.enter_context(terminal.begin(terminal.Level.QUIET))
-        if folder is None:
-            kept = Path(stack.enter_context(tempfile.TemporaryDirectory())) / "choice"
-        else:
-            kept = Path(folder)
+    with _kept_in(folder, progress) as kept:
         return choose_scenes(listed, kept, budget, workers)
 
 
@@ -506,3 +504,170 @@ def _temporary_page(runs: Sequence[Run]) -> Path:
         names = labels.labels(runs)
         runs = [replace(run, label=label) for run, label in zip(runs, names, strict=True)]
     return write_temporary(f"{runs[0].scene.name}-live-", ".html", page(runs))
+
+
+@ignoring_underflow
+def sensitivities(
+    scene: Scene,
+    keys: Sequence[str] | None = None,
+    within_db: float = defaults.IMPROVED_WITHIN_DB,
+    minutes: float = defaults.CHOICE_MINUTES,
+    folder: Path | str | None = None,
+    workers: int = 0,
+    progress: bool | None = None,
+) -> Sensitivities:
+    """Find how much louder a scene becomes when a value of its drawing is a little larger.
+
+    Every value is changed by a tenth, a ball by a grade, and a skewness by 0.1. The scene and the
+    changed scene are heard on the same specimens, at least six. Where a larger value is not
+    allowed, the value is divided by 1.1. The linear chain gives every change a second time.
+
+    Parameters
+    ----------
+    scene : Scene
+        A scene without a sweep.
+    keys : sequence of str
+        Keys of the values. Default: all that stand on a drawing and that the scene has.
+    within_db : float, dB
+        Wanted standard uncertainty of every change. Default: 0.1.
+    minutes : float
+        Time after which no more specimens begin; the first six are always heard. Default: 10.
+    folder : Path or str
+        Folder that keeps the specimens, so that the same call goes on. Default: none, and only the
+        numbers are kept.
+    workers, progress : int, bool
+        As in `simulate`.
+
+    Returns
+    -------
+    sensitivities : Sensitivities
+        Changes of the level, the largest first, with `table()`, `plot(ax)` and `sentences`.
+
+    Raises
+    ------
+    SceneError
+        The scene sweeps, cannot run, makes no sound, or has no value of a key.
+    FolderError
+        The folder holds something else.
+    ContactError
+        The contact of the scene has no solution.
+    KeyboardInterrupt
+        Ctrl-C was pressed.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> words = ["rolling.load_n=1", "rolling.duration_s=0.003"]
+    >>> scene = rolling.read_scene("quickstart", words)
+    >>> found = rolling.sensitivities(scene, ["distance_m"], workers=1, progress=False)
+    >>> round(found.rows[0].db, 2)
+    -0.83
+    """
+    from rolling.choice.sensitivity import improve_scene
+
+    instance("scene", scene, Scene)
+    if isinstance(keys, str):
+        raise TypeError(f"keys: got {keys!r}, allowed: a list of keys, as in [{keys!r}]")
+    with _kept_in(folder, progress) as kept:
+        return improve_scene(
+            scene=scene,
+            folder=kept,
+            keys=keys,
+            within_db=within_db,
+            minutes=minutes,
+            workers=workers,
+        )
+
+
+@ignoring_underflow
+def coarsest_below(
+    scene: Scene,
+    key: str,
+    level_db: float,
+    between: tuple[float | str, float | str] | None = None,
+    seeds: int = defaults.LIMIT_SEEDS,
+    folder: Path | str | None = None,
+    workers: int = 0,
+    progress: bool | None = None,
+) -> Limit:
+    """Find the coarsest value of a key with which a scene stays below a level.
+
+    Below means that 95 % of specimens lie below the level, with a confidence of 95 %. Where a
+    larger value is quieter, the smallest value that stays below is found.
+
+    Parameters
+    ----------
+    scene : Scene
+        A scene without a sweep, on a random or a measured surface.
+    key : str
+        Key of a number above 0, of the finish, or of the grade of the ball.
+    level_db : float, dB(A)
+        The level of the vibration at the listener of the scene.
+    between : pair of float or str
+        Range of the search. Default: a fifth of the value of the scene to five times it, as far as
+        scenes are allowed, or all finishes or grades.
+    seeds : int
+        Number of specimens, from 3 to 60. Default: 12.
+    folder : Path or str
+        Folder that keeps the specimens, so that the same call goes on. Default: none, and only the
+        numbers are kept.
+    workers, progress : int, bool
+        As in `simulate`.
+
+    Returns
+    -------
+    limit : Limit
+        The answer, with `value`, `table()`, `plot(ax)` and `sentences`.
+
+    Raises
+    ------
+    SceneError
+        The scene sweeps or cannot run, the key is unknown or has no such value, the range is not
+        allowed, or nothing is random in the scene.
+    FolderError
+        The folder holds something else.
+    ContactError
+        A contact has no solution.
+    KeyboardInterrupt
+        Ctrl-C was pressed.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> words = ["rolling.load_n=1", "rolling.duration_s=0.003"]
+    >>> scene = rolling.read_scene("quickstart", words)
+    >>> limit = rolling.coarsest_below(
+    ...     scene, "distance_m", 200, between=(1, 1.1), seeds=3, workers=1, progress=False
+    ... )
+    >>> limit.value, limit.rises
+    (1.0, False)
+
+    References
+    ----------
+    ISO 16269-6:2014, for the tolerance limit.
+    """
+    from rolling.choice.limit import coarsest_value
+
+    instance("scene", scene, Scene)
+    with _kept_in(folder, progress) as kept:
+        return coarsest_value(
+            scene=scene,
+            key=key,
+            level_db=level_db,
+            between=between,
+            seeds=seeds,
+            folder=kept,
+            workers=workers,
+        )
+
+
+@contextmanager
+def _kept_in(folder: Path | str | None, progress: bool | None) -> Iterator[Path]:
+    """Give a folder of specimens, a temporary one without a name, and be silent if asked to."""
+    with ExitStack() as stack:
+        if progress is False:
+            stack.enter_context(terminal.begin(terminal.Level.QUIET))
+        if folder is None:
+            yield Path(stack.enter_context(tempfile.TemporaryDirectory())) / "choice"
+        else:
+            yield Path(folder)

@@ -112,7 +112,7 @@ def plot_limit(result: Limit, ax: Axes | None = None) -> Axes:
             str(number),
             (places[point.value], point.upper_db),
             textcoords="offset points",
-            xytext=(0, 7),
+            xytext=(0, 7 + 9 * (number % 3)),
             ha="center",
             fontsize="small",
         )

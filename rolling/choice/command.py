@@ -7,7 +7,8 @@ with one gain for all, and a folder of runs for each candidate.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from acoustics.bands import BAND_NAMES
@@ -45,6 +46,24 @@ def print_choice(choice: Choice) -> None:
     quietest = choice.contenders[0].candidate
     print(f"listen: {choice.folder / quietest.folder_name}.wav")
     print(f"page: {choice.folder / PAGE}")
+
+
+def print_advice(
+    folder: Path, sentences: Sequence[str], lines: Sequence[str], paths: Sequence[Path]
+) -> None:
+    """Print the answer to what would help, or how coarse a value may be; the folder if quiet."""
+    if progress.is_quiet():
+        print(folder)
+        return
+    for sentence in sentences:
+        print(folded(sentence))
+    if lines:
+        print()
+        for line in lines:
+            print(line)
+    print()
+    for path in paths:
+        print(f"{path.suffix.removeprefix('.')}: {path}")
 
 
 def write_choice(choice: Choice) -> None:

@@ -6,7 +6,7 @@ length, so that a change of the speed meets the same surface.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,6 +15,7 @@ from rolling.check import refusals
 from rolling.choice.candidates import Candidate, candidate
 from rolling.marches.piece import contact_identity
 from rolling.results import labels
+from rolling.scene import step_rule
 from rolling.scene.messages import SceneError, is_number
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import GRADES, HeightFile
@@ -115,8 +116,27 @@ class _Wanted(NamedTuple):
 
 
 def unchanged(scene: Scene) -> Candidate:
+    """Return the candidate of a scene without a sweep, with a track and steps that no change moves.
+
+    Other steps would pass for another sound.
+    """
+    return with_shared_steps(with_free_steps(scene), [])
+
+
+def with_free_steps(scene: Scene) -> Candidate:
     """Return the candidate of a scene without a sweep, with a track that no change moves."""
     return candidate(AS_IT_IS, with_kept_track(scene))
+
+
+def with_shared_steps(base: Candidate, others: Sequence[Candidate]) -> Candidate:
+    """Return a candidate with the shortest steps that `auto` takes for it or for others."""
+    if base.scene.numerics.step_nodes != "auto":
+        return base
+    nodes = []
+    for one in (base, *others):
+        nodes.append(step_rule.choose(one.scene, one.scene.slowest_speed).nodes)
+    steps = {"numerics.step_nodes": min(nodes), "numerics.slowest_m_s": None}
+    return replace(base, scene=base.scene.with_(steps))
 
 
 def with_kept_track(scene: Scene) -> Scene:
@@ -140,14 +160,10 @@ def with_value(base: Candidate, key: str, value: Any, label: str) -> Candidate:
     ------
     SceneError : the value is not allowed.
     """
-    changes: dict[str, Any] = {key: value}
-    if key == SPEED and base.scene.numerics.step_nodes == "auto":
-        # All speeds take the steps of the slowest, so that they share their march.
-        changes["numerics.slowest_m_s"] = base.scene.slowest_speed
     loss_factors = base.loss_factors
     if key == LOSS:
         loss_factors = (float(value),)
-    scene = base.scene.with_(changes)
+    scene = base.scene.with_({key: value})
     return replace(base, label=label, scene=scene, loss_factors=loss_factors)
 
 

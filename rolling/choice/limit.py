@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -39,7 +39,7 @@ from rolling.scene.messages import SceneError, is_number, nearest, plain_number,
 from rolling.scene.models import full_key
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import GRADES
-from rolling.terminal import files, progress
+from rolling.terminal import defaults, files, progress
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -47,7 +47,6 @@ if TYPE_CHECKING:
 
 Value = float | str
 
-SEEDS = 12  # usual number of specimens
 FEWEST = 3  # specimens for which a tolerance limit is stated
 SHARE = 0.95  # of specimens that lie below a tolerance limit
 CONFIDENCE = 0.95
@@ -118,6 +117,19 @@ class Limit:
         What became of the range.
     folder : Path
         Folder of the specimens.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import numpy as np, rolling
+    >>> from rolling.choice.limit import Point
+    >>> points = [Point(1.0, np.array([28.0, 29.0, 28.5])), Point(1.04, np.array([30.0, 31, 30]))]
+    >>> limit = rolling.Limit(
+    ...     name="scene", key="plate.thickness_mm", level_db=33.0, points=points, value=1.0,
+    ...     rises=True, falls=[], noun="surfaces", notes=[], folder=Path(),
+    ... )
+    >>> limit.next_louder.value
+    1.04
     """
 
     name: str
@@ -201,54 +213,35 @@ class Limit:
         return "\n".join(self.sentences)
 
 
-def coarsest_below(
+def coarsest_value(
     scene: Scene,
     key: str,
     level_db: float,
     between: tuple[Value, Value] | None = None,
-    seeds: int = SEEDS,
-    folder: Path | str | None = None,
+    seeds: int = defaults.LIMIT_SEEDS,
+    folder: Path | None = None,
     workers: int = 0,
 ) -> Limit:
     """Find the coarsest value of a key whose level of the vibration stays below a limit.
 
-    Below means that 95 % of specimens lie below the limit, with a confidence of 95 %.
-
     Parameters
     ----------
-    scene : Scene
-        A scene without a sweep, on a random or a measured surface.
-    key : str
-        Key of a number above 0, of the finish, or of the grade of the ball.
-    level_db : float, dB(A)
-        The limit, at the listener of the scene.
-    between : pair of float or str
-        Range of the search. Default: a fifth of the value of the scene to five times it, as far as
-        scenes are allowed, or all finishes or grades.
-    seeds : int
-        Number of specimens, from 3 to 60. Default: 12.
-    folder : Path or str
-        Folder that keeps the specimens, so that the same call goes on. Default:
-        outputs/below-DIGITS.
-    workers : int
-        Processes; 0: one per core. Default: 0.
-
-    Returns
-    -------
-    limit : Limit
-        The answer, with `table()`, `plot(ax)` and `sentences`.
+    scene : Scene. A scene without a sweep, on a random or a measured surface.
+    key : str. Key of a number above 0, of the finish, or of the grade of the ball.
+    level_db : float, dB(A). The limit, at the listener of the scene.
+    between : pair of float or str. Range of the search. Default: a fifth of the value of the scene
+        to five times it, as far as scenes are allowed, or all finishes or grades.
+    seeds : int. Number of specimens, from 3 to 60.
+    folder : Path. Folder of the specimens. Default: outputs/below-DIGITS.
+    workers : int. Number of processes; 0: one per core.
 
     Raises
     ------
-    SceneError
-        The scene sweeps or cannot run, the key is unknown or has no such value, the range is not
-        allowed, or nothing is random in the scene.
-    FolderError
-        The folder holds something else.
-    ContactError
-        A contact has no solution.
-    KeyboardInterrupt
-        Ctrl-C was pressed. The folder keeps what is done.
+    SceneError : the scene sweeps or cannot run, the key is unknown or has no such value, the range
+        is not allowed, or nothing is random in the scene.
+    FolderError : the folder holds something else.
+    ContactError : a contact has no solution.
+    OSError, KeyboardInterrupt : finished pieces are kept.
     """
     refuse_sweep(scene)
     key = _known_key(scene, key)
@@ -258,17 +251,16 @@ def coarsest_below(
         raise SceneError(
             [f"seeds: got {quoted(seeds)}, allowed: a whole number from {FEWEST} to 60"]
         )
-    base = drawing.unchanged(scene)
-    target = default_folder("below", [base.scene]) if folder is None else Path(folder)
+    unsettled = drawing.with_free_steps(scene)
+    target = folder or default_folder("below", [unsettled.scene])
     names = _names_of(key)
     notes: list[str] = []
     if names:
         values = _range_of_names(names, between, key)
     else:
-        values, notes = _range_of_numbers(base, key, between, workers, target)
-    slowest = base.scene.slowest_speed
-    if key == drawing.SPEED:
-        slowest *= float(min(values)) / float(labels.value_at(scene, key))
+        values, notes = _range_of_numbers(unsettled, key, between, workers, target)
+    ends = [_changed(unsettled, key, value) for value in (values[0], values[-1])]
+    base = drawing.with_shared_steps(unsettled, ends)
     with open_choice([base], target, workers) as work:
         count = _count(work, scene, seeds)
         search = _Search(
@@ -277,12 +269,9 @@ def coarsest_below(
             key=key,
             level_db=float(level_db),
             count=count,
-            slowest=slowest,
             is_given=between is not None,
         )
-        result = search.run(values, bool(names), notes)
-    write_limit(result)
-    return result
+        return search.run(values, bool(names), notes)
 
 
 def tolerance_factor(count: int, share: float = SHARE, confidence: float = CONFIDENCE) -> float:
@@ -453,7 +442,6 @@ class _Search:
         key: str,
         level_db: float,
         count: int,
-        slowest: float,
         is_given: bool,
     ) -> None:
         self._work = work
@@ -461,7 +449,6 @@ class _Search:
         self._key = key
         self._level_db = level_db
         self._count = count
-        self._slowest = slowest
         self._is_given = is_given
         self._points: list[Point] = []
 
@@ -522,15 +509,13 @@ class _Search:
             if point.value == value:
                 return point
         changed = _changed(self._base, self._key, value)
-        if self._key == drawing.SPEED and changed.scene.numerics.step_nodes == "auto":
-            scene = changed.scene.with_({"numerics.slowest_m_s": self._slowest})
-            changed = replace(changed, scene=scene)
         (contender,) = self._work.hear([changed], self._count)
         levels = [float(level_db(one.squares).max()) for one in contender.heard]
         point = Point(value=value, levels_db=np.array(levels))
         self._points.append(point)
+        noun = self._work.specimens.noun
         progress.line(
-            f"{labels.worded(self._key, value)}: {percent(SHARE)} of {self._work.specimens.noun} lie"
+            f"{labels.worded(self._key, value)}: {percent(SHARE)} of {noun} lie"
             f" below {point.upper_db:.1f} dB(A)"
         )
         return point
@@ -595,15 +580,18 @@ def falls(ordered: Sequence[Point]) -> list[Fall]:
 # ---- files and sentences
 
 
-def write_limit(result: Limit) -> None:
-    """Write table and picture of the search into its folder."""
+def write_limit(result: Limit) -> list[Path]:
+    """Write table and picture of the search into its folder, and return the written files."""
     from rolling.choice.advice_pictures import limit_picture
     from rolling.figures.picture import csv_bytes
     from rolling.figures.settings import left_out_if_it_fails
 
-    files.write_bytes(result.folder / TABLE, csv_bytes(result.table()))
+    written = [result.folder / TABLE]
+    files.write_bytes(written[0], csv_bytes(result.table()))
     with left_out_if_it_fails("below"):
         files.write_bytes(result.folder / PICTURE, limit_picture(result))
+        written.append(result.folder / PICTURE)
+    return written
 
 
 def _sentences(result: Limit) -> Iterator[str]:
@@ -614,8 +602,9 @@ def _sentences(result: Limit) -> Iterator[str]:
     if result.value is None:
         quietest = min(ordered, key=lambda point: point.upper_db)
         yield (
-            f"No value of the range stays below {limit}: even at {_worded(result, quietest)}"
-            f" {percent(SHARE)} of {result.noun} lie below {quietest.upper_db:.1f} dB(A) only ({count})."
+            f"No value of the range stays below {limit}. Even at {_worded(result, quietest)} the"
+            f" level below which {percent(SHARE)} of {result.noun} lie is"
+            f" {quietest.upper_db:.1f} dB(A) ({count})."
         )
     else:
         answer = result.at(result.value)
@@ -632,8 +621,8 @@ def _sentences(result: Limit) -> Iterator[str]:
                 extreme = "finest" if isinstance(result.value, str) else "smallest"
             yield (
                 f"{_worded(result, answer)} is the {extreme} that stays below {limit}: {holds},"
-                f" with {percent(CONFIDENCE)} confidence ({count}); at {_worded(result, louder)} it is"
-                f" {louder.upper_db:.1f} dB(A)."
+                f" with {percent(CONFIDENCE)} confidence ({count}); at"
+                f" {_worded(result, louder)} it is {louder.upper_db:.1f} dB(A)."
             )
         if ordered[0].upper_db > result.level_db:
             yield (

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,8 +20,8 @@ from acoustics.texts import printable
 from rolling.choice import drawing
 from rolling.choice.candidates import Candidate
 from rolling.choice.chain import chain_levels
-from rolling.choice.choice import Contender
 from rolling.choice.choosing import BATCH, LEAST_SHARE, OpenChoice, default_folder, open_choice
+from rolling.choice.comparison import Contender
 from rolling.choice.difference import (
     FIRST_PAIRS,
     SURE,
@@ -34,15 +34,14 @@ from rolling.choice.difference import (
 from rolling.choice.drawing import Change, LeftOut
 from rolling.contact.solver import ContactError
 from rolling.scene.messages import SceneError
+from rolling.scene.models import full_key
 from rolling.scene.scene import Scene
-from rolling.terminal import files, progress
+from rolling.terminal import defaults, files, progress
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-WITHIN_DB = 0.1  # wanted ± of a change
-MINUTES = 10.0  # after which no more specimens begin
 TOLD_DB = 0.1  # distance of the linear chain from which on it is told
 SHOWN_DB = 0.005  # smallest change that shows in hundredths of a decibel
 NEXT = 2  # values that the sentence names after the first
@@ -120,6 +119,17 @@ class Sensitivities:
         Why some ± are above the wanted one; empty if none is.
     folder : Path
         Folder of the specimens.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import rolling
+    >>> found = rolling.Sensitivities(
+    ...     name="empty", rows=[], left_out=[], noun="surfaces", within_db=0.1, limit="",
+    ...     folder=Path(),
+    ... )
+    >>> found.sentences
+    ['The scene has no value of a drawing that can be changed.']
     """
 
     name: str
@@ -183,6 +193,19 @@ class Sensitivities:
         return plot_sensitivities(self, ax)
 
     @property
+    def lines(self) -> list[str]:
+        """One line per change, the largest first: the value, computed, by the linear chain."""
+        names = [f"{row.change.name} +{row.change.step}" for row in self.rows]
+        width = max(map(len, names), default=0)
+        lines = []
+        for name, row in zip(names, self.rows, strict=True):
+            line = f"{name:{width}}  {_number(row.db, row.uncertainty_db)}"
+            if row.chain_db is not None:
+                line += f", linear chain {_number(row.chain_db, row.chain_uncertainty_db)}"
+            lines.append(line)
+        return lines
+
+    @property
     def sentences(self) -> list[str]:
         """The answer in words: what would help most, and what to doubt."""
         return [*_sentences(self)]
@@ -191,68 +214,73 @@ class Sensitivities:
         return "\n".join(self.sentences)
 
 
-def sensitivities(
+def improve_scene(
     scene: Scene,
-    folder: Path | str | None = None,
-    within_db: float = WITHIN_DB,
-    minutes: float = MINUTES,
+    folder: Path | None = None,
+    keys: Sequence[str] | None = None,
+    within_db: float = defaults.IMPROVED_WITHIN_DB,
+    minutes: float = defaults.CHOICE_MINUTES,
     workers: int = 0,
 ) -> Sensitivities:
     """Find how much louder a scene becomes when a value of its drawing is a little larger.
 
-    Every value is changed by a tenth (a ball by a grade, a skewness by 0.1), and the scene and the
-    changed scene are heard on the same specimens, at least six. A value whose increase is not
-    allowed is divided by 1.1 instead.
-
     Parameters
     ----------
-    scene : Scene
-        A scene without a sweep.
-    folder : Path or str
-        Folder that keeps the specimens, so that the same call goes on. Default:
-        outputs/improve-DIGITS.
-    within_db : float, dB
-        Wanted ± of every change. Default: 0.1.
-    minutes : float
-        Time after which no more specimens begin; the first six are always heard. Default: 10.
-    workers : int
-        Processes; 0: one per core. Default: 0.
-
-    Returns
-    -------
-    sensitivities : Sensitivities
-        The changes, with `table()`, `plot(ax)` and `sentences`.
+    scene : Scene. A scene without a sweep.
+    folder : Path. Folder of the specimens. Default: outputs/improve-DIGITS.
+    keys : sequence of str. Keys of the values. Default: all that stand on a drawing.
+    within_db : float, dB. Wanted ± of every change.
+    minutes : float. Time after which no more specimens begin; the first six are always heard.
+    workers : int. Number of processes; 0: one per core.
 
     Raises
     ------
-    SceneError
-        The scene sweeps, cannot run, or makes no sound.
-    FolderError
-        The folder holds something else.
-    ContactError
-        The contact of the scene has no solution.
-    KeyboardInterrupt
-        Ctrl-C was pressed. The folder keeps what is done.
+    SceneError : the scene sweeps, cannot run, makes no sound, or has no value of a key.
+    FolderError : the folder holds something else.
+    ContactError : the contact of the scene has no solution.
+    OSError, KeyboardInterrupt : finished pieces are kept.
     """
     refuse_sweep(scene)
     base = drawing.unchanged(scene)
-    target = default_folder("improve", [base.scene]) if folder is None else Path(folder)
+    target = folder or default_folder("improve", [base.scene])
+    changes, left_out = drawing.changes_of(scene, base, workers, target)
+    if keys is not None:
+        changes, left_out = _chosen(scene, keys, changes, left_out)
     with open_choice([base], target, workers) as work:
-        changes, left_out = drawing.changes_of(scene, base, workers, target)
-        found = _Search(work, base, within_db, minutes)
-        rows = found.rows(changes)
+        search = _Search(work, base, within_db, minutes)
+        rows = search.rows(changes)
     rows.sort(key=lambda row: -abs(row.db))
-    result = Sensitivities(
+    return Sensitivities(
         name=scene.name,
         rows=rows,
-        left_out=[*left_out, *found.failed],
+        left_out=[*left_out, *search.failed],
         noun=work.specimens.noun,
         within_db=within_db,
-        limit=found.limit,
+        limit=search.limit,
         folder=target,
     )
-    write_sensitivities(result)
-    return result
+
+
+def _chosen(
+    scene: Scene, keys: Sequence[str], changes: list[Change], left_out: list[LeftOut]
+) -> tuple[list[Change], list[LeftOut]]:
+    """Return the changes of some keys; refuse a key that is unknown or has no value."""
+    known = [*(change.key for change in changes), *(left.key for left in left_out)]
+    full = []
+    for key in keys:
+        name = key if key in known else full_key(key, Scene)
+        if name not in known:
+            raise SceneError(
+                [
+                    f"{scene.place(name)}: {name}: has no value that stands on a drawing and can"
+                    f" change, allowed: {', '.join(known)}"
+                ]
+            )
+        full.append(name)
+    return (
+        [change for change in changes if change.key in full],
+        [left for left in left_out if left.key in full],
+    )
 
 
 def refuse_sweep(scene: Scene) -> None:
@@ -360,16 +388,19 @@ def _sensitivity(change: Change, base: Contender, changed: Contender) -> Sensiti
     )
 
 
-def write_sensitivities(result: Sensitivities) -> None:
-    """Write table and picture of the changes into their folder."""
+def write_sensitivities(result: Sensitivities) -> list[Path]:
+    """Write table and picture of the changes into their folder, and return the written files."""
     from rolling.choice.advice_pictures import sensitivities_picture
     from rolling.figures.picture import csv_bytes
     from rolling.figures.settings import left_out_if_it_fails
 
-    files.write_bytes(result.folder / TABLE, csv_bytes(result.table()))
+    written = [result.folder / TABLE]
+    files.write_bytes(written[0], csv_bytes(result.table()))
     if result.rows:
         with left_out_if_it_fails("improve"):
             files.write_bytes(result.folder / PICTURE, sensitivities_picture(result))
+            written.append(result.folder / PICTURE)
+    return written
 
 
 # ---- sentences

@@ -66,6 +66,17 @@ def positive(text: str) -> float:
     return value
 
 
+def number(text: str) -> float:
+    """Return a finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("inf")
+    if not abs(value) < float("inf"):
+        raise argparse.ArgumentTypeError(f"got {text!r}, allowed: a number")
+    return value
+
+
 def speed(text: str) -> float | tuple[float, float]:
     """Return a speed, or the speeds at start and end of the text START:END."""
     start, colon, end = text.partition(":")

@@ -11,6 +11,8 @@ ACCURACY_SECONDS = 0.045  # [s] of rolling: no third octave from 100 Hz is empty
 # `rolling choose`
 WITHIN_DB = 1.0  # wanted ± of a difference
 CHOICE_MINUTES = 10.0  # after which no more pairs begin
+IMPROVED_WITHIN_DB = 0.1  # wanted ± of a change by --improve
+LIMIT_SEEDS = 12  # specimens of --below
 
 # `rolling listen`
 LISTENED_SECONDS = 20.0

@@ -273,10 +273,9 @@ def _add_choose(commands: Any) -> None:
         "--within",
         dest="within_db",
         type=arguments.positive,
-        default=defaults.WITHIN_DB,
         metavar="DB",
         help=f"add surfaces until the difference is known within ± DB (default"
-        f" {defaults.WITHIN_DB:g})",
+        f" {defaults.WITHIN_DB:g}, with --improve {defaults.IMPROVED_WITHIN_DB:g})",
     )
     choose.add_argument(
         "--minutes",
@@ -285,6 +284,27 @@ def _add_choose(commands: Any) -> None:
         metavar="M",
         help="add no more surfaces after M minutes; four are always heard (default"
         f" {defaults.CHOICE_MINUTES:g})",
+    )
+    inverse = choose.add_mutually_exclusive_group()
+    inverse.add_argument(
+        "--improve",
+        action="store_true",
+        help="say of one scene what would help: dB(A) per 10 %% of each value of its drawing",
+    )
+    inverse.add_argument(
+        "--below",
+        type=arguments.number,
+        metavar="LEVEL",
+        help="find the coarsest value of --key with which one scene stays below LEVEL dB(A)",
+    )
+    choose.add_argument(
+        "--key", metavar="KEY", help="value that is searched, such as surface.roughness_ra_um"
+    )
+    choose.add_argument(
+        "--between",
+        nargs=2,
+        metavar=("LOW", "HIGH"),
+        help="range of the search (default: a fifth of the value to five times it)",
     )
     _add_out(choose, help="folder of the choice (default: outputs/choice-DIGITS)")
     _add_workers(choose)
