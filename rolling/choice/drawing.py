@@ -70,7 +70,7 @@ SKEWNESSES = ("surface.skewness", "sphere.surface.skewness")
 
 
 @dataclass(frozen=True, eq=False)
-class Change:
+class ChangedValue:
     """A scene in which one value is a little larger, or smaller where larger is refused.
 
     key : str. Dotted key; an order of the waviness has its number at the end.
@@ -174,7 +174,7 @@ def refuse(changed: Candidate, workers: int, folder: Path) -> None:
 
 def changes_of(
     scene: Scene, base: Candidate, workers: int, folder: Path
-) -> tuple[list[Change], list[LeftOut]]:
+) -> tuple[list[ChangedValue], list[LeftOut]]:
     """Return a change of every value of a drawing that a scene has, and those that cannot change.
 
     Parameters
@@ -206,7 +206,7 @@ def changes_of(
                 continue
             identity = contact_identity(changed.scene.runs()[0].scene)
             changes.append(
-                Change(
+                ChangedValue(
                     key=wanted.key,
                     name=wanted.name,
                     old=wanted.old,

@@ -263,7 +263,7 @@ def coarsest_value(
     base = drawing.with_shared_steps(unsettled, ends)
     with open_choice([base], target, workers) as work:
         count = _count(work, scene, seeds)
-        search = _Search(
+        search = LimitSearch(
             work=work,
             base=base,
             key=key,
@@ -431,7 +431,7 @@ def _count(work: OpenChoice, scene: Scene, seeds: int) -> int:
 # ---- search
 
 
-class _Search:
+class LimitSearch:
     """Computes levels over a value until the crossing of a limit is known."""
 
     def __init__(

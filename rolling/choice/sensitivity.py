@@ -31,7 +31,7 @@ from rolling.choice.difference import (
     pairs_needed,
     student_factor,
 )
-from rolling.choice.drawing import Change, LeftOut
+from rolling.choice.drawing import ChangedValue, LeftOut
 from rolling.contact.solver import ContactError
 from rolling.scene.messages import SceneError
 from rolling.scene.models import full_key
@@ -55,7 +55,7 @@ class Sensitivity:
 
     Attributes
     ----------
-    change : Change
+    change : ChangedValue
         The value and the changed scene.
     apart : Difference
         Level of the changed scene less that of the scene, over the same specimens.
@@ -63,20 +63,20 @@ class Sensitivity:
         The same by the linear chain, for a larger value; None where it has no level.
     """
 
-    change: Change
+    change: ChangedValue
     apart: Difference
     chain_db: float | None
     chain_uncertainty_db: float | None
 
     @property
     def db(self) -> float:
-        """Change of the level of the vibration when the value is larger, dB(A)."""
+        """ChangedValue of the level of the vibration when the value is larger, dB(A)."""
         assert self.apart.db is not None  # a silent scene is refused
         return self._for_larger(self.apart.db)
 
     @property
     def released_db(self) -> float | None:
-        """Change of the level of the released power when the value is larger, dB(A)."""
+        """ChangedValue of the level of the released power when the value is larger, dB(A)."""
         if self.apart.released_db is None:
             return None
         return self._for_larger(self.apart.released_db)
@@ -247,7 +247,7 @@ def improve_scene(
     if keys is not None:
         changes, left_out = _chosen(scene, keys, changes, left_out)
     with open_choice([base], target, workers) as work:
-        search = _Search(work, base, within_db, minutes)
+        search = _SpecimenLoop(work, base, within_db, minutes)
         rows = search.rows(changes)
     rows.sort(key=lambda row: -abs(row.db))
     return Sensitivities(
@@ -262,8 +262,8 @@ def improve_scene(
 
 
 def _chosen(
-    scene: Scene, keys: Sequence[str], changes: list[Change], left_out: list[LeftOut]
-) -> tuple[list[Change], list[LeftOut]]:
+    scene: Scene, keys: Sequence[str], changes: list[ChangedValue], left_out: list[LeftOut]
+) -> tuple[list[ChangedValue], list[LeftOut]]:
     """Return the changes of some keys; refuse a key that is unknown or has no value."""
     known = [*(change.key for change in changes), *(left.key for left in left_out)]
     full = []
@@ -295,7 +295,7 @@ def refuse_sweep(scene: Scene) -> None:
         )
 
 
-class _Search:
+class _SpecimenLoop:
     """Hears changed scenes on the specimens of a scene until their changes are known."""
 
     def __init__(self, work: OpenChoice, base: Candidate, within_db: float, minutes: float) -> None:
@@ -307,7 +307,7 @@ class _Search:
         self.limit = ""
         self.failed: list[LeftOut] = []
 
-    def rows(self, changes: list[Change]) -> list[Sensitivity]:
+    def rows(self, changes: list[ChangedValue]) -> list[Sensitivity]:
         """Return the changes of the level; those that fail are kept in `failed`."""
         most = self._work.specimens.count
         first = min(FIRST_PAIRS, most)
@@ -336,7 +336,7 @@ class _Search:
         failed = [left.key for left in self.failed]
         return [row for row in rows if row.change.key not in failed]
 
-    def _row(self, change: Change, count: int) -> Sensitivity | None:
+    def _row(self, change: ChangedValue, count: int) -> Sensitivity | None:
         """Return the change of the level over some specimens; None where a contact fails."""
         (base,) = self._work.hear([self._base], count)
         if not math.isfinite(base.level_db):
@@ -369,7 +369,7 @@ class _Search:
         return pairs_needed(changed.levels_db - base.levels_db, wanted_db)
 
 
-def _sensitivity(change: Change, base: Contender, changed: Contender) -> Sensitivity:
+def _sensitivity(change: ChangedValue, base: Contender, changed: Contender) -> Sensitivity:
     """Return the change of a level between two contenders on the same specimens."""
     chain_db = None
     chain_uncertainty_db = None

@@ -12,7 +12,14 @@ from scipy.stats import norm
 import rolling as rc
 from rolling import cli
 from rolling.choice import drawing, solving
-from rolling.choice.limit import Point, _Search, coarsest_value, falls, from_quiet, tolerance_factor
+from rolling.choice.limit import (
+    LimitSearch,
+    Point,
+    coarsest_value,
+    falls,
+    from_quiet,
+    tolerance_factor,
+)
 from rolling.choice.sensitivity import improve_scene
 from rolling.marches.piece import contact_identity
 
@@ -115,7 +122,7 @@ def _searched(law, low: float, high: float, level_db: float) -> tuple[float | No
     """Search a law of levels over a value, without any scene."""
     scatter = np.array([-0.1, 0.0, 0.1])
 
-    class Lawful(_Search):
+    class Lawful(LimitSearch):
         def _point(self, value):  # type: ignore[no-untyped-def]
             known = [point for point in self._points if point.value == value]
             if not known:
