@@ -275,6 +275,8 @@ def _refuse_odd_choice(given: argparse.Namespace) -> None:
             "--below: needs --key, the value that is searched, such as"
             " --key surface.roughness_ra_um"
         )
+    if given.below is not None and given.within_db is not None:
+        given.parser.error("--within: does not go with --below, which hears twelve surfaces")
     if given.between is not None and given.below is None:
         given.parser.error("--between: only goes with --below")
 

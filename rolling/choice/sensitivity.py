@@ -408,7 +408,9 @@ def write_sensitivities(result: Sensitivities) -> list[Path]:
 
 def _sentences(result: Sensitivities) -> Iterator[str]:
     """Yield the answer and its doubts."""
-    helpful = [row for row in result.rows if _is_sure(row) and row.change.key != drawing.DISTANCE]
+    sure = [row for row in result.rows if _is_sure(row)]
+    # Who stands farther away hears less, but the drawing stays as it is.
+    helpful = [row for row in sure if row.change.key != drawing.DISTANCE] or sure
     if helpful:
         best = helpful[0]
         text = f"{_capital(_help(best))} is {_amount(best)} dB(A) quieter, which helps most"

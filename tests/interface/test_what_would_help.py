@@ -201,6 +201,7 @@ def test_thickness_below_a_level(scene: rc.Scene, tmp_path: Path) -> None:
         (["--improve", "--key", "surface.hurst"], "allowed: "),
         (["--improve", "--set", "sweep.rolling.load_n=[1, 2]"], "without a sweep"),
         (["--improve", "--below", "3"], "not allowed with"),
+        (["--below", "3", "--key", "rolling.load_n", "--within", "1"], "does not go with"),
         (
             ["--below", "30", "--key", "rolling.load_n", "--between", "3", "3"],
             "differ by more than",
