@@ -4,7 +4,7 @@ Sensitivities from groups of six surfaces are compared with finite differences o
 surfaces, and the tolerance limits of groups of twelve with the levels of all others. The folder
 keeps what is solved.
 
-    python tests/benchmarks/sensitivity_study.py [--surfaces 36] [--out outputs/sensitivity-study]
+    python tests/benchmarks/sensitivity_study.py [--surfaces 36] [--scenes steel glass]
 """
 
 from __future__ import annotations
@@ -85,6 +85,7 @@ def main() -> None:
     """Print both tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--surfaces", type=int, default=36)
+    parser.add_argument("--scenes", nargs="*", default=[made.name for made in scenes()])
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("outputs/sensitivity-study"))
     given = parser.parse_args()
@@ -93,6 +94,8 @@ def main() -> None:
     print("|scene|value, +10 %|six surfaces, dB|all others, dB|linear chain, dB|")
     print("|---|---|---|---|---|")
     for scene in scenes():
+        if scene.name not in given.scenes:
+            continue
         base = drawing.unchanged(scene)
         folder = given.out / scene.name
         with open_choice([base], folder, given.workers) as work:
