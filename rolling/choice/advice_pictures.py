@@ -116,6 +116,7 @@ def plot_limit(result: Limit, ax: Axes | None = None) -> Axes:
             ha="center",
             fontsize="small",
         )
+    ax.margins(y=0.14)  # room for the numbers of the steps
     ax.axhline(
         result.level_db, color="black", linestyle="--", label=f"limit {result.level_db:g} dB(A)"
     )
@@ -138,7 +139,7 @@ def plot_limit(result: Limit, ax: Axes | None = None) -> Axes:
     ax.set_ylabel("what a listener would hear, dB(A)")
     ax.set_title(
         drawable(
-            printable(f"{result.name}: the search for {result.level_db:g} dB(A), by its steps")
+            printable(f"{result.name}: the search for {result.level_db:g} dB(A), its steps numbered")
         ),
         loc="left",
         fontsize="medium",
