@@ -137,10 +137,9 @@ def plot_limit(result: Limit, ax: Axes | None = None) -> Axes:
         ax.xaxis.set_minor_locator(NullLocator())
     ax.set_xlabel(f"{name}, {unit}" if unit else name)
     ax.set_ylabel("what a listener would hear, dB(A)")
+    title = f"{result.name}: the search for {result.level_db:g} dB(A), its steps numbered"
     ax.set_title(
-        drawable(
-            printable(f"{result.name}: the search for {result.level_db:g} dB(A), its steps numbered")
-        ),
+        drawable(printable(title)),
         loc="left",
         fontsize="medium",
         parse_math=False,
