@@ -23,7 +23,7 @@ from scipy.stats import t as student
 
 from acoustics.arrays import Array
 from acoustics.radiation import P_REF_PA
-from rolling.choice.heard import Heard
+from rolling.choice.heard import Heard, LevelError
 
 FIRST_PAIRS = 6  # whose scatter is that of all pairs
 FEWEST_PAIRS = 2  # that have a scatter
@@ -91,17 +91,13 @@ class Difference:
         return self.sureness is not None and self.sureness >= SURE
 
 
-def difference(
-    first: Sequence[Heard], second: Sequence[Heard], instrument_db: float = 0.0
-) -> Difference:
+def difference(first: Sequence[Heard], second: Sequence[Heard]) -> Difference:
     """Return the difference of two candidates that are heard on the same specimens.
 
     Parameters
     ----------
     first, second : sequences of Heard
         What is heard of each specimen, in the same order.
-    instrument_db : float, dB
-        Standard uncertainty of the difference from what an instrument could not see. Default: 0.
     """
     pairs = list(zip(first, second, strict=True))
     # Pairs and loss factors. The one factor that a scene states stands beside two of the other's.
@@ -120,8 +116,8 @@ def difference(
         parts_db = {
             "scatter": of_pairs.error,
             "loss_factor": float(np.ptp(apart.mean(axis=0))) / 2,
-            "grid": _grid_part(pairs),
-            "instrument": instrument_db,
+            "grid": _error_part(pairs, "grid"),
+            "instrument": _error_part(pairs, "instrument"),
         }
         if math.isfinite(of_pairs.error):
             total = math.hypot(*parts_db.values())
@@ -225,18 +221,18 @@ def _released(pairs: Sequence[tuple[Heard, Heard]]) -> tuple[float | None, float
     return of_pairs.mean, of_pairs.error * student_factor(of_pairs.freedom)
 
 
-def _grid_part(pairs: Sequence[tuple[Heard, Heard]]) -> float:
-    """Return the error of a difference [dB] from the grid, 0 where no scene asks for it.
+def _error_part(pairs: Sequence[tuple[Heard, Heard]], origin: str) -> float:
+    """Return the error of a difference [dB] from grid or instrument; 0 where no run knows one.
 
-    Levels are not corrected for the error of the grid, so its mean difference counts whole.
+    Levels are not corrected, so the mean difference of their errors counts whole. What both share
+    cancels. A surface that no instrument measured has no error of one.
     """
+    none = LevelError(0.0, 0.0)
     apart = []
     spreads = []
     for one, other in pairs:
-        if one.grid_error_db is None or other.grid_error_db is None:
-            return 0.0
-        apart.append(one.grid_error_db - other.grid_error_db)
-        spreads.append(
-            math.hypot(one.grid_error_uncertainty_db or 0.0, other.grid_error_uncertainty_db or 0.0)
-        )
-    return math.hypot(float(np.mean(apart)), float(np.mean(spreads)) / math.sqrt(len(pairs)))
+        of_one = one.errors.get(origin, none)
+        of_other = other.errors.get(origin, none)
+        apart.append(of_one.db - of_other.db)
+        spreads.append(math.hypot(of_one.uncertainty_db, of_other.uncertainty_db))
+    return math.hypot(float(np.mean(apart)), float(np.mean(spreads)))

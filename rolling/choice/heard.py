@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -40,6 +41,13 @@ SPEED_RATIOS = (0.97, 0.985, 1.0, 1.015, 1.03)
 _MAX_BYTES = 1_000_000
 
 
+class LevelError(NamedTuple):
+    """Error of a level, the level less the true one, and its standard uncertainty [dB]."""
+
+    db: float
+    uncertainty_db: float
+
+
 @dataclass(frozen=True, eq=False)
 class Heard:
     """What a listener hears of one specimen of a candidate.
@@ -50,16 +58,15 @@ class Heard:
     bands : (losses, 31) array, Pa2. The same by third octave, NaN above the Nyquist frequency of
         the steps.
     released_power_db : float or None, dB(A). Level of the released power.
-    grid_error_db, grid_error_uncertainty_db : float or None, dB. Error that the grid leaves in the
-        level, and its standard uncertainty, where the scene asks for it.
+    errors : dict. Errors of the level that the run knows and does not correct, by their origin:
+        grid and instrument.
     """
 
     loss_factors: tuple[float, ...]
     squares: Array
     bands: Array
     released_power_db: float | None
-    grid_error_db: float | None
-    grid_error_uncertainty_db: float | None
+    errors: dict[str, LevelError]
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,8 +96,7 @@ def write_heard(specimen: Specimen, result: Result) -> None:
         "squares_pa2": heard.squares.tolist(),
         "bands_pa2": [_json_numbers(row) for row in heard.bands],
         "released_power_db": heard.released_power_db,
-        "grid_error_db": heard.grid_error_db,
-        "grid_error_uncertainty_db": heard.grid_error_uncertainty_db,
+        "errors_db": heard.errors,
     }
     write_json(specimen.folder / HEARD, content)
 
@@ -115,8 +121,10 @@ def read_heard(specimen: Specimen) -> Heard:
             squares=np.array(stored["squares_pa2"], dtype=float),
             bands=np.array(stored["bands_pa2"], dtype=float),
             released_power_db=stored["released_power_db"],
-            grid_error_db=stored["grid_error_db"],
-            grid_error_uncertainty_db=stored["grid_error_uncertainty_db"],
+            errors={
+                name: LevelError(float(db), float(uncertainty_db))
+                for name, (db, uncertainty_db) in stored["errors_db"].items()
+            },
         )
         if heard.bands.shape != (len(specimen.loss_factors), len(BAND_NAMES)):
             raise ValueError("bands of another shape")
@@ -157,9 +165,24 @@ def hear(specimen: Specimen, result: Result) -> Heard:
         squares=np.array(squares),
         bands=np.where(known_bands(highest), np.array(bands), np.nan),
         released_power_db=answer.released_power(summary).level_db,
-        grid_error_db=summary.get("laeq_grid_error_db"),
-        grid_error_uncertainty_db=summary.get("laeq_grid_error_uncertainty_db"),
+        errors=_errors(summary),
     )
+
+
+def _errors(summary: Mapping[str, Any]) -> dict[str, LevelError]:
+    """Return the errors of the level of a run that its summary knows."""
+    errors = {}
+    grid = summary.get("laeq_grid_error_db")
+    if grid is not None:
+        uncertainty = summary.get("laeq_grid_error_uncertainty_db") or 0.0
+        errors["grid"] = LevelError(grid, uncertainty)
+    instrument = summary.get("instrument", {})
+    error = instrument.get("vibration_error_db")
+    if error is not None:
+        spread = instrument["vibration_spread_db"]  # holds the error itself
+        uncertainty = math.sqrt(max(0.0, spread**2 - error**2))
+        errors["instrument"] = LevelError(error, uncertainty)
+    return errors
 
 
 def _speed_ratios(scene: Scene) -> tuple[float, ...]:

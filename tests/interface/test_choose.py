@@ -1,4 +1,4 @@
-"""`rolling choose` and `rc.choose`: files, what is kept, and refusals before anything is written."""
+"""`rolling choose` and `rc.choose`: their files, what is kept, and what is refused."""
 
 from __future__ import annotations
 
@@ -177,5 +177,5 @@ def test_damaged_numbers_are_named(tmp_path: Path, chosen: Path) -> None:
     stored = rc.open_run(chosen / "ground" / "01")
     specimen = Specimen({}, stored.scene, tmp_path, loss_factors=(0.01,))
     (tmp_path / "heard.json").write_text('{"squares_pa2": [1]}')
-    with pytest.raises(rc.FolderError, match="heard.json"):
+    with pytest.raises(rc.FolderError, match=r"heard\.json"):
         read_heard(specimen)

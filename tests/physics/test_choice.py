@@ -18,7 +18,7 @@ from rolling.choice.difference import (
     pairs_needed,
     student_factor,
 )
-from rolling.choice.heard import Heard
+from rolling.choice.heard import Heard, LevelError
 from rolling.choice.specimens import FEWEST, Specimens
 from rolling.choice.words import frequencies_of_difference
 from rolling.dynamics.smooth_contact import semi_axes
@@ -50,8 +50,7 @@ def heard(levels_db: list[float], band: str = "1000", grid_db: float | None = No
         squares=squares,
         bands=bands,
         released_power_db=70.0,
-        grid_error_db=grid_db,
-        grid_error_uncertainty_db=None if grid_db is None else 0.0,
+        errors={} if grid_db is None else {"grid": LevelError(grid_db, 0.0)},
     )
 
 
