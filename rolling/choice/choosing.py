@@ -171,7 +171,7 @@ def open_choice(
     with ExitStack() as stack:
         stack.enter_context(folders.locked(folder))
         if not (folder / CHOICE).is_file():
-            files.write_json(folder / CHOICE, {"format": FORMAT})
+            files.write_json(folder / CHOICE, {"format": FORMAT, "program": folders.this_program()})
         bar = stack.enter_context(progress.Bar(0.0, "marches"))
         pool = stack.enter_context(local_pool(workers, scenes * FEWEST))
         stack.enter_context(ended_by_signal())
@@ -179,7 +179,7 @@ def open_choice(
 
 
 def _refuse_foreign(folder: Path) -> None:
-    """Raise FolderError for a folder that holds something else than a choice."""
+    """Raise FolderError for a folder that holds something else than a choice of this program."""
     if not folder.exists() and not folder.is_symlink():
         return
     if not folder.is_dir():
@@ -189,11 +189,18 @@ def _refuse_foreign(folder: Path) -> None:
     try:
         stored = json.loads(read_regular(folder / CHOICE, MAX_CHOICE))
         is_choice = stored["format"] == FORMAT
+        maker = str(stored["program"])
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         is_choice = False
+        maker = ""
+    way_out = f"take another --out, such as {folders.free_name(folder)}"
     if not is_choice:
-        free = folders.free_name(folder)
-        raise FolderError(f"{folder}: holds no choice; take another --out, such as {free}")
+        raise FolderError(f"{folder}: holds no choice; {way_out}")
+    if maker != folders.this_program():
+        raise FolderError(
+            f"{folder}: holds a choice of {maker}, and this is {folders.this_program()}; numbers"
+            f" of two programs are not mixed, so {way_out}, or delete the folder"
+        )
 
 
 def _until_known(work: OpenChoice, candidates: Sequence[Candidate], budget: Budget) -> Choice:

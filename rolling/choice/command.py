@@ -20,6 +20,7 @@ from rolling.figures.picture import csv_bytes
 from rolling.results import listening
 from rolling.results.run_result import Run
 from rolling.results.summary import provenance
+from rolling.run import folder as folders
 from rolling.terminal import files, progress
 from rolling.terminal.streams import folded
 
@@ -107,6 +108,7 @@ def as_json(choice: Choice) -> dict[str, Any]:
     scene = choice.contenders[0].specimens[0].scene
     return {
         "format": FORMAT,
+        "program": folders.this_program(),
         "sentences": choice.sentences,
         "candidates": candidates,
         "differences": [_difference_as_json(apart) for apart in choice.differences],

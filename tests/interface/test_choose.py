@@ -171,6 +171,19 @@ def test_a_folder_of_somebody_else_stays_as_it_is(tmp_path: Path) -> None:
     assert tree(tmp_path / "out") == before
 
 
+def test_a_choice_of_another_program_is_not_mixed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scenes = [write(tmp_path, "ground"), write(tmp_path, "lapped", ra=0.05)]
+    out = tmp_path / "out"
+    out.mkdir()
+    stored = {"format": choosing.FORMAT, "program": "version 0.0.1, sources 0"}
+    (out / "choice.json").write_text(json.dumps(stored))
+    assert cli.main(["choose", *scenes, "--out", str(out)]) == 2
+    assert "version 0.0.1" in capsys.readouterr().err
+    assert [path.name for path in out.iterdir()] == ["choice.json"]
+
+
 def test_damaged_numbers_are_named(tmp_path: Path, chosen: Path) -> None:
     from rolling.choice.heard import Specimen, read_heard
 
