@@ -88,7 +88,7 @@ def _verdict(choice: ChoiceNumbers) -> str:
     if apart.sureness is not None and apart.sureness >= PROBABLE:
         return (
             f"{capital(quiet)} is probably quieter than {loud}, by {number} dB(A) ({count};"
-            f" {sure}, and {SURE:.0%} would decide)."
+            f" {sure}, and {100 * SURE:.0f} % would decide)."
         )
     return (
         f"Which of {quiet} and {loud} is quieter stays open: they differ by {number} dB(A)"
