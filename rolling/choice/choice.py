@@ -28,8 +28,18 @@ class Choice(ChoiceNumbers):
     differences : list of Difference
         How much louder each candidate after the first is than the quietest: `db`, its standard
         `uncertainty_db`, the `sureness` of its sign, and `parts_db`, where the ± comes from.
-    noun, overlap, limit, within_db, folder
-        As in `ChoiceNumbers`.
+    noun : str
+        What the specimens are: surfaces, or places of the scan.
+    overlap : bool
+        Whether the places of a scan overlap.
+    limit : str
+        Why no more pairs were heard although the ± is above the wanted one; empty if it is not.
+    within_db : float, dB
+        The wanted ±.
+    folder : Path
+        Folder of the choice; it is gone unless one was given.
+    audible : tuple of HeardDifference
+        Whether each difference is audible in the noise of the room.
 
     Examples
     --------
