@@ -70,13 +70,13 @@ class Sensitivity:
 
     @property
     def db(self) -> float:
-        """ChangedValue of the level of the vibration when the value is larger, dB(A)."""
+        """Change of the level of the vibration when the value is larger, dB(A)."""
         assert self.apart.db is not None  # a silent scene is refused
         return self._for_larger(self.apart.db)
 
     @property
     def released_db(self) -> float | None:
-        """ChangedValue of the level of the released power when the value is larger, dB(A)."""
+        """Change of the level of the released power when the value is larger, dB(A)."""
         if self.apart.released_db is None:
             return None
         return self._for_larger(self.apart.released_db)
