@@ -69,6 +69,13 @@ def test_a_specimen_is_a_run(chosen: Path) -> None:
     assert run.scene.surface.seed == 2
 
 
+@pytest.fixture
+def without_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out the loudness in the room, which takes most of the time of a small choice."""
+    monkeypatch.setattr(choosing, "_audible", lambda _: ())
+
+
+@pytest.mark.usefixtures("without_room")
 def test_the_same_command_solves_nothing_again(
     chosen: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -82,6 +89,7 @@ def test_the_same_command_solves_nothing_again(
     assert (chosen / "ground" / "01" / "result.h5").stat().st_mtime_ns == before
 
 
+@pytest.mark.usefixtures("without_room")
 def test_an_interrupted_choice_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scenes = [write(tmp_path, "ground"), write(tmp_path, "lapped", ra=0.05)]
     words = ["choose", *scenes, "--within", "9", "--out", str(tmp_path / "out"), "--workers", "1"]
@@ -115,6 +123,7 @@ def test_a_candidate_that_shares_the_contact_costs_no_march(tmp_path: Path) -> N
     assert thin.level_db != thick.level_db
 
 
+@pytest.mark.usefixtures("without_room")
 def test_python_keeps_the_numbers_alone(tmp_path: Path) -> None:
     scene = rc.read_scene(write(tmp_path, "ground"))
     scenes = [scene, scene.with_(name="lapped", roughness_ra_um=0.05)]

@@ -55,7 +55,7 @@ def marched(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     return counts
 
 
-@pytest.mark.law("choice: the level falls by 20 lg 1.1 for a tenth more distance")
+@pytest.mark.law("Choice: the level falls by 20 lg 1.1 for a tenth more distance.")
 def test_distance_is_a_closed_form_and_costs_no_march(
     scene: rc.Scene, tmp_path: Path, marched: list[int]
 ) -> None:
@@ -108,7 +108,7 @@ def test_each_value_of_a_drawing_has_a_change(scene: rc.Scene, tmp_path: Path) -
     assert [left.key for left in left_out] == ["rolling.load_n"]
 
 
-@pytest.mark.law("choice: 95 % of values lie below a tolerance limit in 95 % of samples")
+@pytest.mark.law("Tolerance limit: 95 % of values lie below it in 95 % of samples.")
 def test_tolerance_factor_is_that_of_the_standard() -> None:
     # ISO 16269-6:2014, one-sided, unknown mean and deviation, 95 % and 95 %
     assert tolerance_factor(12) == pytest.approx(2.736, abs=1e-3)

@@ -43,13 +43,16 @@ def file(folder: Path, heights: np.ndarray) -> str:
     return f"surface={{kind: file, path: {path}, spacing_um: 2, level: none}}"
 
 
-@pytest.mark.law("sound: the levels of the places add up to the level of the record")
+@pytest.mark.law("Places: their levels add up to the level of the record.")
 @pytest.mark.parametrize(
     "changes",
     [
         (),
         ("rolling.distance_mm=2", "rolling.start_um=700", "rolling.speed_m_s=0.1"),
-        ("rolling.distance_mm=6", "rolling.load_n=0.05", "surface.roughness_ra_um=0.3"),  # flies
+        pytest.param(  # the ball flies
+            ("rolling.distance_mm=6", "rolling.load_n=0.05", "surface.roughness_ra_um=0.3"),
+            marks=pytest.mark.slow,
+        ),
         ("rolling.distance_mm=3", SLOWING),
         (*WITHOUT_DYNAMICS, "rolling.distance_mm=2"),
         (*WITHOUT_DYNAMICS, "rolling.distance_mm=2", SLOWING),
@@ -81,7 +84,10 @@ def test_laps_and_open_stretches_of_a_file(tmp_path: Path) -> None:
     assert ends == pytest.approx([1e-4, 6e-4])
 
 
-@pytest.mark.parametrize(("speed_m_s", "load_n"), [(0.1, 2.0), (0.4, 1.0)])
+@pytest.mark.parametrize(
+    ("speed_m_s", "load_n"),
+    [(0.1, 2.0), pytest.param(0.4, 1.0, marks=pytest.mark.slow)],
+)
 def test_a_rough_half_and_a_smooth_half(tmp_path: Path, speed_m_s: float, load_n: float) -> None:
     """The halves are blended over 0.2 mm, and apart by what runs over each of them are apart."""
     rough = gaussian((NODES, 80), 2e-6, 1e-7, (1.2e-5, 1.2e-5), "gaussian", 1)
