@@ -151,15 +151,15 @@ def test_a_missing_package_is_named_with_its_command(monkeypatch):
 @pytest.mark.law("Audibility: the stated uncertainty covers the scatter over noises of the room.")
 def test_uncertainty_covers_the_scatter_over_noises(mosqito):
     a, b = noise(30.0, 1), noise(28.0, 2)
-    results = [acoustics.audible_difference([a], [b], RATE, seed=seed) for seed in range(12)]
+    results = [acoustics.audible_difference([a], [b], RATE, seed=seed) for seed in range(6)]
     differences = np.array([result.difference_percent for result in results])
     deviations = differences - differences.mean()
     within = [
         abs(deviation) <= 2.0 * result.uncertainty_percent
         for deviation, result in zip(deviations, results, strict=True)
     ]
-    # 95 % are expected, and two of twelve outside happen in one of ten cases.
-    assert sum(within) >= 10
+    # 95 % are expected, and two of six outside happen in one of thirty cases.
+    assert sum(within) >= 5
     assert len({result.verdict for result in results}) == 1 or np.ptp(differences) < 2.0
 
 
@@ -172,9 +172,9 @@ def test_uncertainty_of_specimens_covers_other_specimens(mosqito):
         b = [noise(34.0, (2, seed), 0.1) for seed in seeds]
         return acoustics.audible_difference(a, b, RATE, seed=group)
 
-    results = [result(group) for group in range(10)]
+    results = [result(group) for group in range(6)]
     differences = np.array([one.difference_percent for one in results])
     stated = np.array([one.uncertainty_percent for one in results])
-    # The standard deviation of ten means, and the mean of ten estimates with three degrees of
-    # freedom, each know the scatter within a third. Student's factor is 1.2.
+    # The standard deviation of six means, and the mean of six estimates with three degrees of
+    # freedom, know the scatter within a third or so. Student's factor is 1.2.
     assert 0.5 < np.std(differences, ddof=1) / np.mean(stated) < 1.5
