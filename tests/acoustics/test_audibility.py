@@ -102,6 +102,7 @@ def test_sounds_far_below_the_room_do_not_differ(mosqito):
     assert result.verdict == NOT_AUDIBLE
 
 
+@pytest.mark.slow
 @pytest.mark.law("Audibility: a tone 15 dB above the band that masks it is audible.")
 def test_a_tone_above_its_masking_band_is_audible_in_both_orders(mosqito):
     band_db = acoustics.default_room_db()[1000]

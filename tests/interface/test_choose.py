@@ -89,6 +89,7 @@ def test_the_same_command_solves_nothing_again(
     assert (chosen / "ground" / "01" / "result.h5").stat().st_mtime_ns == before
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("without_room")
 def test_an_interrupted_choice_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scenes = [write(tmp_path, "ground"), write(tmp_path, "lapped", ra=0.05)]
@@ -123,6 +124,7 @@ def test_a_candidate_that_shares_the_contact_costs_no_march(tmp_path: Path) -> N
     assert thin.level_db != thick.level_db
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("without_room")
 def test_python_keeps_the_numbers_alone(tmp_path: Path) -> None:
     scene = rc.read_scene(write(tmp_path, "ground"))

@@ -172,6 +172,7 @@ def test_search_says_where_all_or_nothing_is_below() -> None:
     assert _searched(math.log, 1.0, 9.0, -50.0)[0] is None
 
 
+@pytest.mark.slow
 def test_thickness_below_a_level(scene: rc.Scene, tmp_path: Path) -> None:
     """All thicknesses share the marches of the specimens, and the answer obeys the limit."""
     limit = coarsest_value(

@@ -84,10 +84,8 @@ def test_laps_and_open_stretches_of_a_file(tmp_path: Path) -> None:
     assert ends == pytest.approx([1e-4, 6e-4])
 
 
-@pytest.mark.parametrize(
-    ("speed_m_s", "load_n"),
-    [(0.1, 2.0), pytest.param(0.4, 1.0, marks=pytest.mark.slow)],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("speed_m_s", "load_n"), [(0.1, 2.0), (0.4, 1.0)])
 def test_a_rough_half_and_a_smooth_half(tmp_path: Path, speed_m_s: float, load_n: float) -> None:
     """The halves are blended over 0.2 mm, and apart by what runs over each of them are apart."""
     rough = gaussian((NODES, 80), 2e-6, 1e-7, (1.2e-5, 1.2e-5), "gaussian", 1)
