@@ -68,7 +68,17 @@ def drawn() -> dict[str, Any]:
     return {"run": marched(VIBRATING, DRAWN), "runs": runs_of("seeds"), "worn": worn}
 
 
-@pytest.mark.parametrize("module", WITH_DOCTESTS)
+# Their examples choose between scenes, or compute the loudness in a room.
+LONG = ("acoustics.audibility", "rolling.choice.choice", "rolling.interface")
+
+
+@pytest.mark.parametrize(
+    "module",
+    [
+        pytest.param(module, marks=pytest.mark.slow) if module in LONG else module
+        for module in WITH_DOCTESTS
+    ],
+)
 def test_docstrings_say_what_comes_out(
     module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:

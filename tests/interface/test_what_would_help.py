@@ -55,6 +55,7 @@ def marched(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     return counts
 
 
+@pytest.mark.slow
 @pytest.mark.law("Choice: the level falls by 20 lg 1.1 for a tenth more distance.")
 def test_distance_is_a_closed_form_and_costs_no_march(
     scene: rc.Scene, tmp_path: Path, marched: list[int]
