@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -37,7 +36,6 @@ from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError
 
 BATCH = 6  # pairs between two looks at the clock
-LEAST_SHARE = 0.5  # of the wanted ± that the scatter of the pairs gets in any case
 CHOICE = "choice.json"
 FORMAT = "rolling-contact-noise choice, format 1"
 MAX_CHOICE = 10_000_000  # bytes of its file
@@ -261,11 +259,7 @@ def _records(contender: Contender) -> list[HeardRecord]:
 
 
 def pairs_needed_of(choice: Choice) -> int:
-    """Return the number of pairs after which every ± of a choice is the wanted one.
-
-    More pairs lower the scatter only. It gets at least half of the wanted ±, whatever the other
-    parts are.
-    """
+    """Return the number of pairs after which every ± of a choice is the wanted one."""
     if choice.pairs < FIRST_PAIRS:
         return FIRST_PAIRS
     needed = choice.pairs
@@ -273,9 +267,7 @@ def pairs_needed_of(choice: Choice) -> int:
     for other, apart in zip(choice.contenders[1:], choice.differences, strict=True):
         if apart.db is None:
             continue
-        others = math.hypot(*(db for part, db in apart.parts_db.items() if part != "scatter"))
-        left = math.sqrt(max(0.0, choice.within_db**2 - others**2))
-        wanted_db = max(left, LEAST_SHARE * choice.within_db)
+        wanted_db = apart.wanted_scatter_db(choice.within_db)
         values = other.levels_db - quietest.levels_db
         needed = max(needed, pairs_needed(values, wanted_db))
     return needed

@@ -27,6 +27,7 @@ from rolling.choice.heard import Heard, LevelError
 
 FIRST_PAIRS = 6  # whose scatter is that of all pairs
 FEWEST_PAIRS = 2  # that have a scatter
+LEAST_SHARE = 0.5  # of the wanted ± that the scatter of the pairs gets in any case
 SURE = 0.95  # from which on a candidate is surely quieter
 ONE_SIGMA = 0.8413447460685429  # share of a normal distribution below one standard deviation
 MOST_FREEDOM = 1e6  # from which on Student's distribution is normal
@@ -89,6 +90,16 @@ class Difference:
     def is_sure(self) -> bool:
         """Whether the sign is right with 95 % probability."""
         return self.sureness is not None and self.sureness >= SURE
+
+    def wanted_scatter_db(self, within_db: float) -> float:
+        """Return what the scatter may add to a wanted ± [dB], since more pairs lower it only.
+
+        It gets at least half of the ±, whatever the other parts are.
+        """
+        others = [db for part, db in self.parts_db.items() if part != "scatter"]
+        of_others = math.sqrt(sum(db**2 for db in others))
+        left = math.sqrt(max(0.0, within_db**2 - of_others**2))
+        return max(left, LEAST_SHARE * within_db)
 
 
 def difference(first: Sequence[Heard], second: Sequence[Heard]) -> Difference:

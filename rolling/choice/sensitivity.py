@@ -20,7 +20,7 @@ from acoustics.texts import printable
 from rolling.choice import drawing
 from rolling.choice.candidates import Candidate
 from rolling.choice.chain import chain_levels
-from rolling.choice.choosing import BATCH, LEAST_SHARE, OpenChoice, default_folder, open_choice
+from rolling.choice.choosing import BATCH, OpenChoice, default_folder, open_choice
 from rolling.choice.comparison import Contender
 from rolling.choice.difference import (
     FIRST_PAIRS,
@@ -354,16 +354,11 @@ class _SpecimenLoop:
         return row
 
     def _needed(self, row: Sensitivity) -> int:
-        """Return the specimens after which the ± of a change is the wanted one.
-
-        The scatter gets at least half of the wanted ±, whatever the other parts are.
-        """
+        """Return the specimens after which the ± of a change is the wanted one."""
         apart = row.apart
         if apart.uncertainty_db is None or apart.uncertainty_db <= self._within_db:
             return apart.pairs
-        others = math.hypot(*(db for part, db in apart.parts_db.items() if part != "scatter"))
-        left = math.sqrt(max(0.0, self._within_db**2 - others**2))
-        wanted_db = max(left, LEAST_SHARE * self._within_db)
+        wanted_db = apart.wanted_scatter_db(self._within_db)
         (base,) = self._work.hear([self._base], apart.pairs)
         (changed,) = self._work.hear([row.change.candidate], apart.pairs)
         return pairs_needed(changed.levels_db - base.levels_db, wanted_db)
