@@ -114,6 +114,25 @@ def test_an_interruption_ends_with_130_and_keeps_pieces(
     assert "waiting" in folders.status(out) and "pieces" in folders.status(out)
 
 
+# An interruption while Python runs a text, as it does for each data class of a module.
+IN_A_TEXT = """\
+from rolling import cli
+
+def interrupted(given):
+    exec("raise KeyboardInterrupt")
+
+cli.COMMANDS["scenes"] = interrupted
+"""
+
+
+def test_an_interruption_in_a_text_that_python_runs_ends_with_130(tmp_path: Path) -> None:
+    (tmp_path / "sitecustomize.py").write_text(IN_A_TEXT)
+    path = os.pathsep.join([str(tmp_path), str(Path(__file__).parents[2])])
+    done = rolling(["scenes"], tmp_path, PYTHONPATH=path)
+    assert "interrupted" in done.stderr
+    assert done.returncode == 130
+
+
 def workers_of(command: subprocess.Popen[str]) -> list[psutil.Process]:
     """Return the worker processes of a command, which have loaded the solver."""
     below = psutil.Process(command.pid).children()

@@ -30,7 +30,7 @@ FLAGS = [
     "--disable-component-update",
     "--autoplay-policy=no-user-gesture-required",
 ]
-PATIENCE = 20.0  # [s] until something surely does not happen
+PATIENCE = 60.0  # [s] until something surely does not happen
 MINUS = "\N{MINUS SIGN}"
 RATE = wav.SAMPLE_RATE_HZ
 # Counts what the page starts, keeps its gains, pictures and last look at the clock, and listens at
