@@ -14,6 +14,7 @@ import io
 import os
 import re
 import sys
+from collections.abc import Mapping
 from html import escape
 from pathlib import Path
 
@@ -57,10 +58,21 @@ def main(names: list[str]) -> int:
 # ---- execution and storage
 
 
-def executed(path: Path) -> nbformat.NotebookNode:
-    """Return a notebook with the outputs that it gives now."""
+def executed(path: Path, changes: Mapping[str, str] | None = None) -> nbformat.NotebookNode:
+    """Return a notebook with the outputs that it gives now.
+
+    Texts of its cells are replaced by `changes` for this execution. Raises ValueError where one is
+    not in the notebook.
+    """
+    notebook = nbformat.read(path, as_version=4)
+    for old, new in (changes or {}).items():
+        cells = [cell for cell in notebook.cells if old in cell.source]
+        if not cells:
+            raise ValueError(f"{path.name}: no cell has {old!r}")
+        for cell in cells:
+            cell.source = cell.source.replace(old, new)
     client = nbclient.NotebookClient(
-        nbformat.read(path, as_version=4),
+        notebook,
         timeout=TIMEOUT_S,
         resources={"metadata": {"path": str(TUTORIALS)}},
         record_timing=False,
