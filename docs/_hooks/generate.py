@@ -251,6 +251,8 @@ def name_tables() -> str:
             ]
             reason = entry.get("sound_only")
             words = entry["words"] + (f"; **sound only**: {reason}" if reason else "")
+            if "class" in entry:
+                words += f"; handled as {entry['class']}"
             rows.append([f"`{name}`", *cells, words])
         source_rows = []
         for number, source in enumerate(sources.values(), 1):
@@ -260,7 +262,14 @@ def name_tables() -> str:
             source_rows.append([str(number), name])
         listed = _table(["", "source"], source_rows)
         heads = ["name"] + [f"`{key}`" for key in keys] + [""]
-        parts += [f"## {table.capitalize()}", "", _table(heads, rows), "", listed, ""]
+        parts += [f"## {table.capitalize()}", "", _table(heads, rows), ""]
+        handled = library.data(table).get("handled", {})
+        if handled:
+            damping_rows = []
+            for name, (value, source) in handled.items():
+                damping_rows.append([name, f"{value:g}<sup>({numbers[source]})</sup>"])
+            parts += [_table(["objects as they are handled", "loss factor"], damping_rows), ""]
+        parts += [listed, ""]
     return "\n".join(parts).rstrip()
 
 

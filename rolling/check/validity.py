@@ -183,7 +183,8 @@ def _material(scene: Scene, body: str) -> Iterator[Finding | Doubt]:
     """State the material of a body and its own values; warn where the model does not hold."""
     section = getattr(scene, body)
     material = value = section.material
-    for key, usual in library.named_values(body, material).items():
+    damping = scene.plate.damping or library.HANDLED
+    for key, usual in library.named_values(body, material, damping).items():
         own = getattr(section, key)
         if own not in (None, usual):
             value += f", own {key} {own}"

@@ -120,6 +120,8 @@ def _write_new(path: Path, content: bytes) -> None:
 
 
 HV_GPA = 9.80665e-3 / 0.927  # mean pressure under a Vickers indenter over the hardness number
+HANDLED = "handled"  # damping of an object as one meets it, with hands, supports and joints
+INTRINSIC = "intrinsic"  # damping of the material alone
 NONE = "none"  # hardness of a plate that is purely elastic
 _ELASTIC = ("youngs_modulus_gpa", "poissons_ratio", "density_kg_m3")
 YIELDS = 3  # hardness over yield strength of metals, by Tabor's rule
@@ -149,8 +151,12 @@ def data(table: str) -> dict[str, dict[str, Any]]:
     return dict(YAML(typ="safe", pure=True).load(text))
 
 
-def named_values(section: str, name: str) -> dict[str, Any]:
-    """Return the values that a name gives to a section; none for an unknown name."""
+def named_values(section: str, name: str, damping: str = HANDLED) -> dict[str, Any]:
+    """Return the values that a name gives to a section; none for an unknown name.
+
+    `damping` chooses the loss factor: the larger of the material's own and that of objects of its
+    class as they are handled, or its own (INTRINSIC).
+    """
     table = NAMES[section].table
     entry = data(table)[table].get(name, {})
     values = {key: pair[0] for key, pair in entry.items() if isinstance(pair, list)}
@@ -159,6 +165,9 @@ def named_values(section: str, name: str) -> dict[str, Any]:
             values["hardness_gpa"] = float(rounded(factor * values[key], 3))
     if entry:
         values.setdefault("hardness_gpa", NONE)
+    if "class" in entry and damping != INTRINSIC:
+        handled = data(table)["handled"][entry["class"]][0]
+        values["loss_factor"] = max(handled, values.get("loss_factor", 0.0))
     return {key: values[key] for key in NAMES[section].gives if key in values}
 
 
@@ -203,7 +212,7 @@ def with_named_values(section: str, values: Any) -> Any:
     given = {key: value for key, value in values.items() if value is not None}
     if section == "surface" and given.setdefault("kind", "gaussian") != "gaussian":
         return values
-    named = named_values(section, name)
+    named = named_values(section, name, given.get("damping", HANDLED))
     if "thickness_mm" not in given:
         named.pop("loss_factor", None)
     if "yield_strength_gpa" in given:
@@ -215,6 +224,7 @@ def without_replaced_values(data: Mapping[str, Any], key: str, value: Any) -> Ma
     """Return plain values without the values that a change of one key replaces.
 
     They are the values that the old name gave, and those that the first name of a section gives.
+    Another name or another damping replaces the loss factor of either damping.
     """
     section, _, last = key.partition(".")
     values = data.get(section)
@@ -225,8 +235,13 @@ def without_replaced_values(data: Mapping[str, Any], key: str, value: Any) -> Ma
     if is_renamed and value is None:
         return data
     if old_name is not None:
-        given = named_values(section, old_name)
-        kept = {k: v for k, v in values.items() if k not in given or v != given[k]}
+        dampings = [values.get("damping", HANDLED)]
+        if is_renamed or last == "damping":
+            dampings = [HANDLED, INTRINSIC]
+        kept = dict(values)
+        for damping in dampings:
+            given = named_values(section, old_name, damping)
+            kept = {k: v for k, v in kept.items() if k not in given or v != given[k]}
     elif is_renamed:
         given = named_values(section, str(value))
         kept = {k: v for k, v in values.items() if k not in given}

@@ -146,6 +146,7 @@ VIBRATING_PLATE = (
     "density_kg_m3",
     "thickness_mm",
     "loss_factor",
+    "damping",
     "length_mm",
     "width_mm",
     "contact_mm",
@@ -183,6 +184,10 @@ class Plate(Section):
     loss_factor : float, optional
         Loss factor of bending waves [-]. A plate with edges needs it, and so does the sound power
         above coincidence.
+    damping : str, optional
+        Damping that a material by name gives, where loss_factor is absent. handled (default): that
+        of objects as one meets them, if it is larger than the material's own. intrinsic: the
+        material's own.
     length_mm : float, optional
         Length [mm] along x of a rectangular plate, which is simply supported at its edges. Default:
         an infinite plate.
@@ -217,6 +222,7 @@ class Plate(Section):
     density_kg_m3: float | None = Field(default=None, ge=DENSITY.least, le=DENSITY.most)
     thickness_mm: float | None = Field(default=None, gt=0)
     loss_factor: float | None = Field(default=None, gt=0, le=1)
+    damping: Literal["handled", "intrinsic"] | None = None
     length_mm: float | None = Field(default=None, gt=0)
     width_mm: float | None = Field(default=None, gt=0)
     contact_mm: Point | None = None
@@ -282,6 +288,11 @@ class Plate(Section):
             raise fault(
                 "only goes with thickness_mm: a half-space has no bending waves",
                 at="plate.loss_factor",
+            )
+        if self.damping is not None and self.material is None:
+            raise fault(
+                "only goes with material, which gives a loss factor; without one, give loss_factor",
+                at="plate.damping",
             )
         if self.edges_mm is None:
             rule = "a plate with edges needs both, an infinite plate neither"

@@ -33,12 +33,8 @@ def scene(**changes: Any) -> Scene:
 
 @pytest.mark.parametrize("table", ["materials", "finishes"])
 def test_every_number_has_a_source_and_every_source_a_number(table: str) -> None:
-    pairs = [
-        pair
-        for entry in library.data(table)[table].values()
-        for pair in entry.values()
-        if isinstance(pair, list)
-    ]
+    entries = [*library.data(table)[table].values(), library.data(table).get("handled", {})]
+    pairs = [pair for entry in entries for pair in entry.values() if isinstance(pair, list)]
     assert all(isinstance(value, int | float) for value, _ in pairs)
     assert {source for _, source in pairs} == {*library.data(table)["sources"]}
 
@@ -64,10 +60,40 @@ def test_values_beside_a_name_win_and_losses_need_a_thickness() -> None:
     built = scene(plate=plate)
     assert (built.plate.hardness_gpa, built.plate.youngs_modulus_gpa) == (2.0, 103.0)
     assert built.plate.loss_factor is None
-    assert built.with_(BENT).plate.loss_factor == 4.5e-4
+    assert built.with_(BENT).plate.loss_factor == 3.9e-3
     assert built.with_(BENT).with_({"plate.thickness_mm": None}).plate.loss_factor is None
     surface = Gaussian(finish="lapped", roughness_ra_um=0.2, spacing_um=2, width_um=64, seed=1)
     assert (surface.roughness_ra_um, surface.correlation_length_um) == (0.2, 5.8)
+
+
+@pytest.mark.parametrize(
+    ("material", "handled", "intrinsic"),
+    [
+        ("steel-s235", 3.9e-3, 3.5e-4),
+        ("glass", 3.8e-3, 1.1e-3),
+        ("oak", 1.1e-2, 9e-3),
+        ("pmma", 2.8e-2, 2.8e-2),  # of no class
+        ("alumina", 4.9e-3, None),  # without an own value
+        ("pom", None, None),
+    ],
+)
+def test_a_plate_takes_the_larger_damping_unless_it_is_intrinsic(
+    material: str, handled: float | None, intrinsic: float | None
+) -> None:
+    plate = scene(**{"plate.material": material, **BENT})
+    assert plate.plate.loss_factor == handled
+    own = plate.with_({"plate.damping": "intrinsic"})
+    assert own.plate.loss_factor == intrinsic
+    assert own.with_({"plate.damping": "handled"}).plate.loss_factor == handled
+    assert own.with_({"plate.material": "glass"}).plate.loss_factor == 1.1e-3
+    given = own.with_({"plate.loss_factor": 0.02})
+    assert given.with_({"plate.damping": "handled"}).plate.loss_factor == 0.02
+    assert loads(dump(own)) == own
+
+
+def test_a_damping_without_a_material_is_refused() -> None:
+    with pytest.raises(SceneError, match=r"plate\.damping: only goes with material"):
+        read_scene("quickstart", ["plate.damping=intrinsic"])
 
 
 def test_a_changed_name_brings_its_values_and_leaves_those_that_were_given() -> None:
