@@ -19,6 +19,7 @@ from rolling.results.labels import SEED, labels, worded
 from rolling.results.run_errors import LINEAR
 from rolling.results.run_folder import RunFolder, stored_summary
 from rolling.scene.scene import Scene
+from rolling.sound.radiators import HALF
 
 DIFFERS = 2.0  # standard uncertainties of a difference of levels that is named
 WHOLE_DB = 10.0  # a difference from which on tenths of a decibel say nothing
@@ -38,6 +39,8 @@ class Answer(NamedTuple):
     where : str. Where the level is heard.
     meaning : str. One sentence for the line below the number.
     reason : str. Why there is no level, or an empty text.
+    contact_loss_db : float, dB. Change of the level by a loss factor of the contact where the scene
+        states none. Half of it is in the uncertainty.
     """
 
     level_db: float | None
@@ -47,6 +50,7 @@ class Answer(NamedTuple):
     where: str
     meaning: str
     reason: str
+    contact_loss_db: float = 0.0
 
     @property
     def number(self) -> str:
@@ -118,7 +122,13 @@ def _computed(
             f"{where}.{_event(summary)}"
         ),
         reason=reason,
+        contact_loss_db=_contact_loss_db(summary),
     )
+
+
+def _contact_loss_db(summary: Mapping[str, Any]) -> float:
+    """Return the change of a vibration [dB] by a loss of the contact; 0 in runs that lack it."""
+    return float(summary.get("contact_loss_db") or 0.0)
 
 
 def _estimated(summary: Mapping[str, Any]) -> Answer:
@@ -152,6 +162,7 @@ def _estimated(summary: Mapping[str, Any]) -> Answer:
         where=where,
         meaning=meaning + _event(summary),
         reason="",
+        contact_loss_db=_contact_loss_db(summary),
     )
 
 
@@ -255,10 +266,15 @@ def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
 
 
 class _Level(NamedTuple):
-    """A level or a difference of levels [dB], and its standard uncertainty."""
+    """A level or a difference of levels [dB], and its standard uncertainty.
+
+    The uncertainty of a level is without the unknown loss of the contact, which changes the level
+    by `contact_loss_db`.
+    """
 
     decibels: float
     uncertainty_db: float
+    contact_loss_db: float = 0.0
 
     @property
     def is_certain(self) -> bool:
@@ -493,9 +509,11 @@ def _difference(first: Iterable[Answer], last: Iterable[Answer]) -> _Level | Non
     high = _mean(after)
     if low is None or high is None or len({answer.quantity for answer in (*before, *after)}) > 1:
         return None
+    # Both contacts have the same unknown loss: half the change of the difference is in doubt.
+    loss_db = HALF * (high.contact_loss_db - low.contact_loss_db)
     return _Level(
         decibels=high.decibels - low.decibels,
-        uncertainty_db=math.hypot(low.uncertainty_db, high.uncertainty_db),
+        uncertainty_db=math.hypot(low.uncertainty_db, high.uncertainty_db, loss_db),
     )
 
 
@@ -509,11 +527,21 @@ def _mean(answers: Iterable[Answer]) -> _Level | None:
     levels = [answer.level_db for answer in known if answer.level_db is not None]
     if len(levels) < len(known):
         return None
-    own = max(answer.uncertainty_db or 0.0 for answer in known)
+    own = max(map(_without_contact_loss_db, known))
     scatter = 0.0
     if len(levels) > 1:
         scatter = statistics.stdev(levels) / math.sqrt(len(levels))
-    return _Level(decibels=statistics.fmean(levels), uncertainty_db=math.hypot(own, scatter))
+    return _Level(
+        decibels=statistics.fmean(levels),
+        uncertainty_db=math.hypot(own, scatter),
+        contact_loss_db=statistics.fmean(answer.contact_loss_db for answer in known),
+    )
+
+
+def _without_contact_loss_db(answer: Answer) -> float:
+    """Return the uncertainty of a level [dB] without the part of the contact's loss."""
+    whole = answer.uncertainty_db or 0.0
+    return math.sqrt(max(0.0, whole**2 - (HALF * answer.contact_loss_db) ** 2))
 
 
 def _conversion(scene: Scene) -> tuple[float, ...]:

@@ -23,6 +23,7 @@ from rolling.results.instrument_spread import part_db
 from rolling.results.run_errors import total_errors_db
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, solver_doubt
+from rolling.sound.radiators import HALF, UNKNOWN_LOSS
 from rolling.sound.vibration_sound import Vibration
 
 MAX_OUTSIDE = 0.1  # share of the time with an extrapolated force, which counts as 3 dB
@@ -39,6 +40,7 @@ ERRORS = (
     "record_length",
     "comb_spread",
     "time_step",
+    "contact_loss",
     "uncertainty_together",
     "solver_error",
     "force_law_error",
@@ -269,10 +271,10 @@ def _estimate(scene: Scene, sound: ContactSound, summary: Mapping[str, Any]) -> 
 
 
 def _spread(summary: Mapping[str, Any]) -> Iterator[Doubt]:
-    """Yield the parts of ±: length of the record, its comb of lines, and time steps."""
+    """Yield the parts of ±: length and comb of the record, time steps, loss of the contact."""
     parts = []
     if summary["source"] == "vibration":  # a release has no comb and no motion
-        parts = [*_comb_spread(summary), *_time_step(summary)]
+        parts = [*_comb_spread(summary), *_time_step(summary), *_contact_loss(summary)]
     yield from parts
     spread = summary["uncertainty_db"]["laeq"]
     if spread is None:
@@ -284,7 +286,7 @@ def _spread(summary: Mapping[str, Any]) -> Iterator[Doubt]:
         text = f"the length of the record leaves ± {rounded(size)} dB"
         parts.append(sized("record_length", text, size))
         yield parts[-1]
-    text = f"length, comb and time steps together leave ± {rounded(spread)} dB"
+    text = f"length, comb, time steps and loss of the contact together leave ± {rounded(spread)} dB"
     together = sized("uncertainty_together", text, spread)
     if all(together.severity > part.severity for part in parts):
         yield together
@@ -313,6 +315,19 @@ def _time_step(summary: Mapping[str, Any]) -> Iterator[Doubt]:
     if error is not None:
         text = f"the time steps of the motion leave {rounded(abs(error))} dB"
         yield sized("time_step", text, error)
+
+
+def _contact_loss(summary: Mapping[str, Any]) -> Iterator[Doubt]:
+    """Yield how far a loss factor of the contact, which the scene does not state, may matter."""
+    change = summary.get("contact_loss_db")
+    if change:
+        size = HALF * abs(change)
+        text = (
+            "the damping of the contact is unknown (a loss factor of 0 is taken, up to"
+            f" {UNKNOWN_LOSS:g} is usual), which leaves {rounded(size)} dB"
+        )
+        advice = "measure it, and give plate.contact_loss_factor"
+        yield sized("contact_loss", text, size, advice=advice)
 
 
 def _errors(scene: Scene, summary: Mapping[str, Any]) -> Iterator[Doubt]:

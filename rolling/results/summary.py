@@ -601,6 +601,7 @@ def _motion(vibration: Vibration) -> dict[str, Any]:
         "comb_mean_laeq_db": vibration.mean_laeq,
         "motion_time_step_s": motion.time_step_s,
         "motion_step_error_db": vibration.spreads.get("time_step"),
+        "contact_loss_db": vibration.contact_loss_db,
         "motion_balance_error": motion.energy_error,
         "motion_settled": bool(motion.settled),
         "motion_laps": motion.laps,
@@ -657,6 +658,7 @@ def _vibration_estimate(
         "vibration_estimate_uncertainty_db": estimate.uncertainty_db,
         "vibration_estimate_force_ratio": estimate.force_ratio,
         "vibration_estimate_bodies": radiators.bodies_text(scene),
+        "contact_loss_db": estimate.contact_loss_db,
     }
 
 

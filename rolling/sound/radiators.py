@@ -7,6 +7,7 @@ describe the bodies: a steel sphere on a steel plate of 10 mm replaces missing o
 """
 
 import math
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -134,9 +135,76 @@ DENSE = 4.0  # samples of an approach in a period of the highest audible frequen
 # stiffness, relative, and of the linear chain.
 STIFFNESS_ERROR = 0.06
 LINEAR_DB = 0.5
-# Uncertainty over the decibels between the local and the mean stiffness, and over those that lie
-# above the Nyquist frequency of the steps.
+# Uncertainty over the decibels between the local and the mean stiffness, over those that lie above
+# the Nyquist frequency of the steps, and over the change by a loss in the contact.
 HALF = 0.5
+# Loss factor that a contact may have of which nobody measured it: no published value is known.
+UNKNOWN_LOSS = 0.02
+
+
+class ContactLoss(NamedTuple):
+    """Changes of levels by a loss factor UNKNOWN_LOSS of the contact in the place of none.
+
+    laeq_db : float, dB. Change of LAeq.
+    third_octave_db : (31,) array, dB. Change of each third octave; 0 in a silent one.
+    """
+
+    laeq_db: float
+    third_octave_db: Array
+
+
+def contact_loss(scene: Scene, law: ForceLaw, chain: Chain) -> ContactLoss | None:
+    """Return how a loss of the contact would change the levels of a scene, by the linear chain.
+
+    None where it is not in doubt: the scene states a loss factor, the sphere falls, or nothing is
+    heard.
+    """
+    stated = scene.plate.contact_loss_factor is not None
+    if stated or scene.rolling.drop_mm is not None or scene.is_smooth:
+        return None
+    closed = law.period_m is not None
+    approach = law.approach(law.position_m, scene.load)
+    if closed:
+        approach = np.append(approach, approach[0])
+    step = law.spacing_m
+    duration = scene.motion.duration((len(approach) - 1) * step)
+    looped = closed and scene.motion.is_constant(duration)
+    signal = approach_in_time(scene, approach, step, looped)
+    if not looped:
+        signal = faded(signal, duration)
+    frequency, mean_square = audible_lines(signal - signal.mean(), len(signal) / duration)
+    if not mean_square.sum() > 0:
+        return None
+    points = _places_of_resonance(chain, frequency, 1 / duration)
+    gain = roughness_gain(scene, chain)(points.ravel()).reshape(points.shape)
+    without = mean_square * gain.mean(axis=1)
+    ratio = force_gain(replace(chain, contact_loss_factor=UNKNOWN_LOSS), points)
+    ratio /= force_gain(chain, points)
+    with_loss = mean_square * (gain * ratio).mean(axis=1)
+    weights = 10 ** (a_weighting_db(frequency) / 10)
+    bands = third_octave_mean_square(frequency, without)
+    damped_bands = third_octave_mean_square(frequency, with_loss)
+    heard = bands > 0
+    changes = np.zeros(len(bands))
+    changes[heard] = 10 * np.log10(damped_bands[heard] / bands[heard])
+    return ContactLoss(
+        laeq_db=10 * math.log10(float(weights @ with_loss) / float(weights @ without)),
+        third_octave_db=changes,
+    )
+
+
+def _places_of_resonance(chain: Chain, frequency: Array, width: float) -> Array:
+    """Return frequencies [Hz] around each line, dense enough for the resonance of the contact."""
+    sharp = chain.resonance_hz / chain.quality
+    most = max(1, min(MAX_PLACES, MAX_GAINS // len(frequency)))
+    count = MAX_PLACES if sharp == 0 else math.ceil(PLACES * width / sharp)
+    return _spread_over_intervals(frequency, min(count, most), width)
+
+
+def _spread_over_intervals(frequency: Array, count: int, width: float) -> Array:
+    """Return `count` frequencies in the interval [Hz] of each line, (lines, count)."""
+    offsets = ((np.arange(count) + 0.5) / count - 0.5) * width
+    return np.asarray(np.maximum(frequency[:, None] + offsets, 1.0))
 
 
 def with_bodies(scene: Scene) -> Scene:
@@ -172,11 +240,14 @@ class VibrationEstimate(NamedTuple):
     laeq_db : float or None, dB. LAeq; None where the approach does not fluctuate within hearing.
     uncertainty_db : float or None, dB. Standard uncertainty of LAeq, as far as contact holds.
     force_ratio : float. Rms of the contact force over the load.
+    contact_loss_db : float, dB. Change of LAeq by a loss factor UNKNOWN_LOSS of the contact, half
+        of which is in the uncertainty; 0 where the scene states a loss factor.
     """
 
     laeq_db: float | None
     uncertainty_db: float | None
     force_ratio: float
+    contact_loss_db: float
 
 
 def vibration_estimate(
@@ -203,11 +274,13 @@ def vibration_estimate(
     motion = scene.motion
     steps = len(approach) - 1
     duration = motion.duration(steps * step)
-    silence = VibrationEstimate(laeq_db=None, uncertainty_db=None, force_ratio=0.0)
+    silence = VibrationEstimate(
+        laeq_db=None, uncertainty_db=None, force_ratio=0.0, contact_loss_db=0.0
+    )
     if scene.is_smooth or steps < 4:
         return silence
     looped = closed and motion.is_constant(duration)
-    signal = _in_time(scene, approach, step, looped)
+    signal = approach_in_time(scene, approach, step, looped)
     if not looped:
         signal = faded(signal, duration)
     rate = len(signal) / duration
@@ -221,8 +294,8 @@ def vibration_estimate(
         stiffness = np.atleast_1d(stiffness_n_m)
     mean_stiffness = float(1 / np.mean(1 / stiffness))
     chain = of_scene.chain(bodies, mean_stiffness)
-    points = _places(bodies, chain, frequency, 1 / duration)
-    forces = _force_gain(chain, points)
+    points = places_of_lines(bodies, chain, frequency, 1 / duration)
+    forces = force_gain(chain, points)
     gain = roughness_gain(bodies, chain)(points.ravel()).reshape(points.shape)
     gain *= mean_square[:, None] * 10 ** (a_weighting_db(points) / 10) / forces
 
@@ -230,7 +303,7 @@ def vibration_estimate(
         """Return A-weighted mean squares of the lines at their places, as a mean over chains."""
         forces = np.zeros_like(points)
         for value in stiffnesses:
-            forces += _force_gain(of_scene.chain(bodies, float(value)), points)
+            forces += force_gain(of_scene.chain(bodies, float(value)), points)
         return np.asarray(gain * forces / len(stiffnesses))
 
     def squares_at(factor: float) -> Array:
@@ -249,11 +322,17 @@ def vibration_estimate(
     square = math.sqrt(mean * following)
     of_softer = _apart_db(float(softer.mean()), mean)
     of_stiffer = _apart_db(float(stiffer.mean()), mean)
+    contact_loss_db = 0.0
+    if bodies.plate.contact_loss_factor is None:
+        damped = replace(chain, contact_loss_factor=UNKNOWN_LOSS)
+        with_loss = (gain * force_gain(damped, points)).sum(axis=0).mean()
+        contact_loss_db = 10 * math.log10(float(with_loss) / mean)
     parts_db = [
         LINEAR_DB,
         max(of_softer, of_stiffer),
         HALF * _apart_db(following, mean),
         HALF * _apart_db(within, following),
+        HALF * contact_loss_db,
     ]
     if looped:
         parts_db.append(math.sqrt(np.mean([_apart_db(place, mean) ** 2 for place in at_mean])))
@@ -261,10 +340,11 @@ def vibration_estimate(
         laeq_db=level.level_db(square),
         uncertainty_db=math.hypot(*parts_db),
         force_ratio=math.sqrt(float(mean_square @ forces.mean(axis=1))) / scene.load,
+        contact_loss_db=contact_loss_db,
     )
 
 
-def _force_gain(chain: Chain, frequency: Array) -> Array:
+def force_gain(chain: Chain, frequency: Array) -> Array:
     """Return the square of force per approach [N2/m2] at frequencies of any shape [Hz]."""
     force = chain.force(frequency.ravel(), np.ones(frequency.size))
     return np.asarray(np.square(np.abs(force)).reshape(frequency.shape))
@@ -275,7 +355,7 @@ def _apart_db(square: float, other: float) -> float:
     return abs(10 * math.log10(max(square, 1e-12 * other) / other))
 
 
-def _in_time(scene: Scene, approach: Array, step: float, looped: bool) -> Array:
+def approach_in_time(scene: Scene, approach: Array, step: float, looped: bool) -> Array:
     """Return the approach [m] at even times, dense enough for hearing, by splines along the track.
 
     The force law of a run joins its positions in the same way.
@@ -296,7 +376,7 @@ def _in_time(scene: Scene, approach: Array, step: float, looped: bool) -> Array:
     return np.asarray(joined(np.minimum(distances / step, steps)))
 
 
-def _places(scene: Scene, chain: Chain, frequency: Array, width: float) -> Array:
+def places_of_lines(scene: Scene, chain: Chain, frequency: Array, width: float) -> Array:
     """Return frequencies [Hz] around each line, within the width of an interval, (lines, places).
 
     A resonance that is narrower than the distance of two lines falls on a line or between them.
@@ -306,6 +386,4 @@ def _places(scene: Scene, chain: Chain, frequency: Array, width: float) -> Array
         sharp = min(sharp, float(frequency[0]) * (scene.plate.loss_factor or 1.0))
     wanted = math.ceil(PLACES * width / sharp) if sharp > 0 else MAX_PLACES
     most = min(MAX_PLACES, MAX_GAINS // len(frequency))  # a long record has dense lines
-    places = max(1, min(max(PLACES, wanted), most))
-    offsets = ((np.arange(places) + 0.5) / places - 0.5) * width
-    return np.asarray(np.maximum(frequency[:, None] + offsets, 1.0))
+    return _spread_over_intervals(frequency, max(1, min(max(PLACES, wanted), most)), width)

@@ -22,9 +22,9 @@ from rolling.dynamics.comb import COMB_MOST_DB, Comb
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import MAX_STEPS, BodyMotion
 from rolling.scene.scene import Scene
-from rolling.sound import edged_sound
+from rolling.sound import edged_sound, radiators
 from rolling.sound.contact_sound import ContactSound, faded, faded_out
-from rolling.sound.radiators import comb, known_bands, powers, sources
+from rolling.sound.radiators import HALF, ContactLoss, comb, known_bands, powers, sources
 
 P_REF_W = 1e-12  # reference sound power
 UNKNOWN_DB = 20.0  # maximum error from the time steps; an impact more or less makes it arbitrary
@@ -61,11 +61,13 @@ class Vibration:
     uncertainty : LevelUncertainty, dB
         Uncertainty of these levels, see `parts`.
     spreads : dict, dB
-        Known parts of the uncertainty of LAeq: record, comb and time_step.
+        Known parts of the uncertainty of LAeq: record, comb, time_step and contact_loss.
     mean_laeq : float or None, dB
         Mean level over speeds within 3 %; None without a comb.
     plate_power, ball_power : (31,) arrays, W
         Sound power by third octave.
+    contact_loss_db : float, dB
+        Change of LAeq by a loss factor of the contact of 0.02; 0 where the scene states one.
     once : bool
         If true, the record is one event, the fall of the sphere.
 
@@ -94,6 +96,7 @@ class Vibration:
     mean_laeq: float | None
     plate_power: Array
     ball_power: Array
+    contact_loss_db: float = 0.0
     once: bool = False
 
     __repr__ = short_repr
@@ -202,6 +205,11 @@ def vibrate(
     step_error_db = _step_error(scene, law, motion, levels.laeq_db, closed)
     if step_error_db is not None:
         spreads["time_step"] = step_error_db
+    loss = None
+    if levels.laeq_db is not None:
+        loss = radiators.contact_loss(scene, law, chain)
+    if loss is not None:
+        spreads["contact_loss"] = HALF * abs(loss.laeq_db)
     if once:  # an event is no sample of a noise
         known = 0.0 if spreads else None
         spread = spread.mapped(lambda _: known)
@@ -216,11 +224,12 @@ def vibrate(
         force=force,
         pressures=pressures,
         levels=levels,
-        uncertainty=_with_comb_and_steps(spread, spreads, chain, combed),
+        uncertainty=_with_other_parts(spread, spreads, chain, combed, loss),
         spreads=spreads,
         mean_laeq=None if combed is None else combed.mean_laeq_db,
         plate_power=plate_power,
         ball_power=ball_power,
+        contact_loss_db=0.0 if loss is None else loss.laeq_db,
         once=once,
     )
 
@@ -271,21 +280,23 @@ def _step_error(
     return min(abs(laeq_db - coarse), UNKNOWN_DB)
 
 
-def _with_comb_and_steps(
+def _with_other_parts(
     spread: uncertainty.LevelUncertainty,
     spreads: dict[str, float],
     chain: Chain,
     combed: Comb | None,
+    loss: ContactLoss | None,
 ) -> uncertainty.LevelUncertainty:
     """Return uncertainties [dB] of the record joined with the other parts of LAeq's.
 
     The comb widens the levels of the whole, and each third octave by its own comb. The time steps
     widen the levels of the whole and the third octave that holds the resonance, or all third
-    octaves on a plate with modes.
+    octaves on a plate with modes. The unknown loss of the contact widens each by half its change.
     """
     comb_db = spreads.get("comb", 0.0)
     step_db = spreads.get("time_step", 0.0)
-    whole = spread.mapped(lambda db: math.hypot(max(db, comb_db), step_db))
+    loss_db = spreads.get("contact_loss", 0.0)
+    whole = spread.mapped(lambda db: math.hypot(max(db, comb_db), step_db, loss_db))
     in_step = set(BAND_NAMES)
     if chain.modes is None:
         widest = len(BAND_NAMES) - 1
@@ -297,10 +308,12 @@ def _with_comb_and_steps(
             db = max(db, float(combed.band_spread_db[k]))
         if db is not None and name in in_step:
             db = math.hypot(db, step_db)
+        if db is not None and loss is not None:
+            db = math.hypot(db, HALF * float(loss.third_octave_db[k]))
         bands[name] = db
     joined = replace(whole, third_octave_db=bands)
     if comb_db > COMB_MOST_DB:  # the level is the mean over the comb, whatever the record is
-        joined = replace(joined, laeq_db=math.hypot(comb_db, step_db))
+        joined = replace(joined, laeq_db=math.hypot(comb_db, step_db, loss_db))
     return joined
 
 
