@@ -108,6 +108,31 @@ def sound_pressure(
     return factor * fluctuation, factor
 
 
+# A loss factor at all frequencies, or pairs of a frequency [Hz] and the loss factor there.
+LossFactor = float | tuple[tuple[float, float], ...]
+
+
+def loss_factor_at(loss_factor: LossFactor, frequency_hz: ArrayLike) -> Array:
+    """Return a loss factor at frequencies [Hz], an array of their shape.
+
+    Between pairs its logarithm is linear over that of the frequency, so two pairs are a power law.
+    Beyond the first and the last pair it stays constant.
+    """
+    frequency = np.asarray(frequency_hz, dtype=float)
+    if isinstance(loss_factor, float | int):
+        return np.full(frequency.shape, float(loss_factor))
+    given_hz, given = np.log(np.array(loss_factor)).T
+    within = np.maximum(frequency, np.exp(given_hz[0]))  # a static force has no logarithm
+    return np.asarray(np.exp(np.interp(np.log(within), given_hz, given)))
+
+
+def least_loss_factor(loss_factor: LossFactor) -> float:
+    """Return the smallest loss factor of all frequencies."""
+    if isinstance(loss_factor, float | int):
+        return float(loss_factor)
+    return min(loss for _, loss in loss_factor)
+
+
 @ignoring_underflow
 @dataclass(frozen=True)
 class ThinPlate:
@@ -117,8 +142,9 @@ class ThinPlate:
     ----------
     mass_per_area_kg_m2, bending_stiffness_n_m : float, kg/m^2, N m. Mass per area m'', and bending
         stiffness per width B.
-    loss_factor : float. Loss factor of bending waves. It decides the power above the critical
-        frequency, and no pressure on the axis. Default 0.
+    loss_factor : float, or pairs of float. Loss factor of bending waves, or at least two pairs of a
+        frequency [Hz] and a loss factor above 0, as in `loss_factor_at`. It decides the power above
+        the critical frequency, and no pressure on the axis. Default 0.
 
     Examples
     --------
@@ -130,7 +156,16 @@ class ThinPlate:
 
     mass_per_area_kg_m2: float
     bending_stiffness_n_m: float
-    loss_factor: float = 0.0
+    loss_factor: LossFactor = 0.0
+
+    def loss_factor_at(self, frequency_hz: ArrayLike) -> Array:
+        """Return the loss factor of bending waves at frequencies [Hz], an array of their shape."""
+        return loss_factor_at(self.loss_factor, frequency_hz)
+
+    @property
+    def least_loss_factor(self) -> float:
+        """Smallest loss factor of all frequencies."""
+        return least_loss_factor(self.loss_factor)
 
     @property
     def critical_hz(self) -> float:

@@ -52,7 +52,8 @@ class RectangularPlate(ThinPlate):
     ----------
     mass_per_area_kg_m2, bending_stiffness_n_m : float, kg/m^2, N m. Mass per area m'', and bending
         stiffness per width B.
-    loss_factor : float. Loss factor of bending waves in the plate, above 0. The air takes more.
+    loss_factor : float, or pairs of float. Loss factor of bending waves in the plate, above 0, as
+        in ThinPlate. The air takes more.
     length_m, width_m : float, m. Edges a along x and b along y.
 
     Examples
@@ -79,7 +80,8 @@ class RectangularPlate(ThinPlate):
     @cached_property
     def loss_factors(self) -> Array:
         """Loss factor of each mode, in the plate and by its sound to both sides, (modes,)."""
-        return self.loss_factor + _SIDES * _sound_loss(self)
+        own = self.loss_factor_at(self.angular_frequency / (2 * np.pi))
+        return own + _SIDES * _sound_loss(self)
 
     @property
     def modal_mass_kg(self) -> float:

@@ -55,14 +55,15 @@ def plate_power_per_force(frequency_hz: ArrayLike, plate: ThinPlate, sides: int 
     # With the cosine u of the angle to the axis as variable, the peak of a free bending wave lies
     # at u_c with this half width; nodes of a hyperbolic sine resolve it.
     peak = np.sqrt(np.maximum(1 - plate.critical_hz / f, 0.0))
-    loss = plate.loss_factor + air / np.maximum(peak, np.sqrt(air))
+    own_loss = plate.loss_factor_at(f)
+    loss = own_loss + air / np.maximum(peak, np.sqrt(air))
     width = loss / np.maximum(4 * np.sqrt(squared) * peak, np.sqrt(loss))
     low = np.arcsinh(-peak / width)
     high = np.arcsinh((1 - peak) / width)
     nodes, weights = legendre(_NODES)
     t = low + (high - low) * (nodes + 1) / 2
     u = np.clip(peak + width * np.sinh(t), 1e-12, 1.0)
-    mass = 1 - squared * (1 - u**2) ** 2 * (1 + 1j * plate.loss_factor)
+    mass = 1 - squared * (1 - u**2) ** 2 * (1 + 1j * own_loss)
     velocity = 1 / np.square(np.abs(1j * mass + air / u))  # times 1 / (w m'')^2
     integral = np.sum(weights * width * np.cosh(t) * velocity, axis=1) * (high - low)[:, 0] / 2
     return np.asarray(AIR_KG_M3 / (2 * np.pi * SOUND_M_S * m**2) * integral)

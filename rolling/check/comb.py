@@ -12,7 +12,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded, si
-from acoustics.radiation import Body, axis_transfer
+from acoustics.radiation import Body, axis_transfer, least_loss_factor
 from acoustics.weighting import a_weighting_db
 from rolling.check.doubt import Doubt, Finding, Severity
 from rolling.check.force_estimate import contact_axes, mean_heights
@@ -20,6 +20,7 @@ from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.comb import BROAD, COMB_MOST_DB, MOST_SPEEDS, speeds_of_comb, spread_db
 from rolling.scene.scene import Scene
+from rolling.scene.sections import loss_text
 from rolling.scene.surfaces import HeightFile
 from rolling.surface.scene_surface import heights
 
@@ -98,7 +99,7 @@ def comb_spread_db(scene: Scene, chain: Chain, lap_m: float, speed: float) -> fl
         chain=chain,
         lines=lines.mean(axis=0),
         line_hz=speed / lap_m,
-        loss_factor=scene.plate.loss_factor or 0.0,
+        loss_factor=least_loss_factor(scene.plate.loss_factor or 0.0),
         gain=lambda frequency: _weighted_gain(scene, chain, frequency),
         most_speeds=MOST_SPEEDS if chain.modes is None else _SPEEDS_OF_MODES,
     )
@@ -192,9 +193,9 @@ def _advice(scene: Scene, chain: Chain, lap_m: float, speed: float) -> str:
             ways.append(f"choose a plate.thickness_mm below {scene.plate.thickness_mm:g}")
     else:
         ways.append(
-            f"set plate.loss_factor to the damping of the plate as it is mounted, which is "
-            f"{scene.plate.loss_factor or 0.0:g} now, and plate.contact_loss_factor to that of the "
-            f"contact, which is {rounded(scene.plate.contact_loss_factor or 0.0)} now"
+            "set plate.loss_factor to the damping of the plate as it is mounted, which is "
+            f"{loss_text(scene.plate.loss_factor or 0.0)} now, and plate.contact_loss_factor to "
+            f"that of the contact, which is {rounded(scene.plate.contact_loss_factor or 0.0)} now"
         )
     if math.isfinite(chain.quality) and scene.plate.edges_mm is None:
         least = BROAD * speed * chain.quality / chain.resonance_hz

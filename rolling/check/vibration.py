@@ -190,7 +190,7 @@ def _edges(scene: Scene) -> Iterator[Finding | Doubt]:
     count = len(plate.angular_frequency)
     if count:
         lowest = float(plate.angular_frequency[0]) / (2 * math.pi)
-        overlap = MODES_HZ / (plate.loss_factor * plate_modes(scene.plate))
+        overlap = MODES_HZ / (plate.least_loss_factor * plate_modes(scene.plate))
         modes = f"{len(plate.orders)} up to 30 kHz from {si(lowest, 'Hz')}"
         if overlap < MODES_HZ:
             modes += f", separate below {si(overlap, 'Hz')}"

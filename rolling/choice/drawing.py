@@ -245,6 +245,8 @@ def _wanted(scene: Scene) -> Iterator[_Wanted | LeftOut]:
             continue  # which places the listener
         if key == SPEED and isinstance(value, tuple):
             yield LeftOut(key, name, "the speed changes along the track")
+        elif isinstance(value, tuple):
+            yield LeftOut(key, name, "the loss factor changes with the frequency")
         elif key == "rolling.load_n" and not is_number(value):
             yield LeftOut(key, name, "the load is the weight of the sphere")
         elif is_number(value) and value > 0:

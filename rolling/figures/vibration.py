@@ -17,6 +17,7 @@ from rolling.dynamics.smooth_contact import semi_axes
 from rolling.figures.picture import axes_of, duration_text, finish, number
 from rolling.figures.sound import band_table
 from rolling.results.run_result import Run
+from rolling.scene.sections import loss_text
 from rolling.sound.vibration_sound import Vibration
 from rolling.sound.wavelengths import wavelength_bands
 from rolling.surface.scene_surface import scene_surface
@@ -101,7 +102,7 @@ def sources(run: Run, ax: Axes | None = None) -> Axes:
     if run.scene.plate.loss_factor is None:
         losses = "no loss factor, so no sound power above coincidence"
     else:
-        losses = f"loss factor {run.scene.plate.loss_factor:g}"
+        losses = f"loss factor {loss_text(run.scene.plate.loss_factor)}"
     facts = [distance, duration_text([run]), "sound power of one side of the plate", losses]
     title = "Vibration and sound powers"
     if "release" in names:

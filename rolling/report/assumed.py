@@ -9,7 +9,7 @@ from rolling.report.text import NOTHING
 from rolling.results.run_result import Run
 from rolling.scene import surfaces
 from rolling.scene.scene import Scene
-from rolling.scene.sections import WEIGHT
+from rolling.scene.sections import WEIGHT, loss_text
 
 
 def assumptions(run: Run) -> dict[str, str]:
@@ -85,7 +85,7 @@ def _bodies(run: Run) -> dict[str, str]:
             f"{rounded(summary['resonance_hz'], 4)} Hz, {damping}"
         ),
         "force law": law,
-        "loss factor of bending waves": NOTHING if loss is None else f"{loss:g}",
+        "loss factor of bending waves": NOTHING if loss is None else loss_text(loss),
     }
 
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.radiation import HalfSpaceBody
+from acoustics.radiation import HalfSpaceBody, LossFactor, loss_factor_at
 from acoustics.wav import PEAK, SAMPLE_RATE_HZ
 from rolling.dynamics import _motion_kernels, drop, of_scene
 from rolling.dynamics._motion_kernels import LawTable
@@ -53,6 +53,7 @@ SLIDERS = (
     Slider("q", 1e-6, 1.0, "-"),
 )
 LEAST_EDGE = 1.5  # lowest length of an edge, over the distance from its corner to the contact
+MIDDLE_HZ = 1000.0  # at which a loss factor over the frequency is set
 MOST_EDGE_M = 3.0  # highest length of an edge
 
 
@@ -136,7 +137,7 @@ def _settings(run: Run) -> Data:
         "thickness": thickness,
         "length": length,
         "width": width,
-        "lossFactor": plate.loss_factor,
+        "lossFactor": _loss_at_middle(plate.loss_factor),
         "contactLossFactor": plate.contact_loss_factor or 0.0,
         "distance": scene.listener_distance_m,
         "q": scene.sound.q,
@@ -186,13 +187,31 @@ def _fixed(scene: Scene) -> Data:
         "rollsOut": scene.rolling.resistance is not None,
         "gravity": GRAVITY,
         "mostModes": MAX_MODES,
+        "lossCurve": _loss_curve(scene.plate.loss_factor),
     }
+
+
+def _loss_at_middle(loss_factor: LossFactor | None) -> float | None:
+    """Return the loss factor that a slider moves, at MIDDLE_HZ."""
+    if loss_factor is None:
+        return None
+    return float(loss_factor_at(loss_factor, MIDDLE_HZ))
+
+
+def _loss_curve(loss_factor: LossFactor | None) -> list[list[float]] | None:
+    """Return pairs of a frequency [Hz] and the loss factor over that at MIDDLE_HZ, or None."""
+    if not isinstance(loss_factor, tuple):
+        return None
+    middle = float(loss_factor_at(loss_factor, MIDDLE_HZ))
+    return [[frequency, loss / middle] for frequency, loss in loss_factor]
 
 
 def _remarks(run: Run, track: Data) -> list[str]:
     """Return sentences on the differences between the run and its play at a constant speed."""
     scene = run.scene
     remarks = list[str]()
+    if isinstance(scene.plate.loss_factor, tuple):
+        remarks.append("The loss factor of the plate is set at 1 kHz; its curve moves with it.")
     if not scene.motion.is_constant(run.sound.duration):
         remarks.append("The speed of the run changes; the ball begins here at the highest one.")
     if len(scene.plate.contact_ends_mm) > 1:

@@ -151,11 +151,13 @@ def _written(word: Word, value: Any, detail: int) -> str:
         points = value if isinstance(value[0], tuple) else (value,)
         texts = (", ".join(f"{x:.{detail + 3}g}" for x in point) for point in points)
         return f"{word.word} {'; '.join(texts)} {word.unit}"
-    if isinstance(value, tuple) and detail == 1:  # a speed that changes
-        speeds = [speed for _, speed in value]
-        return f"{word.word} {min(speeds):g} to {max(speeds):g} {word.unit}"
+    if isinstance(value, tuple) and detail == 1:  # a speed or a loss factor that changes
+        changing = [number for _, number in value]
+        return f"{word.word} {min(changing):g} to {max(changing):g} {word.unit}".rstrip()
     if isinstance(value, tuple):
-        pairs = (f"{speed!r} {word.unit} at {time!r} s" for time, speed in value)
+        unit = f" {word.unit}" if word.unit else ""
+        over = "s" if word.unit == "m/s" else "Hz"
+        pairs = (f"{number!r}{unit} at {place!r} {over}" for place, number in value)
         return f"{word.word} {', '.join(pairs)}"
     return f"{word.word} {f'{value:g}' if detail == 1 else value} {word.unit}".rstrip()
 

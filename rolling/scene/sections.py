@@ -7,6 +7,7 @@ Units stand in the names of keys: lengths are in mm or um and moduli in GPa. The
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, model_validator
@@ -18,6 +19,7 @@ from acoustics.bands import (
     nearest_nominal,
 )
 from acoustics.numbers import rounded
+from acoustics.radiation import LossFactor
 from rolling.scene import library, messages
 from rolling.scene.messages import MATERIALS, fault, is_number, numbers, plain_number, quoted
 from rolling.scene.models import Section
@@ -141,6 +143,39 @@ Point = Annotated[tuple[float, float], BeforeValidator(_point), WithJsonSchema(_
 Hardness = Annotated[
     float | Literal["none"], *number_or(library.NONE, "a finite number, or none", HARDNESS)
 ]
+LOSS = "above 0 and at most 1, or at least two [frequency_hz, loss_factor] pairs"
+
+
+def _loss_factor(value: Any) -> Any:
+    """Return a loss factor, or pairs of rising frequency as tuples."""
+    if is_number(value) and 0 < value <= 1:
+        return float(value)
+    listed = value if isinstance(value, list | tuple) else []
+    pairs = [numbers(pair, 2) for pair in listed]
+    valid = [pair for pair in pairs if pair is not None and pair[0] > 0 and 0 < pair[1] <= 1]
+    if len(valid) < 2 or len(valid) < len(pairs):
+        raise fault(f"got {quoted(value)}, allowed: {LOSS}", at="plate.loss_factor")
+    if any(later[0] <= earlier[0] for earlier, later in pairwise(valid)):
+        raise fault(
+            f"got {quoted(value)}, allowed: pairs of rising frequency", at="plate.loss_factor"
+        )
+    return tuple(valid)
+
+
+def loss_text(loss_factor: LossFactor) -> str:
+    """Write a loss factor, or its pairs: 0.01, or 0.02 at 100 Hz to 0.005 at 10000 Hz."""
+    if isinstance(loss_factor, float):
+        return f"{loss_factor:g}"
+    (first_hz, first), *_, (last_hz, last) = loss_factor
+    return f"{first:g} at {first_hz:g} Hz to {last:g} at {last_hz:g} Hz"
+
+
+_Loss = Annotated[float, Field(gt=0, le=1)]
+_LossPair = tuple[Annotated[float, Field(gt=0)], _Loss]
+Loss = Annotated[
+    _Loss | Annotated[tuple[_LossPair, ...], Field(min_length=2)],
+    BeforeValidator(_loss_factor),
+]
 # Keys of the plate that change its vibration, and not the march of the contact.
 VIBRATING_PLATE = (
     "density_kg_m3",
@@ -181,9 +216,10 @@ class Plate(Section):
         Density [kg/m3]. Dynamics needs it.
     thickness_mm : float, optional
         Thickness [mm] of a plate that bends as it vibrates. Default: a half-space.
-    loss_factor : float, optional
-        Loss factor of bending waves [-]. A plate with edges needs it, and so does the sound power
-        above coincidence.
+    loss_factor : float or pairs of float, optional
+        Loss factor of bending waves [-], or pairs of frequency [Hz] and loss factor, such as those
+        of third octaves. Between pairs it is a power law, beyond them it is constant. A plate with
+        edges needs it, and so does the sound power above coincidence.
     damping : str, optional
         Damping that a material by name gives, where loss_factor is absent. handled (default): that
         of objects as one meets them, if it is larger than the material's own. intrinsic: the
@@ -221,7 +257,7 @@ class Plate(Section):
     plasticity: Literal["memoryless", "permanent"] | None = None
     density_kg_m3: float | None = Field(default=None, ge=DENSITY.least, le=DENSITY.most)
     thickness_mm: float | None = Field(default=None, gt=0)
-    loss_factor: float | None = Field(default=None, gt=0, le=1)
+    loss_factor: Loss | None = None
     damping: Literal["handled", "intrinsic"] | None = None
     length_mm: float | None = Field(default=None, gt=0)
     width_mm: float | None = Field(default=None, gt=0)

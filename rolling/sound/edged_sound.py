@@ -85,7 +85,8 @@ def _lasting_modes(plate: RectangularPlate, force: Array) -> int:
     """Return the number of modes, the lowest, that ring for longer than a stretch of a record."""
     if len(force) <= 2 * _STRETCH_S * wav.SAMPLE_RATE_HZ:
         return len(plate.angular_frequency)
-    decays = plate.angular_frequency * plate.loss_factor / 2 * _STRETCH_S
+    own = plate.loss_factor_at(plate.angular_frequency / (2 * np.pi))
+    decays = plate.angular_frequency * own / 2 * _STRETCH_S
     return int(np.sum(decays < -math.log(WRAPPED)))
 
 
@@ -158,7 +159,7 @@ def power_per_force(scene: Scene, plate: RectangularPlate, frequency: Array) -> 
     points = points_on_path(scene)
     octaves = math.log(AUDIBLE_HZ[1] / AUDIBLE_HZ[0])
     least, most = _TABLE_SIZES
-    count = int(np.clip(_PER_WIDTH * octaves / plate.loss_factor, least, most))
+    count = int(np.clip(_PER_WIDTH * octaves / plate.least_loss_factor, least, most))
     if len(frequency) <= count or not len(plate.orders):
         return plate.power_per_force(frequency, points)
     hashable_points = tuple(tuple(point) for point in points.tolist())

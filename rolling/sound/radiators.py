@@ -16,7 +16,7 @@ from acoustics import level, wav
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, EDGES_HZ, third_octave_mean_square
 from acoustics.numbers import rounded
-from acoustics.radiation import Body, ThinPlate, axis_transfer
+from acoustics.radiation import Body, ThinPlate, axis_transfer, least_loss_factor
 from acoustics.sound_power import band_power
 from acoustics.spectrum import audible_lines
 from acoustics.weighting import a_weighting_db
@@ -100,7 +100,7 @@ def comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
         chain=chain,
         lines=lines,
         line_hz=scene.motion.fastest(scene.duration) / law.period_m,
-        loss_factor=scene.plate.loss_factor or 0.0,
+        loss_factor=least_loss_factor(scene.plate.loss_factor or 0.0),
         gain=weighted,
     )
     if speeds is None:
@@ -383,7 +383,7 @@ def places_of_lines(scene: Scene, chain: Chain, frequency: Array, width: float) 
     """
     sharp = chain.resonance_hz / chain.quality
     if chain.modes is not None:
-        sharp = min(sharp, float(frequency[0]) * (scene.plate.loss_factor or 1.0))
+        sharp = min(sharp, float(frequency[0]) * least_loss_factor(scene.plate.loss_factor or 1.0))
     wanted = math.ceil(PLACES * width / sharp) if sharp > 0 else MAX_PLACES
     most = min(MAX_PLACES, MAX_GAINS // len(frequency))  # a long record has dense lines
     return _spread_over_intervals(frequency, max(1, min(max(PLACES, wanted), most)), width)

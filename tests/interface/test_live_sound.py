@@ -106,6 +106,15 @@ def test_the_response_of_a_plate_has_its_transfer(thickness: float) -> None:
     assert np.sum(np.abs(error) ** 2) < 5e-5 * np.sum(np.abs(wanted) ** 2)
 
 
+def test_modes_of_the_page_have_the_loss_factors_of_their_frequencies() -> None:
+    curve = ((50.0, 0.05), (1000.0, 0.02), (8000.0, 0.004))
+    plate = RectangularPlate(78.5, 18.9e3, curve, length_m=0.3, width_m=0.4)
+    data = {"massPerArea": 78.5, "bendingStiffness": 18.9e3, "length": 0.3, "width": 0.4}
+    data |= {"lossFactor": 0.02, "lossCurve": [[hertz, loss / 0.02] for hertz, loss in curve]}
+    got = node("done(new plate.EdgedPlate(data).modes.map(({ loss }) => loss));", data)
+    np.testing.assert_allclose(got, plate.loss_factors, rtol=1e-3)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_a_record_of_the_engine_is_that_of_the_program(case: str) -> None:

@@ -4,6 +4,7 @@
 
 import { linesOfRecord, over, plus } from "./complex.js";
 import { MODES_HZ } from "./effort.js";
+import { lossAt } from "./loss.js";
 import { RATE } from "./rate.js";
 import { AIR, AUDIBLE, aWeight } from "./radiation.js";
 import { distances, radiationResistance, rayleighIntegrals } from "./rayleigh.js";
@@ -15,16 +16,16 @@ const TAIL_BANDS = 6;
 const HEARD_LINES = 8192; // samples of the response
 const MAX_LINES = 1200; // of the force
 
-/** A thin plate by mass per area [kg/m2], bending stiffness [N m], loss factor and edges [m]. */
+/** A thin plate by mass per area [kg/m2], bending stiffness [N m], loss factor with its curve over the frequency, and edges [m]. */
 export class EdgedPlate {
-  constructor({ massPerArea, bendingStiffness, lossFactor, length, width }) {
+  constructor({ massPerArea, bendingStiffness, lossFactor, lossCurve, length, width }) {
     this.edges = [length, width];
     this.ratio = Math.sqrt(bendingStiffness / massPerArea);
     this.mobility = 1 / (8 * Math.sqrt(bendingStiffness * massPerArea)); // [s/kg] of an infinite plate
     this.modalMass = (massPerArea * length * width) / 4;
     this.modes = this.between(0, MODES_HZ).sort((a, b) => a.w - b.w);
     for (const mode of this.modes) {
-      mode.loss = lossFactor + (2 * radiationResistance(this.edges, mode)) / (this.modalMass * mode.w);
+      mode.loss = lossAt(lossFactor, lossCurve, mode.w) + (2 * radiationResistance(this.edges, mode)) / (this.modalMass * mode.w);
     }
   }
 

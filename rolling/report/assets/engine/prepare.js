@@ -51,7 +51,7 @@ function edgedPlate(run, settings) {
     const size = `${area.toPrecision(2)} m2 with about ${Math.round(count)} modes`;
     throw new Error(`This plate (${size}) takes too long to prepare: choose a smaller or a thicker one.`);
   }
-  const numbers = { massPerArea, bendingStiffness, lossFactor, length, width };
+  const numbers = { massPerArea, bendingStiffness, lossFactor, lossCurve: run.fixed.lossCurve, length, width };
   const key = JSON.stringify(numbers);
   if (latestPlate.key !== key) latestPlate = { key, plate: new EdgedPlate(numbers) };
   return latestPlate.plate;

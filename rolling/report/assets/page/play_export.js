@@ -22,7 +22,9 @@ function changedKeys(run, settings, dropped) {
   const changed = SETTINGS.filter(isChanged).map(({ name, si, key }) => {
     if (name === "distance" && scene.sound.listener_mm) return ["sound.listener_mm", movedListeners(run, settings)];
     if (name === "dropHeight" && settings.dropHeight === 0) return [key, null]; // a scene without a fall
-    return [key, Number((settings[name] / si).toPrecision(6))];
+    const value = Number((settings[name] / si).toPrecision(6)), { lossCurve } = run.fixed;
+    if (name === "lossFactor" && lossCurve) return [key, lossCurve.map(([hz, ratio]) => [hz, Number((value * ratio).toPrecision(6))])];
+    return [key, value];
   });
   if (scene.plate.contact_mm && (differs("length") || differs("width"))) changed.push(["plate.contact_mm", scene.plate.contact_mm]); // it stays
   const length = dropped && settings.dropHeight > 0 ? trackOfFall(run, settings) : 0;
