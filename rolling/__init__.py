@@ -8,14 +8,14 @@ instant. The stub `__init__.pyi` lists them.
 Scenes
     read_scene, Scene and its sections Sphere, Plate, Gaussian, SelfAffine, Smooth, HeightFile,
     Rolling, Numerics, Recovery, Dynamics, Sound; HeightArray; surfaces of the sphere GaussianBall,
-    SmoothBall, GradedBall, BallHeightFile; SurfaceFault; check (module), SceneError;
+    SmoothBall, GradedBall, BallHeightFile; SurfaceFault; SoundChannel; check (module), SceneError;
     surface_parameters
 Runs
     simulate, simulate_sweep, choose, sensitivities, coarsest_below, open_run, save_run, live,
     plot (module), ContactError, SweepError, FolderError
 Objects that functions return
-    Run, Runs, Choice, Difference, Sensitivities, Limit, ContactSound, Vibration, Listening;
-    Findings, Finding; Contact, ContactState
+    Run, Runs, Choice, Difference, Sensitivities, Limit, ContactSound, Vibration, Channel,
+    Listening; Findings, Finding; Contact, ContactState
 Contact
     HalfSpace, solve_contact, WarmStart, march, RollingContact, closed_forms (module)
 """

@@ -28,7 +28,9 @@ from rolling.interface import save_run as save_run
 from rolling.interface import sensitivities as sensitivities
 from rolling.interface import simulate as simulate
 from rolling.interface import simulate_sweep as simulate_sweep
+from rolling.results.channels import Channel as Channel
 from rolling.results.run_result import Run as Run
+from rolling.scene.channels import SoundChannel as SoundChannel
 from rolling.scene.file import read_scene as read_scene
 from rolling.scene.laws import SurfaceFault as SurfaceFault
 from rolling.scene.messages import SceneError as SceneError

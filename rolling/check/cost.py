@@ -66,6 +66,7 @@ TIME_STEPS = 40.0  # of a motion in a period of the resonance
 RUN_FILES = 1.7e6
 STEP_FILE = 110.0
 SAMPLE_FILE = 20.0
+CHANNEL_FILE = 12  # of each sample of a channel, in result.h5 and as a WAV
 EVENT_FILE = 41.0
 
 
@@ -274,6 +275,7 @@ def disk(scenes: Sequence[Scene]) -> float:
     for scene in scenes:
         size += RUN_FILES + STEP_FILE * scene.track.steps + SAMPLE_FILE * _samples(scene)
         size += EVENT_FILE * _events(scene) + _passes(scene)
+        size += CHANNEL_FILE * len(scene.sound.channels or ()) * _samples(scene)
     return size
 
 

@@ -1,6 +1,7 @@
 """Sphere and plate of a scene as vibrating bodies, and their motion over a force law."""
 
 import math
+from dataclasses import replace
 from functools import lru_cache, partial
 
 import numpy as np
@@ -176,7 +177,22 @@ def chain_over(scene: Scene, law: ForceLaw) -> Chain:
 
 def motion(scene: Scene, law: ForceLaw, time_step_s: float | None = None) -> BodyMotion:
     """Move the sphere of a scene over a force law for its duration; default: steps of `move`."""
-    linear = chain_over(scene, law)
+    return _motion_of(scene, law, chain_over(scene, law), time_step_s)
+
+
+def motion_on_rigid_plate(scene: Scene, law: ForceLaw) -> BodyMotion:
+    """Move the sphere of a scene over a force law on a plate that does not give way.
+
+    Only a loss factor of the contact damps it then.
+    """
+    rigid = replace(chain_over(scene, law), mobility_s_kg=0.0, modes=None)
+    return _motion_of(scene, law, rigid)
+
+
+def _motion_of(
+    scene: Scene, law: ForceLaw, linear: Chain, time_step_s: float | None = None
+) -> BodyMotion:
+    """Move a chain over a force law for the duration of its scene."""
     duration = scene.duration
     fastest = scene.motion.fastest(duration)
     speed: float | Travel = fastest
@@ -188,4 +204,5 @@ def motion(scene: Scene, law: ForceLaw, time_step_s: float | None = None) -> Bod
     if scene.rolling.drop_mm is not None:
         step = time_step_s or drop.time_step_s(scene, law, linear, fastest)
         stepping = Stepping(time_step_s=step, start=drop.start(scene, law, linear))
-    return move(law, linear, scene.load, speed, duration, stepping, contact_path(scene))
+    path = contact_path(scene) if linear.modes is not None else None
+    return move(law, linear, scene.load, speed, duration, stepping, path)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 import rolling
 from acoustics import wav
 from acoustics.bands import MID_HZ
+from acoustics.vibration_levels import REFERENCES
 from rolling.check.error_cost import DETAIL, LEVELS, MEASURED, WITH_LAW, has_instrument
 from rolling.marches.observers import (
     EVENT_COLUMNS,
@@ -26,6 +27,7 @@ from rolling.marches.observers import (
 from rolling.marches.passes import SERIES as PASS_SERIES
 from rolling.marches.passes import Passes
 from rolling.marches.result import ErrorStretches, LoadMarches, MovingRelease, Result, StretchMarch
+from rolling.results.channels import Channel, by_quantity
 from rolling.results.solved_run import SolvedRun
 from rolling.scene import file as scene_file
 from rolling.scene.scene import Scene
@@ -56,6 +58,17 @@ class Variable(NamedTuple):
     unit: str
     dtype: str
     long_name: str
+
+
+def _of_quantity(quantity: str) -> tuple[Variable, Variable]:
+    """Return the definitions of the signals of a quantity, and of their third octaves."""
+    unit = REFERENCES[quantity].unit
+    words = quantity.replace("_", " ")
+    row = f"{quantity}_channel"
+    return (
+        Variable(quantity, f"{row} channel_time", unit, "f8", f"{words} of each channel"),
+        Variable(f"{quantity}_band_rms", f"{row} band", unit, "f8", f"rms of the {words} by band"),
+    )
 
 
 # Entry i of a step series belongs to the step from position i to the next.
@@ -147,6 +160,15 @@ _FORCE = (
     Variable("band", "band", "Hz", "f8", "mid-frequency of the third octave"),
     Variable("band_rms", "band", "N", "f8", "rms of the contact force in the third octave"),
 )
+_CHANNELS = (
+    Variable("channel_time", "channel_time", "s", "f8", "time"),
+    Variable("band", "band", "Hz", "f8", "mid-frequency of the third octave"),
+    *_of_quantity("acceleration"),
+    *_of_quantity("velocity"),
+    *_of_quantity("displacement"),
+    *_of_quantity("force"),
+    *_of_quantity("blocked_force"),
+)
 _SOUND = (
     Variable("sound_time", "sound_time", "s", "f8", "time"),
     Variable("pressure", "sound_time", "Pa", "f8", "sound pressure, at the left of two listeners"),
@@ -171,6 +193,7 @@ DEFINITION: dict[str, dict[str, Variable]] = {
     "moving_release": _by_name(*_MOVING),
     "passes": _by_name(*_PASSES),
     "contact_force": _by_name(*_FORCE),
+    "channels": _by_name(*_CHANNELS),
     "sound": _by_name(*_SOUND),
 }
 COORDINATES = ("time", "position_time")  # beside the arrays that are named as their dimension
@@ -232,6 +255,8 @@ def groups_of(run: SolvedRun) -> dict[str, FileGroup]:
         groups["passes"] = _passes_group(result.passes)
     if run.vibration is not None:
         groups["contact_force"] = _force_group(run.vibration)
+    if run.channels:
+        groups["channels"] = _channels_group(run.channels)
     groups["sound"] = _sound_group(run)
     return groups
 
@@ -557,6 +582,34 @@ def _force_group(vibration: Vibration) -> FileGroup:
         "maximum_n": float(vibration.motion.force_n.max()),
         "time_step_s": vibration.motion.time_step_s,
     }
+    return FileGroup(arrays, attributes)
+
+
+def _channels_group(channels: tuple[Channel, ...]) -> FileGroup:
+    """Return the signals of the channels by quantity, and the names and places of their rows."""
+    samples = len(channels[0].samples)
+    arrays: Arrays = {
+        "channel_time": np.arange(samples) / wav.SAMPLE_RATE_HZ,
+        "band": np.array(MID_HZ),
+    }
+    attributes: dict[str, Any] = {"sample_rate_hz": wav.SAMPLE_RATE_HZ}
+    for quantity, rows in by_quantity(channels).items():
+        reference = REFERENCES[quantity]
+        arrays[quantity] = np.array([channel.samples for channel in rows])
+        levels = [[*channel.levels.third_octave_db.values()] for channel in rows]
+        arrays[f"{quantity}_band_rms"] = reference.value * 10 ** (np.array(levels, float) / 20)
+        facts = []
+        for channel in rows:
+            facts.append(
+                {
+                    "name": channel.name,
+                    "of": channel.of,
+                    "place_m": channel.place_m,
+                    "closed": channel.closed,
+                }
+            )
+        attributes[f"{quantity}_channels"] = json.dumps(facts)
+        attributes[f"{quantity}_reference"] = reference.words
     return FileGroup(arrays, attributes)
 
 

@@ -1,6 +1,7 @@
 """Finished runs: the results in Python, the input of figures and page, and their files.
 
-A run is written as result.h5, summary.json, signal.wav and listen.wav.
+A run is written as result.h5, summary.json, signal.wav and listen.wav, and each quantity of its
+channels as a WAV.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from acoustics.uncertainty import widened
 from rolling.marches import force_law
 from rolling.marches.result import Result, released_energy
 from rolling.results import answer, listening, result_arrays, result_file, runs_table, verdict
+from rolling.results.channels import by_quantity, channel_wavs, wav_facts
 from rolling.results.description import runs_sentence
 from rolling.results.run_folder import RESULT, SUMMARY, RunFolder, read_summary
 from rolling.results.solved_run import SolvedRun
@@ -58,6 +60,8 @@ class Run(SolvedRun):
         Numbers of summary.json; a run that was opened has the stored ones.
     vibration : Vibration or None
         Vibration of sphere and plate; None unless the scene has dynamics.
+    channels : tuple of Channel
+        Signals of plate, ball and contact that `sound.channels` asks for.
 
     Examples
     --------
@@ -105,8 +109,8 @@ class Run(SolvedRun):
         """Return the content of result.h5 as a tree.
 
         The root holds the series. The groups are snapshot, pressure_maps, events, error_estimate,
-        slow_motion, force_law, moving_release, passes, contact_force and sound, as far as the run
-        has them.
+        slow_motion, force_law, moving_release, passes, contact_force, channels and sound, as far as
+        the run has them.
 
         Returns
         -------
@@ -220,6 +224,7 @@ def write_run(run: Run) -> None:
     contents = {LISTEN: listen_wav, RESULT: result_file.write_result(run)}
     if run.result.passes is not None:
         contents[PASSES], _ = listening.passes_wav(run)
+    contents |= channel_wavs(run, listening.wav_title(run, run.label))
     make_below(run.home, run.folder)
     title = f"{listening.wav_title(run, run.label)}, sound pressure in pascals"
     run.sound.write_wav(run.folder / SIGNAL, listening.wav_comment(run), title)
@@ -230,6 +235,9 @@ def write_run(run: Run) -> None:
         "listen": listen_facts,
         "provenance": provenance(run.scene, run.label),
     }
+    if run.channels:
+        groups = by_quantity(run.channels)
+        facts["channel_wavs"] = {name: wav_facts(channels) for name, channels in groups.items()}
     write_json(run.folder / SUMMARY, run.summary | facts)
 
 

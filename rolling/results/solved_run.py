@@ -17,6 +17,7 @@ from rolling.contact.recovery import EventStatistics, event_statistics
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result, released_energy
 from rolling.results import labels, long_record
+from rolling.results.channels import Channel, channels_of
 from rolling.results.long_record import ListeningError
 from rolling.results.run_folder import RunFolder
 from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
@@ -73,6 +74,14 @@ class SolvedRun(RunFolder):
             )
             sounds.append(sound)
         return sounds
+
+    @cached_property
+    def channels(self) -> tuple[Channel, ...]:
+        """Signals of plate, ball and contact that the scene asks for; empty if it asks for none.
+
+        They are made again from the marches of a run that is opened, as its sound is.
+        """
+        return channels_of(self.scene, self.vibration)
 
     @property
     def title(self) -> str:

@@ -92,6 +92,8 @@ def summarize(run: SolvedRun, release: ContactSound) -> dict[str, Any]:
     summary["answer"] = verdict.answers_as_json(summary, runs_sentence([run]))
     if result.passes is not None:
         summary["passes"] = _passes(run, result.passes, stiffness)
+    if run.channels:
+        summary["channels"] = [channel.numbers for channel in run.channels]
     if scene.sound.listen_s is not None:
         summary["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
     return summary

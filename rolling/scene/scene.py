@@ -23,7 +23,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from rolling.scene import library, quantities, rules, step_rule
+from rolling.scene import channels, library, quantities, rules, step_rule
 from rolling.scene import sweep as sweeps
 from rolling.scene.messages import (
     MAX_FAULTS,
@@ -136,6 +136,7 @@ class Scene(quantities.SceneQuantities):
     def _check_sound(cls, sound: Sound, info: ValidationInfo) -> Sound:
         sound = rules.with_source(sound, info.data)
         rules.refuse_listeners(sound, info.data)
+        channels.refuse_channels(sound.channels or [], info.data)
         return sound
 
     def __repr__(self) -> str:

@@ -21,6 +21,7 @@ from acoustics.bands import (
 from acoustics.numbers import rounded
 from acoustics.radiation import LossFactor
 from rolling.scene import library, messages
+from rolling.scene.channels import MAX_CHANNELS, SoundChannel, refuse_equal_names
 from rolling.scene.messages import MATERIALS, fault, is_number, numbers, plain_number, quoted
 from rolling.scene.models import Section
 from rolling.scene.surfaces import BallSurface
@@ -665,6 +666,21 @@ _ROOM_LEVELS = {"type": "object", "minProperties": 1, "additionalProperties": Fa
 Room = Annotated[dict[str, float], BeforeValidator(_room), WithJsonSchema(_ROOM_LEVELS)]
 
 
+def _channels(value: Any) -> Any:
+    """Refuse anything but a list of some channels, and keep the list for the model."""
+    is_list = isinstance(value, list | tuple)
+    if is_list and 1 <= len(value) <= MAX_CHANNELS:
+        return list(value)
+    got = f"{len(value)} channels" if is_list else quoted(value)
+    raise fault(
+        f"got {got}, allowed: a list of 1 to {MAX_CHANNELS} channels, as in"
+        " [{of: plate, quantity: acceleration, x_mm: 30, y_mm: 40}]"
+    )
+
+
+Channels = Annotated[list[SoundChannel], BeforeValidator(_channels)]
+
+
 class Sound(Section):
     """Source, listener, and conversion of release power to sound pressure.
 
@@ -698,6 +714,9 @@ class Sound(Section):
         Noise of the listener's room, in which differences are audible or not: levels of third
         octaves [dB re 20 uPa] by nominal mid frequency, as in {63: 25, 125: 22}. Missing bands are
         silent. No level of a run includes it. Default: pink noise of 30 dB(A), 50 Hz to 10 kHz.
+    channels : list of SoundChannel, optional
+        What else is recorded: motion of plate and ball, contact force and blocked force, each with
+        `of`, `quantity` and, on the plate, `x_mm` and `y_mm`. They need dynamics.
 
     Examples
     --------
@@ -715,6 +734,12 @@ class Sound(Section):
     listen_s: float | None = Field(default=None, ge=0.1, le=120)
     loudness: bool = False
     room_db: Room | None = None
+    channels: Channels | None = None
+
+    @model_validator(mode="after")
+    def _check_channels(self) -> Self:
+        refuse_equal_names(self.channels or [])
+        return self
 
     @model_validator(mode="after")
     def _check_free_factors(self) -> Self:

@@ -238,17 +238,21 @@ def radiated_by_motion(
     scene: Scene, motion: BodyMotion, closed: bool, listeners: int | None = None
 ) -> tuple[Array, Array]:
     """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a motion."""
+    fluctuation = force_fluctuation(scene, motion, closed)
+    return radiated(scene, fluctuation, 1 / motion.time_step_s, closed, listeners)
+
+
+def force_fluctuation(scene: Scene, motion: BodyMotion, closed: bool) -> Array:
+    """Return the fluctuation of the contact force [N] at the time steps, faded unless closed."""
     duration = len(motion.force_n) * motion.time_step_s
     falls = scene.rolling.drop_mm is not None
     # On a smooth surface the remainder is the solver's error; a flight has no remainder.
     if (scene.is_smooth and not falls) or motion.flight_share == 1:
-        fluctuation = np.zeros_like(motion.force_n)
-    elif falls:
-        fluctuation = faded_out(motion.force_n, duration)  # it begins in silence
-    else:
-        fluctuation = motion.force_n - scene.load
-        fluctuation = fluctuation if closed else faded(fluctuation, duration)
-    return radiated(scene, fluctuation, 1 / motion.time_step_s, closed, listeners)
+        return np.zeros_like(motion.force_n)
+    if falls:
+        return faded_out(motion.force_n, duration)  # it begins in silence
+    fluctuation = motion.force_n - scene.load
+    return fluctuation if closed else faded(fluctuation, duration)
 
 
 def radiated(

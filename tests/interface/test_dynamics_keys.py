@@ -34,6 +34,8 @@ def scene(*changes: str) -> Scene:
 
 
 EDGES = ["plate.length_mm=300", "plate.width_mm=400", "plate.loss_factor=0.01"]
+BALL = "sound.channels=[{of: ball, quantity: velocity}]"
+PLATE = "sound.channels=[{of: plate, quantity: velocity, x_mm: 3, y_mm: 0}]"
 PATH = [*EDGES, "plate.contact_path=to-and-fro", "plate.contact_mm=[9, 9]"]
 
 
@@ -65,6 +67,19 @@ PATH = [*EDGES, "plate.contact_path=to-and-fro", "plate.contact_mm=[9, 9]"]
         ([*EDGES, "plate.contact_end_mm=[9, 9]"], "plate.contact_end_mm"),
         ([*PATH, "plate.contact_end_mm=[9, 9]"], "plate.contact_end_mm"),
         (["plate.contact_mm=[9, 9]"], "plate.contact_mm"),
+        # channels
+        (["dynamics=", "plate.thickness_mm=", "sound.source=", BALL], "sound.channels"),
+        (["plate.thickness_mm=", PLATE], "sound.channels[0].of"),
+        ([PLATE.replace("x_mm: 3", "x_mm: 301"), *EDGES], "sound.channels[0].x_mm"),
+        ([PLATE.replace("y_mm: 0", "y_mm: -1"), *EDGES], "sound.channels[0].y_mm"),
+        ([PLATE.replace(", y_mm: 0", "")], "sound.channels[0]"),
+        ([PLATE.replace("velocity", "force")], "sound.channels[0].quantity"),
+        ([BALL.replace("velocity", "jerk")], "sound.channels[0].quantity"),
+        ([BALL.replace("}", ", x_mm: 3, y_mm: 4}")], "sound.channels[0].x_mm"),
+        ([BALL.replace("ball", "bowl")], "sound.channels[0].of"),
+        ([BALL.replace("]", ", {of: ball, quantity: velocity}]")], "sound.channels[1]"),
+        (["sound.channels=[]"], "sound.channels"),
+        ([BALL, "rolling.drop_mm=1"], "sound.channels[0].quantity"),
     ],
 )
 def test_keys_that_do_not_go_together_are_refused(changes: list[str], key: str) -> None:
