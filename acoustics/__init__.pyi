@@ -34,9 +34,9 @@ from acoustics.uncertainty import LevelUncertainty as LevelUncertainty
 from acoustics.uncertainty import kurtosis as kurtosis
 from acoustics.uncertainty import kurtosis_uncertainty as kurtosis_uncertainty
 from acoustics.uncertainty import level_uncertainty as level_uncertainty
-from acoustics.vibration_levels import REFERENCES as REFERENCES
-from acoustics.vibration_levels import VibrationLevels as VibrationLevels
-from acoustics.vibration_levels import vibration_levels as vibration_levels
+from acoustics.vibration_level import REFERENCES as REFERENCES
+from acoustics.vibration_level import VibrationLevels as VibrationLevels
+from acoustics.vibration_level import vibration_levels as vibration_levels
 from acoustics.weighting import a_weighting_db as a_weighting_db
 
 __distribution__: str

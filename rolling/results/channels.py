@@ -15,7 +15,7 @@ from acoustics.modulation import EnvelopeSpectrum, envelope_spectrum, loudest_oc
 from acoustics.numbers import rounded
 from acoustics.spectrum import Psd, welch
 from acoustics.traps import ignoring_underflow
-from acoustics.vibration_levels import REFERENCES, VibrationLevels, vibration_levels
+from acoustics.vibration_level import REFERENCES, VibrationLevels, vibration_levels
 from rolling.scene.scene import Scene
 from rolling.sound.channel_signals import channel_signals, contact_place_m
 from rolling.sound.vibration_sound import Vibration

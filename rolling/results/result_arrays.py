@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 import rolling
 from acoustics import wav
 from acoustics.bands import MID_HZ
-from acoustics.vibration_levels import REFERENCES
+from acoustics.vibration_level import REFERENCES
 from rolling.check.error_cost import DETAIL, LEVELS, MEASURED, WITH_LAW, has_instrument
 from rolling.marches.observers import (
     EVENT_COLUMNS,

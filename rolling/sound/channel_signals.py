@@ -191,7 +191,8 @@ def transfer_mobility(plate: ThinPlate, frequency_hz: Complex, distance_m: float
         return np.full(frequency_hz.shape, plate.mobility_s_kg, dtype=complex)
     ratio = plate.mass_per_area_kg_m2 / plate.bending_stiffness_n_m
     wave_number = ratio**0.25 * np.sqrt(2 * np.pi * frequency_hz)
-    phase = wave_number * (1 - 0.25j * plate.loss_factor) * distance_m
+    loss = plate.loss_factor_at(frequency_hz.real)
+    phase = wave_number * (1 - 0.25j * loss) * distance_m
     near_field = 2j / np.pi * kv(0, phase)  # H0 of the second kind at -i k r
     return np.asarray(plate.mobility_s_kg * (hankel2(0, phase) - near_field))
 

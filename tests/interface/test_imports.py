@@ -32,7 +32,7 @@ FLOORS = {
         ("bands", "radiation", "weighting"),
         ("continued_rows", "plot_style", "rectangular_plate", "resampling", "spectrum"),
         ("level", "loudness", "modulation", "sound_power"),
-        ("audibility", "laps", "plots", "uncertainty", "vibration_levels", "wav"),
+        ("audibility", "laps", "plots", "uncertainty", "vibration_level", "wav"),
     ),
 }
 FRONT_DOOR = "__init__"  # hands out names of every floor; rooms take version and place from it only
