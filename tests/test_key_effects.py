@@ -49,6 +49,7 @@ EXACT_DB = {  # by dotted key: level, release
 }
 
 
+@pytest.mark.slow
 def test_a_short_study_gives_the_effects_of_theory_and_of_the_page():
     wanted = [effect for effect in study.effects() if effect.key in EXACT_DB]
     frame = study.study(wanted, [1], 1, ["rolling.distance_mm=0.8"])

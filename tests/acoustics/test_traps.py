@@ -51,6 +51,7 @@ def test_faint_records_are_no_faults(kind: str) -> None:
     assert np.geterr()["under"] == "raise"
 
 
+@pytest.mark.slow
 def test_a_run_and_its_numbers_meet_no_trap(tmp_path: Path) -> None:
     run = rolling.simulate(loads(TINY), workers=1, progress=False)
     saved = run.save(tmp_path / "run")

@@ -154,6 +154,7 @@ def test_the_tolerance_keeps_the_solver_below_the_grid(roughness_um: float) -> N
     assert error_db(release(contact), tight) < grid_db - 10
 
 
+@pytest.mark.slow
 @pytest.mark.law("Tolerance: the solver stays 10 dB below the grid, and the level within 0.01 dB.")
 @pytest.mark.parametrize(
     ("overrides", "tolerance"),

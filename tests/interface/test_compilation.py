@@ -210,6 +210,7 @@ def test_a_lock_that_cannot_be_had_does_not_stop_a_kernel(tmp_path: Path) -> Non
     assert _run(refuse + CALL, **cache).communicate()[0].split()[0] == "1.5"
 
 
+@pytest.mark.slow
 def test_damaged_files_of_compiled_code_are_compiled_anew(tmp_path: Path) -> None:
     """Each damage costs one compilation, whose files serve the next start.
 

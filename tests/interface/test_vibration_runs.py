@@ -180,6 +180,7 @@ def test_the_check_knows_that_a_sharp_resonance_misses_the_lines_of_a_lap() -> N
         assert 0.5 < force_estimate.force_rms(scene) / np.median(forces) < 2
 
 
+@pytest.mark.slow
 def test_impacts_that_yield_are_marked() -> None:
     """The Hertz pressure is 0.75 GPa at the load; a cap without memory gives the work back."""
     changes = ["surface.roughness_ra_um=0.2", "rolling.speed_m_s=1", "rolling.distance_mm=0.32"]
@@ -194,6 +195,7 @@ def test_impacts_that_yield_are_marked() -> None:
 CALM = ["surface.roughness_ra_um=0.02", "rolling.distance_mm=0.4", "rolling.speed_m_s=0.6"]
 
 
+@pytest.mark.slow
 def test_a_release_that_is_heard_is_of_the_moving_load() -> None:
     """`release: false` leaves the march under the moving load out."""
     changes = [*CALM, "sound.source=release"]

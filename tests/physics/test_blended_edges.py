@@ -60,6 +60,7 @@ def test_release_is_closer_to_a_fine_grid_for_few_more_convolutions(
     assert abs(area[1] / area[2] - 1) < abs(area[0] / area[2] - 1) / 2, area
 
 
+@pytest.mark.slow
 @pytest.mark.law("Blended edges: the contact conditions and the energy ledger hold.")
 @pytest.mark.parametrize("subcells", [1, 2, 4])
 def test_every_law_holds(coarse: RollingContact, subcells: int) -> None:

@@ -19,6 +19,7 @@ def tone(level_db, frequency_hz=1000.0):
     return HeardRecord(pressure, RATE, closed=True)
 
 
+@pytest.mark.slow
 def test_the_sentence_names_the_louder_candidate():
     pytest.importorskip("mosqito", reason="loudness needs mosqito")
     heard = heard_difference([tone(20.0)], [tone(40.0)], names=("lapped", "ground"))
@@ -27,6 +28,7 @@ def test_the_sentence_names_the_louder_candidate():
     assert "is audible" in heard.text and "N5 of ground is" in heard.text
 
 
+@pytest.mark.slow
 def test_a_loud_room_masks_both():
     pytest.importorskip("mosqito", reason="loudness needs mosqito")
     room = {"1000": 60.0, "2000": 60.0}

@@ -115,6 +115,7 @@ def test_a_rough_half_and_a_smooth_half(tmp_path: Path, speed_m_s: float, load_n
     assert apart > 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [

@@ -85,6 +85,7 @@ def test_the_core_is_the_line_through_the_flattest_section(curve: Curve) -> None
         assert got[name] == pytest.approx(value, rel=1e-3), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "lengths"), [("gaussian", 1.2686), ("exponential", 1.6094)])
 @pytest.mark.parametrize("wrap", [True, False])
 def test_autocorrelation_length_of_a_law(law: str, lengths: float, wrap: bool) -> None:

@@ -23,6 +23,7 @@ KEY = "rolling.across_um"
 EXACT_M = 2.0**-36  # a multiple of it has exact sums, in which order ever they are taken
 
 
+@pytest.mark.slow
 @pytest.mark.law("Track across: it is the middle track of heights that are moved across.")
 @pytest.mark.parametrize("nodes", [1, -7])
 def test_the_series_are_those_of_a_file_that_is_moved(tmp_path: Path, nodes: int) -> None:

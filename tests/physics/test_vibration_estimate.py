@@ -88,6 +88,7 @@ def rough(request: pytest.FixtureRequest) -> Run:
     return marched(VIBRATING, (*ROUGH, request.param))
 
 
+@pytest.mark.slow
 def test_the_stiffness_of_a_rough_contact_is_that_of_its_force_law(rough: Run) -> None:
     """A smooth contact is 1.2 times as stiff or more; solved positions tell within 12 %.
 

@@ -53,6 +53,7 @@ def compiled(environment: dict[str, str], before: str = "") -> tuple[list[str], 
     return done.stdout.splitlines(), done.stderr
 
 
+@pytest.mark.slow
 def test_a_read_only_program_without_a_home_compiles_into_a_temporary_folder(
     sealed: dict[str, str], tmp_path: Path
 ) -> None:
@@ -68,6 +69,7 @@ def test_a_program_that_can_write_nowhere_works_all_the_same(sealed: dict[str, s
     assert sums == SUMS and warnings.count("NUMBA_CACHE_DIR") == 1
 
 
+@pytest.mark.slow
 def test_a_given_folder_keeps_the_compiled_code(sealed: dict[str, str], tmp_path: Path) -> None:
     kept = tmp_path / "kept"
     (sums, folder), warnings = compiled(sealed | {"NUMBA_CACHE_DIR": str(kept)})
@@ -78,6 +80,7 @@ def test_a_given_folder_keeps_the_compiled_code(sealed: dict[str, str], tmp_path
 # ---- no semaphores
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "error", [FileNotFoundError(2, "No such file"), OSError(38, "ENOSYS"), ImportError("sem_open")]
 )
@@ -129,6 +132,7 @@ def test_a_run_without_shared_memory_is_done(tmp_path: Path) -> None:
     assert done.stderr.count("warning: no worker processes") == 1
 
 
+@pytest.mark.slow
 def test_a_kernel_is_compiled_anew_when_a_kernel_in_another_file_changes(tmp_path: Path) -> None:
     """Numba would go on with cached code that holds the old kernel."""
     for package in ("rolling", "acoustics"):

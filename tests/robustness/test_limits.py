@@ -95,6 +95,7 @@ sys.exit(cli.main(sys.argv[2:]))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="address space is limited so on Linux only")
 @pytest.mark.parametrize("workers", ["1", "2"])
 @pytest.mark.parametrize("megabytes", [250, 600, 700])

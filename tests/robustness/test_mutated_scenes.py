@@ -59,6 +59,7 @@ def assert_read_or_refused(kind: str, numbers: range, folder: Path) -> None:
     assert outcomes == {"read", "refused"}  # neither is rare, so both ways are tried
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", CASES)
 def test_mutations_are_checked_or_refused_in_words_and_quickly(kind: str, tmp_path: Path) -> None:
     assert_read_or_refused(kind, range(SHORT), tmp_path)

@@ -37,6 +37,7 @@ def assert_guarded(name: str, iterations: float, convolutions: float) -> None:
     )
 
 
+@pytest.mark.slow
 def test_counts_of_the_scene() -> None:
     march = timed_march(rolling_contact(scene_20_n()), 30)
     assert_guarded("scene", **counts(march.states))

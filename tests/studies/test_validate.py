@@ -137,6 +137,7 @@ def test_refusals(words: list[str], message: str, capfd: Any) -> None:
     assert message in refusal
 
 
+@pytest.mark.slow
 def test_plates_and_levels_are_near_phonometry() -> None:
     """Three plates, five bands of radiation, four weightings, levels, and loudness."""
     rows = validate.rows_of(TABLE["phonometry"], validate.phonometry())

@@ -35,6 +35,7 @@ def halved(scene: Scene, heights: Any) -> Any:
     return SimpleNamespace(scene=scene, series={"approach": np.append(approach, approach[0])})
 
 
+@pytest.mark.slow
 def test_half_of_the_heights_is_6_db_below(monkeypatch: pytest.MonkeyPatch) -> None:
     """On ridges all lines are the same and the filter is -6.02 dB, up to the aliases of the steps.
 
