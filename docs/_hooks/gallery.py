@@ -48,6 +48,7 @@ SITE = {
     "marble-rolling-out": ["rolling.distance_mm=4"],
     "ball-with-pit": ["rolling.distance_mm=25.134", BRIEF],
     "bearing-grades": ["surface.spacing_um=4", BRIEF],
+    "damping": [],
     "quickstart": ["sweep=", "rolling.duration_s=0.05", "numerics.error_estimate=false", BRIEF],
     "accelerating": [],
 }
@@ -60,6 +61,7 @@ SHORT = {
     "marble-rolling-out": ["rolling.distance_mm=1.5", "surface.spacing_um=3", BRIEF],
     "ball-with-pit": ["surface.spacing_um=6"],
     "bearing-grades": ["surface.spacing_um=8"],
+    "damping": ["surface.spacing_um=4"],
     "quickstart": ["rolling.duration_s=0.02"],
     "accelerating": ["rolling.distance_mm=2", BRIEF],
 }

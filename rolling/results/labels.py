@@ -79,6 +79,8 @@ def _parts(runs: Sequence[RunFolder]) -> list[list[str]]:
         if len(set(texts.get(f"{section}.{name.key}", ()))) > 1:
             given = {f"{section}.{key}" for key in name.gives}.difference(swept)
             texts = {key: words for key, words in texts.items() if key not in given}
+    if len(set(texts.get("plate.damping", ()))) > 1 and "plate.loss_factor" not in swept:
+        texts.pop("plate.loss_factor", None)  # which follows from the damping
     minor = {key: WORDS.get(key, Word(key)).minor for key in texts}
     differing = sorted((key for key in texts if len(set(texts[key])) > 1), key=minor.__getitem__)
     names = [run.scene.name for run in runs]
