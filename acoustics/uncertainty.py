@@ -214,14 +214,18 @@ def steady_uncertainty_db(power: Array, sample_rate_hz: float) -> float | None:
 
 
 @ignoring_underflow
-def record_scatter_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
+def record_scatter_db(
+    pressure_pa: Array, sample_rate_hz: float, weighted: bool = True
+) -> float | None:
     """Return the standard uncertainty of LAeq [dB] that the thirds of a record show.
 
-    The mean squares of three thirds estimate the spread of their mean without a law for the noise.
-    Three values estimate a spread poorly, so it is widened for the same probability of 68 %. It is
-    None for silence, and for a record of fewer than three samples.
+    Unless it is `weighted`, it is that of the level without A-weighting. The mean squares of three
+    thirds estimate the spread of their mean without a law for the noise. Three values estimate a
+    spread poorly, so it is widened for the same probability of 68 %. It is None for silence, and
+    for a record of fewer than three samples.
     """
-    thirds = np.array_split(np.square(a_weighted(pressure_pa, sample_rate_hz)), 3)
+    record = a_weighted(pressure_pa, sample_rate_hz) if weighted else pressure_pa
+    thirds = np.array_split(np.square(record), 3)
     if not len(thirds[-1]) or not np.any(pressure_pa):
         return None
     squares = np.array([third.mean() for third in thirds])

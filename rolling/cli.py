@@ -329,11 +329,34 @@ def _ends(texts: Sequence[str]) -> tuple[float | str, float | str]:
 
 
 def _compare(given: argparse.Namespace) -> int:
-    """Compare a run with a recording."""
+    """Compare a run with a recording, or all that the folder of a bench holds."""
+    if given.recording is None:
+        _refuse_options_of_bench(given)
     with progress.step(LOADING):
-        from rolling.commands import compare
-    paths = compare(given.folder, given.recording, given.calibration, given.background)
+        from rolling.commands import compare, compare_bench
+    if given.recording is None:
+        return _print_paths(compare_bench(given.folder))
+    paths = compare(
+        given.folder,
+        given.recording,
+        given.calibration,
+        given.background,
+        given.quantity or "pressure",
+        given.channels,
+    )
     return _print_paths(paths)
+
+
+def _refuse_options_of_bench(given: argparse.Namespace) -> None:
+    """Refuse options that a recording needs, where none is given."""
+    for option in ("quantity", "calibration", "background"):
+        if getattr(given, option) is not None:
+            given.parser.error(
+                f"--{option}: only goes with a RECORDING; the folder of a bench says it by the"
+                " names of its files and in calibration.txt"
+            )
+    if given.channels:
+        given.parser.error("--channel: only goes with a RECORDING")
 
 
 def _surface(given: argparse.Namespace) -> int:
@@ -374,7 +397,7 @@ def _validate(given: argparse.Namespace) -> int:
     """Compare the program with published results."""
     with progress.step(LOADING):
         from rolling.studies.validate import validate
-    return validate(given.cases, given.out)
+    return validate(given.cases, given.out, given.benches)
 
 
 def _scenes(given: argparse.Namespace) -> int:

@@ -30,6 +30,8 @@ from rolling.terminal.streams import folded
 if TYPE_CHECKING:
     import pandas as pd
 
+    from rolling.report.recording import RecordingComparison
+
 TABLE = "runs.csv"
 GALLERY = Path("gallery.html")
 
@@ -368,40 +370,141 @@ def listen(
 
 
 def compare(
-    folder: Path, recording: Path, calibration: str | None = None, background: Path | None = None
+    folder: Path,
+    recording: Path,
+    calibration: str | None = None,
+    background: Path | None = None,
+    quantity: str = "pressure",
+    channels: Sequence[str] = (),
 ) -> list[Path]:
     """Compare a run with a recording: print a table, write it and a page, and return its path.
 
     Parameters
     ----------
-    folder : Path. The folder of one run, which gets compare-NAME.html and compare-NAME.csv.
+    folder : Path. The folder of one run, which gets compare-NAME.html and compare-NAME.csv, with a
+        number where another comparison has the name.
     recording : Path. Sound file of the real thing, whose name is NAME.
-    calibration : str. TONE.wav=LEVEL, a recorded tone of known level in dB re 20 uPa, or the
-        pressure of full scale in Pa. Default: none; the recording gets the LAeq of the run.
+    calibration : str. TONE.wav=LEVEL, a recorded tone of known level (dB re 20 uPa of sound,
+        otherwise the rms in the SI unit), or the value of full scale in the SI unit. Default: none;
+        the recording gets the total level of the run.
     background : Path. Recording of the background alone, which is subtracted. Default: none.
+    quantity : str. What is recorded: pressure, acceleration, velocity, displacement or force.
+        Default: pressure.
+    channels : sequence of str. Names of the run's channels, in the order of the recording's.
+        Default: those of the quantity in their order.
 
     Raises
     ------
-    FolderError : the folder holds no single run that is done, or a sound cannot be compared.
+    FolderError : the folder holds no single run that is done, or a recording cannot be compared.
         Nothing is written.
     """
-    from rolling.figures.picture import csv_bytes, slug
     from rolling.report import recording as recordings
+    from rolling.report.recorded import quantity_of
 
+    quantity_of(quantity)
+    run = _run_to_compare(folder)
+    with progress.step("comparing it with the recording"):
+        comparison = recordings.compare(
+            run=run,
+            path=recording,
+            calibration=calibration,
+            background=background,
+            quantity=quantity,
+            channels=channels,
+        )
+    return [_write_comparison(run, folder, recording, comparison)]
+
+
+def compare_bench(folder: Path) -> list[Path]:
+    """Run the scene of a bench unless it has run, and compare it with each of its recordings.
+
+    Parameters
+    ----------
+    folder : Path. Folder with scene, scan, recordings and calibration.txt; its run is in the folder
+        run. The name synthetic-bench, where there is no such folder, makes one below outputs.
+
+    Returns
+    -------
+    pages : list of Path. A page for each recording.
+
+    Raises
+    ------
+    FolderError : something is missing in the folder, and nothing is written; or a run failed, or a
+        recording cannot be compared, after all others were.
+    """
+    from rolling.report import bench as benches
+    from rolling.report import synthetic_bench
+
+    if folder == synthetic_bench.NAME and not folder.exists():
+        folder = synthetic_bench.make(Path("outputs") / folder)
+    bench = benches.read_bench(folder)
+    place = benches.run_folder(bench)
+    failures = run_scene(bench.scene, place)
+    if failures:
+        raise FolderError("; ".join(f"{place}: {reason}" for reason in failures.values()))
+    run = _run_to_compare(place)
+    pages = []
+    faults = []
+    for item in bench.recordings:
+        try:
+            with progress.step(f"comparing it with {item.path.name}"):
+                comparison = benches.compare_recording(run, item)
+        except FolderError as error:
+            faults.append(str(error))
+            continue
+        pages.append(_write_comparison(run, place, item.path, comparison))
+    if faults:
+        raise FolderError("\n".join(faults))
+    progress.line(f"as rows of the validation: rolling validate --bench {folder}")
+    return pages
+
+
+def _run_to_compare(folder: Path) -> Run:
+    """Return the only run of a folder, with its sound."""
     stored = folders.done_run(folder, "compare")
     with progress.step("reading the run, making its sound"):
         (run,) = open_runs([stored])
-    with progress.step("comparing it with the recording"):
-        comparison = recordings.compare(run, recording, calibration, background)
-        content = recordings.page(run, comparison)
-    page = folder / f"compare-{slug(recording.name)[:80]}.html"
-    files.write_bytes(page.with_suffix(".csv"), csv_bytes(comparison.table))
+    return run
+
+
+def _write_comparison(
+    run: Run, folder: Path, recording: Path, comparison: RecordingComparison
+) -> Path:
+    """Write page and table of a comparison into a run folder, and print them; return the page."""
+    from rolling.figures.picture import csv_bytes, slug
+    from rolling.report import recording as recordings
+
+    content = recordings.page(run, comparison)
+    numbers = csv_bytes(comparison.table)
+    page = _free_page(folder / f"compare-{slug(recording.name)[:80]}.html", content, numbers)
+    files.write_bytes(page.with_suffix(".csv"), numbers)
     files.write_bytes(page, content)
     if not progress.is_quiet():
-        print(*map(folded, comparison.notes), "", sep="\n")
-        print(recordings.words(comparison.table).to_string(index=False))
+        print(*map(folded, comparison.notes), sep="\n")
+        for heading, table in recordings.words(comparison).items():
+            print(f"\n{heading}\n{table.to_string(index=False)}")
         print()
-    return [page]
+    return page
+
+
+def _free_page(page: Path, content: bytes, numbers: bytes) -> Path:
+    """Return a page, with a number where another comparison has its name.
+
+    A comparison that is there already keeps its name.
+    """
+    free = page
+    number = 1
+    while free.exists() or free.with_suffix(".csv").exists():
+        if _holds(free, content) and _holds(free.with_suffix(".csv"), numbers):
+            return free
+        number += 1
+        free = page.with_name(f"{page.stem}-{number}{page.suffix}")
+    return free
+
+
+def _holds(path: Path, content: bytes) -> bool:
+    """Tell whether a file has this content."""
+    return path.is_file() and path.read_bytes() == content
 
 
 def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None) -> list[Path]:

@@ -28,7 +28,7 @@ from rolling.contact.half_space import HalfSpace
 from rolling.contact.single_contact import solve_contact
 from rolling.contact.solver import ContactError
 from rolling.dynamics import drop, of_scene
-from rolling.report import recording
+from rolling.report import bench, recording, synthetic_bench
 from rolling.results.run_result import Run
 from rolling.run.solving import Values, simulate_runs
 from rolling.scene import library
@@ -68,23 +68,30 @@ class PublishedValue(NamedTuple):
 PublishedValues = Iterator[PublishedValue]
 
 
-def validate(cases: Sequence[str], out: Path | None) -> int:
+def validate(cases: Sequence[str], out: Path | None, benches: Sequence[Path] = ()) -> int:
     """Run cases, write their page, and return 1 if a difference is not allowed, else 0.
 
     Parameters
     ----------
-    cases : sequence of str. Names of cases; "all" among them: every case.
+    cases : sequence of str. Names of cases; "all" among them: every case. Empty: every case, or
+        only the bench where benches are given.
     out : Path or None. Page to write; an earlier page of validation is replaced. Default:
         validation.md.
+    benches : sequence of Path. Folders of benches, in place of the synthetic one of the case bench.
 
     Raises
     ------
-    FolderError : there is no such case, `out` is another file, or its folder cannot be written.
+    FolderError : a bench lacks something, there is no such case, `out` is another file, or its
+        folder cannot be written.
     """
     content = tomllib.loads((FOLDER / "cases.toml").read_text(encoding="utf-8"))
     known = content["cases"]
     out = out or PAGE
-    names = list(known) if ALL in cases else list(cases)
+    names = list(cases)
+    if benches and BENCH not in names:
+        names.append(BENCH)
+    if ALL in names or not names:
+        names = list(known)
     for name in names:
         if name not in known:
             near = nearest(name, [*known])
@@ -96,9 +103,9 @@ def validate(cases: Sequence[str], out: Path | None) -> int:
         raise FolderError(f"{out}: exists and is no page of validation; take another --out")
     tables = {}
     for name in names:
-        compare = CASES[name]
+        values = bench_rows(benches) if name == BENCH and benches else CASES[name]()
         with progress.step(f"validating {name}"):
-            rows = rows_of(known[name], compare())
+            rows = rows_of(known[name], values)
         tables[name] = rows
         summary = f"{name}: {len(rows)} rows"
         beyond = list(rows["quantity"][~rows["holds"]])
@@ -619,6 +626,45 @@ def _gain_db(frequency_hz: Array) -> Array:
     return np.interp(np.log(np.maximum(frequency_hz, 1.0)), np.log([800, 2500]), [-6, -15])
 
 
+# ---- benches
+
+BENCH = "bench"
+
+
+def bench_rows(folders: Sequence[Path], kind: str = "measured") -> PublishedValues:
+    """Compare the runs of benches with their recordings; solve those that have not run."""
+    for folder in folders:
+        for result in bench.compare_all(bench.read_bench(folder)):
+            quantity = result.comparison.quantity
+            for pair in result.comparison.pairs:
+                table = result.comparison.table
+                rows = table[table["channel"] == pair.name]
+                name = pair.name or quantity.name
+                item = f"{name}, re {quantity.reference_text} ({folder.name}/{result.name})"
+                total = rows[rows["quantity"].isin(recording.TOTALS)].iloc[0]
+                yield PublishedValue(
+                    rule=f"{kind} level",
+                    item=item,
+                    published=total["recording_db"],
+                    ours=total["run_db"],
+                    bound=2 * total["difference_uncertainty_db"] if kind == "measured" else None,
+                )
+                bands = rows[rows["quantity"] == recording.THIRD_OCTAVE]
+                yield PublishedValue(
+                    rule=f"{kind} third octaves, rms difference",
+                    item=item,
+                    published=0.0,
+                    ours=_rms(bands["difference_db"]),
+                )
+
+
+def synthetic_bench_rows() -> PublishedValues:
+    """Make the synthetic bench, and compare its run with its recordings."""
+    with TemporaryDirectory() as parent:
+        folder = synthetic_bench.make(Path(parent, synthetic_bench.NAME))
+        yield from bench_rows([folder], "synthetic")
+
+
 # The cases of cases.toml, by name.
 CASES: dict[str, Callable[[], PublishedValues]] = {
     "impact": impact,
@@ -627,4 +673,5 @@ CASES: dict[str, Callable[[], PublishedValues]] = {
     "speed-and-roughness": speed_and_roughness,
     "contact-filter": contact_filter,
     "synthetic-recording": synthetic_recording,
+    BENCH: synthetic_bench_rows,
 }

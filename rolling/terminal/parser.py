@@ -315,27 +315,50 @@ def _add_compare(commands: Any) -> None:
         commands,
         name="compare",
         help="compare a run with a recording of the real thing",
-        answer="How near is a run to a recording? The command compares third octaves, LAeq "
-        "and modulation, and writes RUN/compare-RECORDING.html.",
+        answer="How near is a run to a recording of sound, acceleration or force? The command "
+        "compares third octaves, total levels and modulation, and writes "
+        "RUN/compare-RECORDING.html. Without RECORDING, the folder is a bench with scene, scan, "
+        "recordings and calibration.txt: the command names what is missing, or runs the scene and "
+        "compares. synthetic-bench makes an example.",
     )
-    _add_folder(compare)
+    compare.add_argument(
+        "folder", type=arguments.path, metavar="RUN", help="run folder, or the folder of a bench"
+    )
     compare.add_argument(
         "recording",
         type=arguments.path,
+        nargs="?",
         metavar="RECORDING",
-        help="sound file of 0.5 to 120 s at 16 kHz or more: WAV, FLAC, OGG, MP3, AIFF",
+        help="sound file of 0.5 to 120 s at 16 kHz or more (4 kHz of vibrations): WAV, FLAC, OGG,"
+        " MP3, AIFF",
+    )
+    compare.add_argument(
+        "--quantity",
+        metavar="NAME",
+        help="what is recorded: pressure, acceleration, velocity, displacement or force (default:"
+        " pressure)",
     )
     compare.add_argument(
         "--calibration",
-        metavar="TONE.wav=DB",
-        help="recorded tone and its level in dB re 20 uPa, or the pressure of full scale in Pa"
-        " (default: only shapes are compared)",
+        metavar="TONE.wav=LEVEL",
+        help="recorded tone and its level, in dB re 20 uPa of sound, otherwise its rms in m/s2,"
+        " m/s, m or N; or the value of full scale in Pa, m/s2, m/s, m or N; several channels have"
+        " one for all, or one for each with commas between (default: only shapes are compared)",
     )
     compare.add_argument(
         "--background",
         type=arguments.path,
         metavar="NOISE",
         help="recording of the background alone, which is subtracted",
+    )
+    compare.add_argument(
+        "--channel",
+        dest="channels",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="channel of the run that goes with the next channel of RECORDING, or - to leave it"
+        " out; may stand several times (default: all channels of the quantity, in order)",
     )
 
 
@@ -462,10 +485,20 @@ def _add_validate(commands: Any) -> None:
     validate.add_argument(
         "cases",
         nargs="*",
-        default=["all"],
+        default=[],
         metavar="CASE",
         help="headings of the page in short, such as impact (default: all); a wrong name lists"
         " them",
+    )
+    validate.add_argument(
+        "--bench",
+        dest="benches",
+        nargs="+",
+        type=arguments.path,
+        default=[],
+        metavar="FOLDER",
+        help="folders of benches that are compared as `rolling compare FOLDER` does, and become"
+        " rows (default: the synthetic one)",
     )
     _add_out(validate, metavar="PAGE", help="page to write (default: validation.md)")
 
