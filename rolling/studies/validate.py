@@ -629,6 +629,7 @@ def _gain_db(frequency_hz: Array) -> Array:
 # ---- benches
 
 BENCH = "bench"
+LOUD_DB = 30.0  # below the loudest third octave, down to which differences count
 
 
 def bench_rows(folders: Sequence[Path], kind: str = "measured") -> PublishedValues:
@@ -650,11 +651,12 @@ def bench_rows(folders: Sequence[Path], kind: str = "measured") -> PublishedValu
                     bound=2 * total["difference_uncertainty_db"] if kind == "measured" else None,
                 )
                 bands = rows[rows["quantity"] == recording.THIRD_OCTAVE]
+                loud = bands["recording_db"] >= bands["recording_db"].max() - LOUD_DB
                 yield PublishedValue(
                     rule=f"{kind} third octaves, rms difference",
                     item=item,
                     published=0.0,
-                    ours=_rms(bands["difference_db"]),
+                    ours=_rms(bands["difference_db"][loud]),
                 )
 
 
