@@ -28,7 +28,8 @@ from rolling.contact.half_space import HalfSpace
 from rolling.contact.single_contact import solve_contact
 from rolling.contact.solver import ContactError
 from rolling.dynamics import drop, of_scene
-from rolling.report import bench, recording, synthetic_bench
+from rolling.report import recording, synthetic_bench
+from rolling.report.bench import compare_all, read_bench
 from rolling.results.run_result import Run
 from rolling.run.solving import Values, simulate_runs
 from rolling.scene import library
@@ -635,7 +636,7 @@ LOUD_DB = 30.0  # below the loudest third octave, down to which differences coun
 def bench_rows(folders: Sequence[Path], kind: str = "measured") -> PublishedValues:
     """Compare the runs of benches with their recordings; solve those that have not run."""
     for folder in folders:
-        for result in bench.compare_all(bench.read_bench(folder)):
+        for result in compare_all(read_bench(folder)):
             quantity = result.comparison.quantity
             for pair in result.comparison.pairs:
                 table = result.comparison.table
@@ -660,7 +661,7 @@ def bench_rows(folders: Sequence[Path], kind: str = "measured") -> PublishedValu
                 )
 
 
-def synthetic_bench_rows() -> PublishedValues:
+def bench() -> PublishedValues:
     """Make the synthetic bench, and compare its run with its recordings."""
     with TemporaryDirectory() as parent:
         folder = synthetic_bench.make(Path(parent, synthetic_bench.NAME))
@@ -675,5 +676,5 @@ CASES: dict[str, Callable[[], PublishedValues]] = {
     "speed-and-roughness": speed_and_roughness,
     "contact-filter": contact_filter,
     "synthetic-recording": synthetic_recording,
-    BENCH: synthetic_bench_rows,
+    BENCH: bench,
 }
