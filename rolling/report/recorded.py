@@ -15,6 +15,7 @@ from acoustics import resampling, spectrum, uncertainty
 from acoustics.arrays import Array
 from acoustics.radiation import P_REF_PA
 from acoustics.texts import printable
+from acoustics.vibration_level import REFERENCES
 from acoustics.wav import SAMPLE_RATE_HZ as RATE
 from rolling.scene.height_files import read_regular
 from rolling.scene.messages import nearest
@@ -50,12 +51,24 @@ class Quantity(NamedTuple):
     weighting: str
 
 
+def _of_vibration(name: str) -> Quantity:
+    """Return a quantity of vibration or force."""
+    reference = REFERENCES[name]
+    return Quantity(
+        name=name,
+        unit=reference.unit,
+        reference=reference.value,
+        reference_text=reference.words.removeprefix("re "),
+        weighting="Z",
+    )
+
+
 QUANTITIES = {
     "pressure": Quantity("pressure", "Pa", P_REF_PA, "20 uPa", "A"),
-    "acceleration": Quantity("acceleration", "m/s2", 1e-6, "1e-6 m/s2", "Z"),
-    "velocity": Quantity("velocity", "m/s", 1e-9, "1e-9 m/s", "Z"),
-    "displacement": Quantity("displacement", "m", 1e-12, "1e-12 m", "Z"),
-    "force": Quantity("force", "N", 1e-6, "1e-6 N", "Z"),
+    "acceleration": _of_vibration("acceleration"),
+    "velocity": _of_vibration("velocity"),
+    "displacement": _of_vibration("displacement"),
+    "force": _of_vibration("force"),
 }
 PRESSURE = QUANTITIES["pressure"]
 

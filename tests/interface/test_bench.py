@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import soundfile
 from finished import VIBRATING, marched
-from rolling.results.channels import Channel
 
 from acoustics import resampling
 from rolling import cli, save_run
 from rolling.report import recording
 from rolling.report.bench import read_bench
+from rolling.results.channels import Channel
 from rolling.results.run_result import Run
 from rolling.terminal.files import FolderError
 
