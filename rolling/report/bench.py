@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from acoustics.texts import printable
-from rolling.report.recorded import FORMATS, PRESSURE, QUANTITIES, Quantity
+from rolling.report.recorded import FORMATS, PRESSURE, QUANTITIES, MeasuredQuantity
 from rolling.report.recording import RecordingComparison, compare, lacking_channels
 from rolling.results.run_folder import RESULT
 from rolling.results.run_result import Run
@@ -38,7 +38,7 @@ class BenchRecording(NamedTuple):
     """Recording of a bench, its quantity, calibration and background."""
 
     path: Path
-    quantity: Quantity
+    quantity: MeasuredQuantity
     calibration: list[str]
     background: Path | None
 
@@ -249,7 +249,7 @@ def _recordings(folder: Path, missing: list[str]) -> list[BenchRecording]:
     return recordings
 
 
-def _quantity_in(name: str) -> Quantity | None:
+def _quantity_in(name: str) -> MeasuredQuantity | None:
     """Return the quantity with which the name of a file begins; None if there is none."""
     for key, quantity in QUANTITIES.items():
         if name.lower().startswith(key):
@@ -257,7 +257,7 @@ def _quantity_in(name: str) -> Quantity | None:
     return None
 
 
-def _no_calibration(quantity: Quantity) -> str:
+def _no_calibration(quantity: MeasuredQuantity) -> str:
     """Say that a quantity has no calibration, and what to do."""
     tone = f"{quantity.name}: tone.wav=10, with its rms in {quantity.unit}"
     if quantity is PRESSURE:

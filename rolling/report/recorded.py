@@ -38,8 +38,8 @@ FORMATS = "WAV, FLAC, OGG, MP3, AIFF"
 SKIPPED = "-"  # in place of the name of a channel that is not compared
 
 
-class Quantity(NamedTuple):
-    """Quantity that a record holds, its unit, and the reference value of its levels (ISO 1683).
+class MeasuredQuantity(NamedTuple):
+    """Quantity of a record, its unit, and the reference value of its levels (ISO 1683).
 
     The total level of sound is A-weighted, that of all others is not weighted (Z).
     """
@@ -51,10 +51,10 @@ class Quantity(NamedTuple):
     weighting: str
 
 
-def _of_vibration(name: str) -> Quantity:
+def _of_vibration(name: str) -> MeasuredQuantity:
     """Return a quantity of vibration or force."""
     reference = REFERENCES[name]
-    return Quantity(
+    return MeasuredQuantity(
         name=name,
         unit=reference.unit,
         reference=reference.value,
@@ -64,7 +64,7 @@ def _of_vibration(name: str) -> Quantity:
 
 
 QUANTITIES = {
-    "pressure": Quantity("pressure", "Pa", P_REF_PA, "20 uPa", "A"),
+    "pressure": MeasuredQuantity("pressure", "Pa", P_REF_PA, "20 uPa", "A"),
     "acceleration": _of_vibration("acceleration"),
     "velocity": _of_vibration("velocity"),
     "displacement": _of_vibration("displacement"),
@@ -73,7 +73,7 @@ QUANTITIES = {
 PRESSURE = QUANTITIES["pressure"]
 
 
-def quantity_of(name: str) -> Quantity:
+def quantity_of(name: str) -> MeasuredQuantity:
     """Return a quantity by its name, or raise FolderError with the names that are allowed."""
     if name not in QUANTITIES:
         near = nearest(name, [*QUANTITIES])
@@ -94,7 +94,7 @@ class Recording(NamedTuple):
     seconds: float
     is_clipped: bool = False
     is_drop: bool = False
-    quantity: Quantity = PRESSURE
+    quantity: MeasuredQuantity = PRESSURE
 
     @property
     def scatter_db(self) -> float:
@@ -125,7 +125,7 @@ def fade_window(count: int, rate: float = RATE) -> Array:
     return resampling.fade(np.ones(count), min(round(FADE_S * rate), count // 4))
 
 
-def read_channels(path: Path, quantity: Quantity = PRESSURE) -> list[Recording]:
+def read_channels(path: Path, quantity: MeasuredQuantity = PRESSURE) -> list[Recording]:
     """Read all channels of a sound file without their means, faded at both ends.
 
     A channel that is silent, or holds NaN, is refused when it is used: `usable` does so.
@@ -187,7 +187,9 @@ def _is_clipped(channel: Array) -> bool:
 # ---- calibration
 
 
-def full_scales(calibration: str | Sequence[str], quantity: Quantity, channels: int) -> list[float]:
+def full_scales(
+    calibration: str | Sequence[str], quantity: MeasuredQuantity, channels: int
+) -> list[float]:
     """Return the value of full scale [SI unit] of each channel of a recording.
 
     Parameters
@@ -196,7 +198,7 @@ def full_scales(calibration: str | Sequence[str], quantity: Quantity, channels: 
         dB re 20 uPa for sound, otherwise its rms in the unit of the quantity. One stands for all
         channels; several, in a sequence or with commas between them, stand for one channel each. A
         tone of as many channels as the recording calibrates each channel by its own.
-    quantity : Quantity. What the recording holds.
+    quantity : MeasuredQuantity. What the recording holds.
     channels : int. Number of channels of the recording.
 
     Raises
@@ -219,7 +221,7 @@ def full_scales(calibration: str | Sequence[str], quantity: Quantity, channels: 
     return [_full_scale(part, quantity, number, channels) for number, part in enumerate(parts)]
 
 
-def _full_scale(text: str, quantity: Quantity, number: int, channels: int) -> float:
+def _full_scale(text: str, quantity: MeasuredQuantity, number: int, channels: int) -> float:
     """Return the value of full scale [SI unit] of a channel from a number, or from a tone."""
     path, sign, level = text.rpartition("=")
     try:
@@ -245,14 +247,14 @@ def _full_scale(text: str, quantity: Quantity, number: int, channels: int) -> fl
     raise FolderError(f"--calibration: got {text}, allowed: {allowed}")
 
 
-def _is_scale(value: float, quantity: Quantity) -> bool:
+def _is_scale(value: float, quantity: MeasuredQuantity) -> bool:
     """Tell whether a number can be the value of full scale."""
     if quantity is PRESSURE:
         return 1 / LARGEST <= value <= LARGEST
     return 1e-15 <= value <= 1e15  # a displacement may be nanometres, a force kilonewtons
 
 
-def _tone_rms(path: Path, quantity: Quantity, number: int, channels: int) -> float:
+def _tone_rms(path: Path, quantity: MeasuredQuantity, number: int, channels: int) -> float:
     """Return the rms of a steady tone without the noise beyond half an octave from it.
 
     The tone of a file with one channel holds for all channels of a recording.

@@ -39,7 +39,7 @@ from rolling.report.recorded import (
     FAINTEST,
     PRESSURE,
     SKIPPED,
-    Quantity,
+    MeasuredQuantity,
     Recording,
     full_scales,
     quantity_of,
@@ -75,7 +75,7 @@ _LACKING = {
 }
 
 
-class Pair(NamedTuple):
+class RecordPair(NamedTuple):
     """A record of the run and the channel of the recording that goes with it.
 
     name : str. Name of the run's channel; empty for sound pressure.
@@ -128,10 +128,10 @@ class RecordingComparison(NamedTuple):
 
     table: pd.DataFrame
     notes: list[str]
-    pairs: list[Pair]
+    pairs: list[RecordPair]
 
     @property
-    def quantity(self) -> Quantity:
+    def quantity(self) -> MeasuredQuantity:
         """The quantity that is compared."""
         return self.pairs[0].recording.quantity
 
@@ -160,7 +160,7 @@ def of_run(run: Run) -> Recording:
     )
 
 
-def _of_channel(run: Run, channel: Channel, quantity: Quantity) -> Recording:
+def _of_channel(run: Run, channel: Channel, quantity: MeasuredQuantity) -> Recording:
     """Return the record of a channel of a run."""
     if not np.any(channel.samples):
         raise FolderError(f"{run.folder}: its channel {channel.name} is silent")
@@ -174,14 +174,16 @@ def _of_channel(run: Run, channel: Channel, quantity: Quantity) -> Recording:
     )
 
 
-def pair_records(run: Run, path: Path, quantity: Quantity, names: Sequence[str] = ()) -> list[Pair]:
+def pair_records(
+    run: Run, path: Path, quantity: MeasuredQuantity, names: Sequence[str] = ()
+) -> list[RecordPair]:
     """Return the records of a run, each with its channel of a recording.
 
     Parameters
     ----------
     run : Run. The run.
     path : Path. Sound file. Of sound pressure its first channel is taken.
-    quantity : Quantity. What it holds.
+    quantity : MeasuredQuantity. What it holds.
     names : sequence of str. Names of channels of the run in the order of the recording's channels;
         "-" leaves one out. Default: the channels of the quantity in their order.
 
@@ -196,7 +198,7 @@ def pair_records(run: Run, path: Path, quantity: Quantity, names: Sequence[str] 
         own = of_run(run)
         recording = usable(path, recorded, 0)._replace(is_drop=own.is_drop)
         lap_s = run.sound.duration / run.laps
-        return [Pair(name="", number=0, run=own, recording=recording, lap_s=lap_s)]
+        return [RecordPair(name="", number=0, run=own, recording=recording, lap_s=lap_s)]
     channels = _channels_of(run, quantity, names, len(recorded), path)
     pairs = []
     for number, channel in enumerate(channels):
@@ -205,7 +207,7 @@ def pair_records(run: Run, path: Path, quantity: Quantity, names: Sequence[str] 
         own = _of_channel(run, channel, quantity)
         recording = usable(path, recorded, number)._replace(is_drop=own.is_drop)
         pairs.append(
-            Pair(
+            RecordPair(
                 name=channel.name,
                 number=number,
                 run=own,
@@ -219,7 +221,7 @@ def pair_records(run: Run, path: Path, quantity: Quantity, names: Sequence[str] 
 
 
 def _channels_of(
-    run: Run, quantity: Quantity, names: Sequence[str], count: int, path: Path
+    run: Run, quantity: MeasuredQuantity, names: Sequence[str], count: int, path: Path
 ) -> list[Channel | None]:
     """Return the channel of a run for each channel of a recording; None where it is left out."""
     of_quantity = {item.name: item for item in run.channels if item.quantity == quantity.name}
@@ -247,7 +249,7 @@ def _channels_of(
     return [of_quantity.get(name) for name in names]
 
 
-def lacking_channels(quantity: Quantity, others: Sequence[str]) -> str:
+def lacking_channels(quantity: MeasuredQuantity, others: Sequence[str]) -> str:
     """Say which lines of a scene ask for a channel of a quantity that a run, or a scene, lacks.
 
     The others are the channels that it has, in words.
@@ -311,11 +313,11 @@ def compare(
 class _Placed(NamedTuple):
     """Pairs of records whose longer ones are cut to the stretch that fits, and that stretch."""
 
-    pairs: list[Pair]
+    pairs: list[RecordPair]
     stretch: Stretch | None
 
 
-def _placed(pairs: Sequence[Pair]) -> _Placed:
+def _placed(pairs: Sequence[RecordPair]) -> _Placed:
     """Cut the longer of two records to the stretch that fits the shorter one.
 
     All channels of a recording have one place in the run.
@@ -332,7 +334,7 @@ def _placed(pairs: Sequence[Pair]) -> _Placed:
     return _Placed(pairs=cut, stretch=stretch)
 
 
-def _cut(pair: Pair, stretch: Stretch | None, recording_is_longer: bool) -> Pair:
+def _cut(pair: RecordPair, stretch: Stretch | None, recording_is_longer: bool) -> RecordPair:
     """Return a pair whose longer record is cut to a stretch, where there is one."""
     own = pair.run
     recording = pair.recording
@@ -349,7 +351,7 @@ def _cut(pair: Pair, stretch: Stretch | None, recording_is_longer: bool) -> Pair
     return pair._replace(run=own, recording=recording, lap_s=lap_s)
 
 
-def _place_notes(pairs: Sequence[Pair], placed: _Placed) -> list[str]:
+def _place_notes(pairs: Sequence[RecordPair], placed: _Placed) -> list[str]:
     """Say which stretch of the longer record is compared, and why."""
     own_s = len(pairs[0].run.samples) / RATE
     recorded_s = len(pairs[0].recording.samples) / RATE
@@ -382,7 +384,7 @@ def _place_notes(pairs: Sequence[Pair], placed: _Placed) -> list[str]:
     return notes
 
 
-def _background(path: Path, quantity: Quantity, number: int, count: int) -> Recording:
+def _background(path: Path, quantity: MeasuredQuantity, number: int, count: int) -> Recording:
     """Return the channel of a recording of the background that goes with a channel."""
     channels = read_channels(path, quantity)
     if quantity is PRESSURE or len(channels) == 1:
@@ -403,7 +405,7 @@ class _PairComparison(NamedTuple):
 
 
 def _compare_pair(
-    pair: Pair, path: Path, full_scale: float | None, noise: Recording | None
+    pair: RecordPair, path: Path, full_scale: float | None, noise: Recording | None
 ) -> _PairComparison:
     """Compare a record of a run with a channel of a recording.
 
@@ -488,14 +490,14 @@ class _Total(NamedTuple):
     weighting: str
 
 
-def _totals(quantity: Quantity) -> list[_Total]:
+def _totals(quantity: MeasuredQuantity) -> list[_Total]:
     """Return the total levels of a quantity; the first is made equal without a calibration."""
     if quantity is PRESSURE:
         return [_Total(TOTALS[0], "A"), _Total(TOTALS[1], "Z")]
     return [_Total(TOTALS[2], "Z")]
 
 
-def _run_note(run: Run, pairs: Sequence[Pair]) -> str:
+def _run_note(run: Run, pairs: Sequence[RecordPair]) -> str:
     """Say what the levels of a run are of."""
     first = pairs[0]
     if first.recording.quantity is PRESSURE:
@@ -702,7 +704,7 @@ def _sounds(comparison: RecordingComparison) -> dict[str, str]:
     return {name: records.compressed(gain * samples) for name, samples in sounds.items()}
 
 
-def _third_octaves(run: Run, comparison: RecordingComparison, pair: Pair, ax: Axes) -> Axes:
+def _third_octaves(run: Run, comparison: RecordingComparison, pair: RecordPair, ax: Axes) -> Axes:
     """Plot the third octaves of a run and of a recording."""
     rows = comparison.table[comparison.table["channel"] == pair.name]
     bands = rows[rows["quantity"] == THIRD_OCTAVE].set_index("frequency_hz")

@@ -42,14 +42,14 @@ OFFSET = 0.05  # of full scale
 _SURFACE = re.compile(r"^surface: .*$", flags=re.MULTILINE)
 
 
-class Chain(NamedTuple):
+class SensorChain(NamedTuple):
     """Quantity of a recording, and the rms of the tone that calibrates it, in the SI unit."""
 
     quantity: str
     tone_rms: float
 
 
-CHAINS = (Chain("acceleration", 10.0), Chain("force", 1.0))
+CHAINS = (SensorChain("acceleration", 10.0), SensorChain("force", 1.0))
 
 
 def make(folder: Path) -> Path:
@@ -84,7 +84,7 @@ def make(folder: Path) -> Path:
     return folder
 
 
-def _record(run: Run, chain: Chain, folder: Path, rng: np.random.Generator) -> None:
+def _record(run: Run, chain: SensorChain, folder: Path, rng: np.random.Generator) -> None:
     """Write recording, tone and background of the channels of a quantity of a run."""
     channels = [item.samples for item in run.channels if item.quantity == chain.quantity]
     before = np.zeros(round(BEFORE_S * SAMPLE_RATE_HZ))
