@@ -5,7 +5,7 @@ the pressure at a listener by Rayleigh's integral, and the sound power over wave
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -24,16 +24,16 @@ Edges = tuple[float, float]
 Orders = NDArray[np.int64]
 Listener = tuple[float, float, float]
 _PANEL_RAD = 60.0  # phase along a panel of the quadrature
-_MARGIN = 10  # nodes of a panel beyond half its phase; they resolve 1/R at the panel's own distance
-_POINTS = 6  # frequencies of a table that a polynomial joins
-_PHASE_RAD = 0.8  # between frequencies of a table; interpolation then errs by 1.3e-3 at most
+MARGIN = 10  # nodes of a panel beyond half its phase; they resolve 1/R at the panel's own distance
+POINTS = 6  # frequencies of a table that a polynomial joins
+PHASE_RAD = 0.8  # between frequencies of a table; interpolation then errs by 1.3e-3 at most
 # Frequencies that share the directions of a sound power: maximum ratio, and phase along an edge.
 _RATIO = 0.03
 _SHIFT_RAD = 0.6
-_OWN_RATIO = 0.01  # of modes that share them at their own frequencies; more blurs coincidence
+OWN_RATIO = 0.01  # of modes that share them at their own frequencies; more blurs coincidence
 MODES_HZ = 30e3  # highest natural frequency of the modes that move
 _BEYOND = 100.0  # times this frequency: modes up to there are summed for their static compliance
-_SIDES = 2  # of the plate with air
+SIDES = 2  # of the plate with air
 _BLOCK = 2**19  # values of all modes at once
 
 
@@ -81,12 +81,22 @@ class RectangularPlate(ThinPlate):
     def loss_factors(self) -> Array:
         """Loss factor of each mode, in the plate and by its sound to both sides, (modes,)."""
         own = self.loss_factor_at(self.angular_frequency / (2 * np.pi))
-        return own + _SIDES * _sound_loss(self)
+        return own + SIDES * _sound_loss(self)
 
     @property
     def modal_mass_kg(self) -> float:
         """Modal mass of every mode [kg]."""
         return self.mass_per_area_kg_m2 * self.length_m * self.width_m / 4
+
+    @property
+    def mode_count(self) -> int:
+        """Number of modes up to MODES_HZ."""
+        return len(self.angular_frequency)
+
+    @property
+    def rigid_modes(self) -> int:
+        """Number of rigid-body modes, which come first: only free edges have them."""
+        return 0
 
     def shapes(self, points_m: ArrayLike, modes: slice = slice(None)) -> Array:
         """Return the shape of each mode at points (n, 2) [m], an array (n, modes)."""
@@ -165,7 +175,7 @@ class RectangularPlate(ThinPlate):
         modes: slice = slice(None),
     ) -> Complex:
         """Return the sound pressure per modal force [Pa/N], (n, modes), as `pressure_transfer`."""
-        radiation = _pressures(self, listener_m)
+        radiation = self.mode_pressures(listener_m)
         w = 2 * np.pi * frequency_hz
         delay = (radiation.distance_m - path_m) / SOUND_M_S
         factor = AIR_KG_M3 / (2 * np.pi) * np.sign(listener_m[2]) * w**2 * np.exp(-1j * w * delay)
@@ -183,9 +193,16 @@ class RectangularPlate(ThinPlate):
         power = []
         for part in self._parts(f):
             squares = np.square(np.abs(2 * np.pi * part[:, None] * self.mode_receptance(part)))
-            edges = self.length_m, self.width_m
-            power.append(power_of_modes(edges, self.orders, squares * shapes, part))
+            power.append(self._power(squares * shapes, part))
         return np.concatenate(power)
+
+    def mode_pressures(self, listener_m: Listener) -> "ModePressures":
+        """Return Rayleigh's integrals of the modes at a listener, over frequency."""
+        return _pressures(self, listener_m)
+
+    def _power(self, squares: Array, frequency_hz: NDArray[Any]) -> Array:
+        """Return the sound power [W] to one side by mean square modal velocities, (n, modes)."""
+        return power_of_modes((self.length_m, self.width_m), self.orders, squares, frequency_hz)
 
     def _parts(self, frequency: NDArray[Any]) -> list[NDArray[Any]]:
         """Split frequencies into parts that bound the memory of all modes."""
@@ -234,32 +251,54 @@ class ModePressures:
         """Interpolate the integrals [m] without exp(-i k R) at frequencies, (n, modes)."""
         table = self.table[:, modes]
         place = np.clip(frequency_hz / self.step_hz, 0.0, len(self.table) - 1.0)
-        points = np.arange(_POINTS)
-        first = np.clip(place.astype(int) - _POINTS // 2 + 1, 0, len(self.table) - _POINTS)
-        weights = np.ones((len(place), _POINTS))  # of Lagrange's polynomial
-        for i in points:
-            others = points[points != i]
-            weights[:, others] *= ((place - first - i)[:, None]) / (others - i)
+        first, weights = polynomial_weights(place, len(self.table))
         values = np.empty((len(place), table.shape[1]), dtype=complex)
         for start in np.unique(first):
             lines = first == start
-            values[lines] = weights[lines] @ table[start : start + _POINTS]
+            values[lines] = weights[lines] @ table[start : start + POINTS]
         return values
+
+
+def polynomial_weights(place: Array, rows: int) -> tuple[NDArray[np.int64], Array]:
+    """Return the first of the rows that a polynomial joins at places, and their weights."""
+    points = np.arange(POINTS)
+    first = np.clip(place.astype(int) - POINTS // 2 + 1, 0, rows - POINTS)
+    weights = np.ones((len(place), POINTS))  # of Lagrange's polynomial
+    for i in points:
+        others = points[points != i]
+        weights[:, others] *= ((place - first - i)[:, None]) / (others - i)
+    return first, weights
 
 
 @ignoring_underflow
 def mode_pressures(edges_m: Edges, orders: Orders, listener_m: Listener) -> ModePressures:
     """Tabulate the integrals of sin sin exp(-i k R) / R over a rectangle, up to hearing's end."""
+
+    def integrals(middle_m: float, frequency_hz: float) -> Complex:
+        return _integrals(edges_m, orders, listener_m, middle_m, frequency_hz)
+
+    return tabulated_pressures(edges_m, listener_m, integrals)
+
+
+@ignoring_underflow
+def tabulated_pressures(
+    edges_m: Edges, listener_m: Listener, integrals: Callable[[float, float], Complex]
+) -> ModePressures:
+    """Tabulate integrals of modes over frequency.
+
+    `integrals` returns those of all modes [m] for a middle distance [m], whose phase is taken out,
+    and a frequency [Hz].
+    """
     x, y, z = listener_m
     beside = [max(-place, place - edge, 0.0) for place, edge in zip((x, y), edges_m, strict=True)]
     beyond = [max(place, edge - place) for place, edge in zip((x, y), edges_m, strict=True)]
     nearest = math.hypot(beside[0], beside[1], z)
     farthest = math.hypot(beyond[0], beyond[1], z)
     spread = max(farthest - nearest, 0.02 * min(edges_m))
-    step = _PHASE_RAD * SOUND_M_S / (np.pi * spread)
+    step = PHASE_RAD * SOUND_M_S / (np.pi * spread)
     middle = (nearest + farthest) / 2
-    frequency = step * np.arange(max(_POINTS, int(np.ceil(AUDIBLE_HZ[1] / step)) + 2))
-    rows = [_integrals(edges_m, orders, listener_m, middle, f) for f in frequency]
+    frequency = step * np.arange(max(POINTS, int(np.ceil(AUDIBLE_HZ[1] / step)) + 2))
+    rows = [integrals(middle, f) for f in frequency]
     return ModePressures(step, middle, np.array(rows))
 
 
@@ -267,22 +306,42 @@ def _integrals(
     edges_m: Edges, orders: Orders, listener_m: Listener, middle_m: float, frequency_hz: float
 ) -> Complex:
     """Return the integral [m] of each mode at one frequency, times exp(i k middle)."""
+    most = orders.max(axis=0, initial=1)
+    waves = [np.pi * order / edge for order, edge in zip(most, edges_m, strict=True)]
+
+    def sines(side: int, nodes: Array) -> Array:
+        return np.sin(np.pi / edges_m[side] * np.arange(1, most[side] + 1)[:, None] * nodes)
+
+    products = integrals_of_products(edges_m, waves, sines, listener_m, middle_m, frequency_hz)
+    rows = orders.T - 1
+    return np.asarray(products[rows[0], rows[1]])
+
+
+def integrals_of_products(
+    edges_m: Edges,
+    waves: Sequence[float],
+    functions: Callable[[int, Array], Array],
+    listener_m: Listener,
+    middle_m: float,
+    frequency_hz: float,
+) -> Complex:
+    """Return integrals [m] of products of functions of x and of y, times exp(i k middle).
+
+    `functions` returns the functions of a side (0 or 1) at nodes [m], with up to `waves` [rad/m].
+    """
     k = 2 * np.pi * frequency_hz / SOUND_M_S
     z = abs(listener_m[2])
-    most = orders.max(axis=0, initial=1)
     offsets = []
     shapes = []
-    for edge, at, order in zip(edges_m, listener_m[:2], most, strict=True):
-        nodes, weights = _panels(edge, at, z, k + np.pi * order / edge)
-        waves = np.sin(np.pi / edge * np.arange(1, order + 1)[:, None] * nodes)
+    for side, (edge, at) in enumerate(zip(edges_m, listener_m[:2], strict=True)):
+        nodes, weights = _panels(edge, at, z, k + waves[side])
         offsets.append(nodes - at)
-        shapes.append(weights * waves)
+        shapes.append(weights * functions(side, nodes))
     distance = np.sqrt(np.square(offsets[0])[:, None] + np.square(offsets[1]) + z**2)
     phase = k * (middle_m - distance)
-    rows = orders.T - 1
     real = shapes[0] @ (np.cos(phase) / distance) @ shapes[1].T
     imaginary = shapes[0] @ (np.sin(phase) / distance) @ shapes[1].T
-    return np.asarray((real + 1j * imaginary)[rows[0], rows[1]])
+    return np.asarray(real + 1j * imaginary)
 
 
 def _panels(edge: float, at: float, near: float, wave_number: float) -> tuple[Array, Array]:
@@ -296,7 +355,7 @@ def _panels(edge: float, at: float, near: float, wave_number: float) -> tuple[Ar
     for left, right in pairwise(ends):
         pieces = int(np.ceil(wave_number * (right - left) / _PANEL_RAD)) or 1
         half = (right - left) / pieces / 2
-        u, w = legendre(int(np.ceil(wave_number * half)) + _MARGIN)
+        u, w = legendre(int(np.ceil(wave_number * half)) + MARGIN)
         middles = left + half * (1 + 2 * np.arange(pieces))
         nodes.append((middles[:, None] + half * u).ravel())
         weights.append(np.tile(half * w, pieces))
@@ -320,7 +379,7 @@ def power_of_modes(edges_m: Edges, orders: Orders, squares: Array, frequency_hz:
     factor of 0.01, and by 1.6 dB at 0.1 below coincidence.
     """
     power = np.empty(len(frequency_hz))
-    for lines in _blocks(edges_m, frequency_hz):
+    for lines in near_frequencies(edges_m, frequency_hz):
         middle_hz = float(np.mean(frequency_hz[lines]))
         power[lines] = squares[lines] @ _resistances(edges_m, orders, middle_hz)
     return power
@@ -333,12 +392,14 @@ def own_resistance(edges_m: Edges, orders: Orders, frequency_hz: Array) -> Array
     Each mode vibrates at a frequency of its own [Hz].
     """
     power = np.empty(len(orders))
-    for modes in _blocks(None, frequency_hz, _OWN_RATIO):
+    for modes in near_frequencies(None, frequency_hz, OWN_RATIO):
         power[modes] = _resistances(edges_m, orders[modes], float(np.mean(frequency_hz[modes])))
     return power
 
 
-def _blocks(edges_m: Edges | None, frequency_hz: Array, ratio: float = _RATIO) -> Iterator[Orders]:
+def near_frequencies(
+    edges_m: Edges | None, frequency_hz: Array, ratio: float = _RATIO
+) -> Iterator[Orders]:
     """Yield the places of frequencies so near one another that they share directions."""
     width = _SHIFT_RAD * SOUND_M_S / (np.pi * max(edges_m)) if edges_m else np.inf
     near = width / ratio if edges_m else 1e6
@@ -353,8 +414,8 @@ def _resistances(edges_m: Edges, orders: Orders, frequency_hz: float) -> Array:
     """Return the radiation resistance [W s2/m2] of each mode over a quarter of the half-space."""
     k = 2 * np.pi * frequency_hz / SOUND_M_S
     length_m, width_m = edges_m
-    u, weights_u = legendre(int(np.ceil(k * length_m / 2)) + _MARGIN)
-    v, weights_v = legendre(int(np.ceil(k * width_m / 2)) + _MARGIN)
+    u, weights_u = legendre(int(np.ceil(k * length_m / 2)) + MARGIN)
+    v, weights_v = legendre(int(np.ceil(k * width_m / 2)) + MARGIN)
     alpha = np.pi / 4 * (u + 1)
     beta = np.pi / 4 * (v + 1)
     m, rows = np.unique(orders[:, 0], return_inverse=True)

@@ -209,7 +209,7 @@ def _values(field: Json) -> str:
         return ", ".join(f"`{value}`" for value in field["enum"])
     if "anyOf" in field:
         return " or ".join(_values(part) for part in field["anyOf"] if part.get("type") != "null")
-    if "patternProperties" in field:
+    if "patternProperties" in field or "properties" in field:
         return field["title"]
     if "items" in field:
         kind = field["items"].get("type", "section")

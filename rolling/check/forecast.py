@@ -61,7 +61,7 @@ def motion_seconds(scene: Scene) -> float:
     if scene.dynamics is None:
         return 0.0
     plate = of_scene.rectangular_plate(scene)
-    modes = 0 if plate is None else len(plate.orders)
+    modes = 0 if plate is None else plate.mode_count
     duration = moved = scene.duration
     if scene.track.closed and scene.motion.is_constant(duration) and scene.rolling.drop_mm is None:
         decay = of_scene.smooth_chain(scene).own_decay_s

@@ -187,11 +187,11 @@ def _edges(scene: Scene) -> Iterator[Finding | Doubt]:
     if plate is None:
         return
     modes = "none up to 30 kHz"
-    count = len(plate.angular_frequency)
+    count = plate.mode_count - plate.rigid_modes
     if count:
-        lowest = float(plate.angular_frequency[0]) / (2 * math.pi)
+        lowest = float(plate.angular_frequency[plate.rigid_modes]) / (2 * math.pi)
         overlap = MODES_HZ / (plate.least_loss_factor * plate_modes(scene.plate))
-        modes = f"{len(plate.orders)} up to 30 kHz from {si(lowest, 'Hz')}"
+        modes = f"{count} up to 30 kHz from {si(lowest, 'Hz')}"
         if overlap < MODES_HZ:
             modes += f", separate below {si(overlap, 'Hz')}"
     yield Finding("plate_modes", "modes of the plate", modes)

@@ -23,7 +23,8 @@ class StepBodies(NamedTuple):
     """Ball, contact and plate as a time step moves them; the arrays have a value for each mode.
 
     `counts` has the number of modes by half waves along a plate with edges, each with one more half
-    wave across; the modes after them have the same shape everywhere.
+    wave across; the modes after them have the same shape everywhere. Other shapes stand in a table
+    of stations along the path of the contact.
     """
 
     step: float  # [s]
@@ -36,11 +37,16 @@ class StepBodies(NamedTuple):
     reach: Array  # g at an antinode [m/J^0.5]
     counts: NDArray[np.int64]
     sides: Array  # [m] length and width
+    stations: Array  # shapes at stations on the path, (stations, modes); none: products of sines
+    ends: Array  # (2, 2) first and last station [m]
 
 
 @njit(cache=True)
 def set_shapes(point, bodies, shape):
     """Set `shape` to the displacement g of each mode at a point [m]."""
+    if bodies.stations.shape[0] > 0:
+        set_shapes_on_path(point, bodies, shape)
+        return
     around = np.pi * point[1] / bodies.sides[1]
     waves = np.empty(max(1, bodies.counts[0] if bodies.counts.shape[0] else 0))
     waves[0] = sin(around)
@@ -55,6 +61,29 @@ def set_shapes(point, bodies, shape):
             shape[i] = bodies.reach[i] * along * waves[n]
             i += 1
     shape[i:] = bodies.reach[i:]
+
+
+@njit(cache=True)
+def set_shapes_on_path(point, bodies, shape):
+    """Set `shape` by a cubic polynomial through four stations, or to the only one."""
+    stations = bodies.stations
+    count = stations.shape[0]
+    if count < 4:
+        shape[:] = bodies.reach * stations[0]
+        return
+    along = bodies.ends[1] - bodies.ends[0]
+    passed = (point - bodies.ends[0]) @ along / (along @ along)
+    place = min(max(passed, 0.0), 1.0) * (count - 1)
+    first = min(max(int(place) - 1, 0), count - 4)
+    x = place - first
+    w0 = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0
+    w1 = x * (x - 2.0) * (x - 3.0) / 2.0
+    w2 = -x * (x - 1.0) * (x - 3.0) / 2.0
+    w3 = x * (x - 1.0) * (x - 2.0) / 6.0
+    for i in range(shape.shape[0]):
+        value = w0 * stations[first, i] + w1 * stations[first + 1, i]
+        value += w2 * stations[first + 2, i] + w3 * stations[first + 3, i]
+        shape[i] = bodies.reach[i] * value
 
 
 @inlined(fused=True)

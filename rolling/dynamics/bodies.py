@@ -2,7 +2,8 @@
 
 The chain has masses, mobilities, and a resonance with its damping.
 
-A plate with edges is simply supported; a mode has half its loss factor as damping ratio. Modes
+A mode of a plate with edges has half its loss factor as damping ratio. The rigid-body modes of a
+free plate are modes of a low frequency, which the soft support decides. Modes
 above 30 kHz are a tail of a few modes, each for a band of natural frequencies. Their damping ratio
 gives them the mean mobility of an infinite plate, and together they have the static compliance of
 the modes that they replace.
@@ -12,7 +13,7 @@ already. Under rolling this changes next to nothing, because little of the force
 An impact of 20 to 40 us has its energy there, so a fall gets narrow bands.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import Any
 
@@ -21,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from acoustics.arrays import Array, short_repr
 from acoustics.rectangular_plate import MODES_HZ, RectangularPlate
+from acoustics.ritz_plate import RitzPlate
 from rolling.dynamics._mode_kernels import StepBodies
 from rolling.dynamics.force_law import ForceLaw
 
@@ -34,6 +36,7 @@ _FASTEST = 1.5  # highest phase of a mode in half a step
 _DIRECT = 300_000  # responses of modes that are summed without a table
 _BLOCK = 1_000_000  # responses of modes that are held at once
 _HIGHEST_HZ = 2e6  # of the table
+_PER_WAVE = 16  # stations of a path in the shortest bending wave
 
 
 # ---- modes of a plate with edges
@@ -52,6 +55,9 @@ class Modes:
     counts: NDArray[np.int64]  # modes of the plate by half waves along, ordered by half waves
     sides: Array  # (2,) [m]
     point: Array  # (1, 2) contact point, the first of a path [m]
+    stations: Array = field(default_factory=lambda: np.zeros((0, 0)))  # shapes along the path
+    ends: Array = field(default_factory=lambda: np.zeros((2, 2)))  # of the stations [m]
+    rigid: int = 0  # modes of a rigid body, which come first
 
     def receptance(self, frequency_hz: Array) -> NDArray[np.complex128]:
         """Return the mean displacement per force [m/N] at the contact points."""
@@ -64,15 +70,20 @@ class Modes:
         """Return the time [s] in which a mode of a frequency [rad/s] falls by the factor e."""
         return float(1 / (self.damping_ratio.min() * angular_frequency))
 
+    @property
+    def bending(self) -> slice:
+        """Modes in which the plate bends."""
+        return slice(self.rigid, None)
+
     def lowest_angular_frequency(self, mass_kg: float) -> float:
         """Return the lowest angular frequency [rad/s] of the plate with a mass on the contact."""
         loaded = float((mass_kg * self.compliance_m_n) ** -0.5)
-        return min(float(self.angular_frequency.min()), loaded)
+        return min(float(self.angular_frequency[self.bending].min()), loaded)
 
     @property
     def compliance_m_n(self) -> float:
-        """Static compliance [m/N] at the contact points."""
-        return float(np.sum(self.weight * np.square(self.reach)))
+        """Static compliance [m/N] of bending at the contact points."""
+        return float(np.sum((self.weight * np.square(self.reach))[self.bending]))
 
     def responses(self, frequency_hz: Array) -> NDArray[np.complex128]:
         """Return displacement over static displacement of each mode, (frequencies, modes)."""
@@ -120,9 +131,19 @@ class Modes:
 def modes_of(plate: RectangularPlate, points_m: Array, tail: Array = ROLLING_TAIL) -> Modes:
     """Return the modes of a plate, weighted by their shapes at contact points (n, 2) [m].
 
-    `tail` has the ratios of the edges of its bands above MODES_HZ.
+    `tail` has the ratios of the edges of its bands above MODES_HZ. The points are one, or lie on a
+    straight path at equal distances from its first to its last.
     """
-    order = np.lexsort(plate.orders.T[::-1])
+    order = np.arange(plate.mode_count)
+    counts = np.zeros(0, np.int64)
+    stations = np.zeros((0, 0))
+    rigid = 0
+    if isinstance(plate, RitzPlate):
+        stations = _shapes_on_path(plate, points_m, len(tail))
+        rigid = plate.rigid_modes
+    else:
+        order = np.lexsort(plate.orders.T[::-1])
+        counts = np.bincount(plate.orders[:, 0])[1:]
     frequency = plate.angular_frequency[order]
     beyond = np.mean([plate.residual_compliance_m_n(point) for point in points_m])
     starts = 2 * np.pi * MODES_HZ * np.concatenate(([1.0], np.cumprod(tail[:-1])))
@@ -135,10 +156,24 @@ def modes_of(plate: RectangularPlate, points_m: Array, tail: Array = ROLLING_TAI
         damping_ratio=np.append(plate.loss_factors[order] / 2, tail_damping),
         reach=np.append(own_reach, np.sqrt(beyond * share)),
         weight=np.append(weight, np.ones(len(tail))),
-        counts=np.bincount(plate.orders[:, 0])[1:],
+        counts=counts,
         sides=np.array([plate.length_m, plate.width_m]),
         point=points_m[:1],
+        stations=stations,
+        ends=points_m[[0, -1]],
+        rigid=rigid,
     )
+
+
+def _shapes_on_path(plate: RitzPlate, points_m: Array, tail: int) -> Array:
+    """Return the shapes at stations on a straight path, 1 for the modes of a tail."""
+    begin, end = points_m[[0, -1]]
+    count = 1
+    way = float(np.hypot(*(end - begin)))
+    if way > 0:
+        count = 4 + int(np.ceil(_PER_WAVE * way / plate.bending_wavelength_m(MODES_HZ)))
+    shapes = plate.shapes(begin + np.linspace(0, 1, count)[:, None] * (end - begin))
+    return np.concatenate((shapes, np.ones((count, tail))), axis=1)
 
 
 def _sinc(x: Array) -> Array:
@@ -283,6 +318,8 @@ class Chain:
                 reach=np.zeros(0),
                 counts=np.zeros(0, np.int64),
                 sides=np.ones(2),
+                stations=np.zeros((0, 0)),
+                ends=np.zeros((2, 2)),
             )
         w = np.minimum(modes.angular_frequency, 2 * _FASTEST / step_s)
         zeta = modes.damping_ratio
@@ -306,6 +343,8 @@ class Chain:
             reach=modes.reach * np.sqrt(gain),
             counts=modes.counts,
             sides=modes.sides,
+            stations=np.ascontiguousarray(modes.stations),
+            ends=np.ascontiguousarray(modes.ends),
         )
 
     def mobilities(self, frequency_hz: ArrayLike) -> dict[str, NDArray[np.complex128]]:

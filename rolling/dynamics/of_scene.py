@@ -7,8 +7,10 @@ from functools import lru_cache, partial
 import numpy as np
 
 from acoustics.arrays import Array
+from acoustics.plate_modes import SIMPLE
 from acoustics.radiation import Ball, HalfSpaceBody, ThinPlate
 from acoustics.rectangular_plate import RectangularPlate
+from acoustics.ritz_plate import RitzPlate
 from rolling.contact import closed_forms
 from rolling.dynamics import drop
 from rolling.dynamics.bodies import (
@@ -77,8 +79,21 @@ def rectangular_plate(scene: Scene) -> RectangularPlate | None:
     edges = scene.plate.edges_mm
     if bending is None or edges is None or scene.plate.loss_factor is None:
         return None
-    length_mm, width_mm = edges
-    return RectangularPlate(**vars(bending), length_m=1e-3 * length_mm, width_m=1e-3 * width_mm)
+    length_m, width_m = (1e-3 * edge for edge in edges)
+    kinds = scene.plate.edge_pair
+    if kinds == (SIMPLE, SIMPLE):
+        return RectangularPlate(**vars(bending), length_m=length_m, width_m=width_m)
+    return _ritz_plate(bending, length_m, width_m, scene.plate.poissons_ratio, kinds)
+
+
+@lru_cache(maxsize=8)
+def _ritz_plate(
+    bending: ThinPlate, length_m: float, width_m: float, poisson: float, edges: tuple[str, str]
+) -> RitzPlate:
+    """Return a plate with free or clamped edges, the same again so that its modes are kept."""
+    return RitzPlate(
+        **vars(bending), length_m=length_m, width_m=width_m, poissons_ratio=poisson, edges=edges
+    )
 
 
 def contact_points(scene: Scene, time_s: Array) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.radiation import HalfSpaceBody, LossFactor, loss_factor_at
+from acoustics.ritz_plate import RitzPlate
 from acoustics.wav import PEAK, SAMPLE_RATE_HZ
 from rolling.dynamics import _motion_kernels, drop, of_scene
 from rolling.dynamics._motion_kernels import LawTable
@@ -64,6 +65,8 @@ def live_of(run: Run) -> Data | None:
         return None
     vibration = run.vibration if run.sound.source == "vibration" else None
     ends = list[list[float]]()
+    if vibration is not None and isinstance(of_scene.rectangular_plate(scene), RitzPlate):
+        return None  # the page has no modes of free or clamped edges
     if vibration is not None:  # a release is heard at a distance, whatever the edges
         ends = [[1e-3 * x for x in end] for end in scene.plate.contact_ends_mm.values()]
     settings = _settings(run)

@@ -115,10 +115,22 @@ def _radiation(scene: Scene) -> Iterator[Doubt]:
         path = "moves to and fro on a straight line"
     yield note(
         "plate_edges",
-        "The plate is simply supported at its edges in an infinite rigid baffle, which makes a "
+        f"The plate is {_held(scene)} in an infinite rigid baffle, which makes a "
         f"plate smaller than the wavelength too loud; the contact {path}. A constant force without "
         "mass presses the sphere; friction, rocking and rotation are left out.",
     )
+
+
+def _held(scene: Scene) -> str:
+    """Write how the edges of a plate are held."""
+    words = {"simply_supported": "simply supported", "free": "free", "clamped": "clamped"}
+    ends, sides = (words[kind] for kind in scene.plate.edge_pair)
+    text = f"{ends} at its edges"
+    if ends != sides:
+        text = f"{ends} at the ends of its length, {sides} at those of its width,"
+    if ends == sides == "free":
+        text += ", lies on something so soft that it moves freely,"
+    return text
 
 
 def _uncertainty(

@@ -569,7 +569,7 @@ def _chain(scene: Scene, vibration: Vibration) -> dict[str, Any]:
         "plate_mobility_s_kg": chain.mobility_s_kg,
     }
     if edges is not None:
-        numbers["plate_modes"] = len(edges.orders)
+        numbers["plate_modes"] = edges.mode_count
     fastest = scene.motion.fastest(scene.duration)
     return numbers | {
         "resonance_hz": chain.resonance_hz,

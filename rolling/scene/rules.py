@@ -23,6 +23,7 @@ from rolling.scene.track import ROUNDING
 
 EDGE_RADII = 10  # contact radii from the contact to the nearest edge of the plate, at least
 MAX_MODES = 20_000  # of a plate with edges; a second of sound takes them half a minute
+MAX_COMPUTED_MODES = 3000  # of a plate with free or clamped edges, which take half a minute
 
 # Sections of a scene that are valid so far, by name; one that has faults is missing.
 Sections = Mapping[str, Any]
@@ -83,6 +84,13 @@ def _refuse_edges(rolling: Rolling, sphere: Sphere, plate: Plate) -> None:
             f"the plate has some {rounded(modes)} modes in hearing, allowed: {MAX_MODES}; choose a"
             " smaller or thicker plate, or an infinite one without edges",
             at="plate.length_mm",
+        )
+    if modes > MAX_COMPUTED_MODES and set(plate.edge_pair) != {"simply_supported"}:
+        raise fault(
+            f"the plate has some {rounded(modes)} modes in hearing, allowed: {MAX_COMPUTED_MODES}"
+            " with free or clamped edges, whose modes are computed one by one; choose a smaller or"
+            " thicker plate, or simply_supported edges",
+            at="plate.edges",
         )
 
 

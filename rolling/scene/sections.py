@@ -7,6 +7,7 @@ Units stand in the names of keys: lengths are in mm or um and moduli in GPa. The
 from __future__ import annotations
 
 import math
+from difflib import get_close_matches
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self
 
@@ -141,6 +142,47 @@ def _point(value: Any) -> Any:
 
 _PAIR = {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number"}}
 Point = Annotated[tuple[float, float], BeforeValidator(_point), WithJsonSchema(_PAIR)]
+EDGE_KINDS = ("simply_supported", "free", "clamped")
+EDGE_PAIRS = ("length", "width")
+
+
+def _edges(value: Any) -> Any:
+    """Return the kind of all edges, or the kinds of opposite pairs."""
+    if isinstance(value, str):
+        return _edge_kind(value, "plate.edges")
+    if isinstance(value, dict) and set(value) == set(EDGE_PAIRS):
+        return {pair: _edge_kind(value[pair], f"plate.edges.{pair}") for pair in EDGE_PAIRS}
+    kinds = ", ".join(EDGE_KINDS)
+    raise fault(
+        f"got {quoted(value)}, allowed: one of {kinds}, or opposite pairs such as"
+        " {length: free, width: clamped}"
+    )
+
+
+def _edge_kind(value: Any, at: str) -> str:
+    """Return the kind of edges, or refuse it."""
+    if value in EDGE_KINDS:
+        return str(value)
+    words = f"got {quoted(value)}, allowed: {', '.join(EDGE_KINDS)}"
+    nearest = get_close_matches(str(value), EDGE_KINDS, 1)
+    if nearest:
+        words += f"; did you mean {nearest[0]}?"
+    raise fault(words, at=at)
+
+
+_EDGE_KIND = {"type": "string", "enum": list(EDGE_KINDS)}
+_EDGE_PAIRS = {
+    "type": "object",
+    "title": "opposite pairs",
+    "properties": dict.fromkeys(EDGE_PAIRS, _EDGE_KIND),
+    "required": list(EDGE_PAIRS),
+    "additionalProperties": False,
+}
+Edges = Annotated[
+    str | dict[str, str],
+    BeforeValidator(_edges),
+    WithJsonSchema({"anyOf": [_EDGE_KIND, _EDGE_PAIRS]}),
+]
 Hardness = Annotated[
     float | Literal["none"], *number_or(library.NONE, "a finite number, or none", HARDNESS)
 ]
@@ -185,6 +227,7 @@ VIBRATING_PLATE = (
     "damping",
     "length_mm",
     "width_mm",
+    "edges",
     "contact_mm",
     "contact_path",
     "contact_end_mm",
@@ -226,10 +269,13 @@ class Plate(Section):
         of objects as one meets them, if it is larger than the material's own. intrinsic: the
         material's own.
     length_mm : float, optional
-        Length [mm] along x of a rectangular plate, which is simply supported at its edges. Default:
-        an infinite plate.
+        Length [mm] along x of a rectangular plate. Default: an infinite plate.
     width_mm : float, optional
         Width [mm] along y of a rectangular plate
+    edges : str or mapping, optional
+        Edges of a rectangular plate: simply_supported (default), free or clamped, all four alike.
+        Opposite pairs are {length: clamped, width: free}: length names the two edges at the ends of
+        the length (x = 0 and x = length_mm), width those at the ends of the width.
     contact_mm : pair of float, optional
         Contact point (x, y) [mm] from a corner of a rectangular plate. Default: 0.43 of the length,
         0.37 of the width.
@@ -262,6 +308,7 @@ class Plate(Section):
     damping: Literal["handled", "intrinsic"] | None = None
     length_mm: float | None = Field(default=None, gt=0)
     width_mm: float | None = Field(default=None, gt=0)
+    edges: Edges | None = None
     contact_mm: Point | None = None
     contact_path: Literal["fixed", "to-and-fro"] | None = None
     contact_end_mm: Point | None = None
@@ -279,6 +326,14 @@ class Plate(Section):
         """Length and width [mm] of a rectangular plate; None for an infinite one."""
         both = self.length_mm, self.width_mm
         return None if both[0] is None or both[1] is None else (both[0], both[1])
+
+    @property
+    def edge_pair(self) -> tuple[str, str]:
+        """Kinds of the edges at the ends of the length, and at those of the width."""
+        kinds = self.edges or "simply_supported"
+        if isinstance(kinds, str):
+            return kinds, kinds
+        return kinds["length"], kinds["width"]
 
     @property
     def contact_ends_mm(self) -> dict[str, tuple[float, float]]:
@@ -334,6 +389,11 @@ class Plate(Section):
         if self.edges_mm is None:
             rule = "a plate with edges needs both, an infinite plate neither"
             _refuse_half(self, ("length_mm", "width_mm"), rule)
+            if self.edges is not None:
+                raise fault(
+                    "only goes with length_mm and width_mm: an infinite plate has no edges",
+                    at="plate.edges",
+                )
             for key in ("contact_mm", "contact_path", "contact_end_mm"):
                 if getattr(self, key) is not None:
                     raise fault(

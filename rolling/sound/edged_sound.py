@@ -160,7 +160,7 @@ def power_per_force(scene: Scene, plate: RectangularPlate, frequency: Array) -> 
     octaves = math.log(AUDIBLE_HZ[1] / AUDIBLE_HZ[0])
     least, most = _TABLE_SIZES
     count = int(np.clip(_PER_WIDTH * octaves / plate.least_loss_factor, least, most))
-    if len(frequency) <= count or not len(plate.orders):
+    if len(frequency) <= count or not plate.mode_count:
         return plate.power_per_force(frequency, points)
     hashable_points = tuple(tuple(point) for point in points.tolist())
     grid, power = _power_table(plate, hashable_points, count)

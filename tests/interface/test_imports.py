@@ -30,8 +30,15 @@ FLOORS = {
     "acoustics": (
         ("arrays", "matplotlib_import", "numbers", "texts", "traps"),
         ("bands", "radiation", "weighting"),
-        ("continued_rows", "plot_style", "rectangular_plate", "resampling", "spectrum"),
-        ("level", "loudness", "modulation", "sound_power"),
+        (
+            "continued_rows",
+            "plate_modes",
+            "plot_style",
+            "rectangular_plate",
+            "resampling",
+            "spectrum",
+        ),
+        ("level", "loudness", "modulation", "ritz_plate", "sound_power"),
         ("audibility", "laps", "plots", "uncertainty", "vibration_level", "wav"),
     ),
 }
