@@ -26,7 +26,7 @@ FREE = "free"
 SIMPLE = "simply_supported"
 CLAMPED = "clamped"
 # Power of 1 - x^2 in each function: it makes the shape, and its slope, vanish at clamped edges.
-_POWERS = {FREE: 0, SIMPLE: 1, CLAMPED: 2}
+POWERS = {FREE: 0, SIMPLE: 1, CLAMPED: 2}
 _HALF_WAVES = math.pi / 2  # functions for a half wave of the shortest bending wave
 _MORE = 8  # functions beyond these
 _CORNER = 1.0  # sum of squared shares of the highest orders along both sides, at most
@@ -48,7 +48,7 @@ class SideFunctions:
 
     def values(self, x: Array, derivatives: int = 0) -> Array:
         """Return functions and their derivatives, (1 + derivatives, count, points)."""
-        power = _POWERS[self.kind]
+        power = POWERS[self.kind]
         x = np.asarray(x, dtype=float)
         polynomials = np.zeros((3, self.count, *x.shape))
         start = math.sqrt(_constant_weight(power))
@@ -203,7 +203,7 @@ def plate_modes(ratio: float, edges: Pair, poisson: float, highest: float) -> Pl
 
 def _side_energies(side: SideFunctions, length: float) -> _SideEnergies:
     """Return the integrals of the functions of a side of a length."""
-    nodes, weights = legendre(side.count + 2 * _POWERS[side.kind] + 1)
+    nodes, weights = legendre(side.count + 2 * POWERS[side.kind] + 1)
     value, slope, curvature = side.values(nodes, derivatives=2)
     stretch = 2 / length
     return _SideEnergies(

@@ -72,11 +72,11 @@ class RitzPlate(RectangularPlate):
     def modes(self) -> PlateModes:
         """Modes of the plate of its side ratio, edges and Poisson's ratio up to MODES_HZ."""
         ratio = float(f"{self.length_m / self.width_m:.12g}")
-        highest = 2 * np.pi * MODES_HZ / self._unit
+        highest = 2 * np.pi * MODES_HZ / self.number_unit
         return plate_modes(ratio, self.edges, self.poissons_ratio, float(f"{highest:.12g}"))
 
     @property
-    def _unit(self) -> float:
+    def number_unit(self) -> float:
         """Angular frequency [rad/s] of the number 1 of a mode."""
         ratio = np.sqrt(self.bending_stiffness_n_m / self.mass_per_area_kg_m2)
         return float(ratio / (self.length_m * self.width_m))
@@ -94,7 +94,7 @@ class RitzPlate(RectangularPlate):
     @cached_property
     def angular_frequency(self) -> Array:
         """Natural angular frequency of each mode, (modes,) [rad/s]."""
-        frequency = self.modes.numbers * self._unit
+        frequency = self.modes.numbers * self.number_unit
         rigid = self.modes.rigid
         if rigid:
             support = 2 * np.pi * SUPPORT_HZ
@@ -110,7 +110,7 @@ class RitzPlate(RectangularPlate):
         resistance = np.empty(len(w))
         for modes in near_frequencies(None, w / (2 * np.pi), OWN_RATIO):
             mean_hz = float(np.mean(w[modes])) / (2 * np.pi)
-            resistance[modes] = self._resistances(mean_hz)[modes]
+            resistance[modes] = self.resistances(mean_hz)[modes]
         own = self.loss_factor_at(w / (2 * np.pi))
         loss = own + SIDES * resistance / (self.modal_mass_kg * w)
         loss[: self.modes.rigid] = _SUPPORT_LOSS
@@ -139,10 +139,10 @@ class RitzPlate(RectangularPlate):
         power = np.empty(len(frequency_hz))
         for lines in near_frequencies((self.length_m, self.width_m), frequency_hz):
             middle_hz = float(np.mean(frequency_hz[lines]))
-            power[lines] = squares[lines] @ self._resistances(middle_hz)
+            power[lines] = squares[lines] @ self.resistances(middle_hz)
         return power
 
-    def _resistances(self, frequency_hz: float) -> Array:
+    def resistances(self, frequency_hz: float) -> Array:
         """Return the radiation resistance [W s2/m2] of each mode at a frequency."""
         step, table = self._wave_squares
         k = 2 * np.pi * frequency_hz / SOUND_M_S

@@ -18,6 +18,7 @@ from rolling.dynamics.bodies import half_space_mobility
 from rolling.dynamics.force_law import ForceLaw, law_table, slope_weights
 from rolling.dynamics.smooth_contact import equivalent_radius
 from rolling.marches.result import released_energy
+from rolling.report.live_modes import StoredModes, stored_modes
 from rolling.results.run_result import Run
 from rolling.scene.quantities import GRAVITY
 from rolling.scene.rules import MAX_MODES
@@ -44,6 +45,7 @@ class Slider(NamedTuple):
     unit: str
 
 
+KINDS = {"numbers": "float32", "places": "int16", "values": "int16", "efficiencies": "int16"}
 SLIDERS = (
     Slider("ballDensity", 900.0, 19_300.0, "kg/m³"),  # plastics to tungsten
     Slider("plateDensity", 900.0, 19_300.0, "kg/m³"),
@@ -65,8 +67,12 @@ def live_of(run: Run) -> Data | None:
         return None
     vibration = run.vibration if run.sound.source == "vibration" else None
     ends = list[list[float]]()
-    if vibration is not None and isinstance(of_scene.rectangular_plate(scene), RitzPlate):
-        return None  # the page has no modes of free or clamped edges
+    plate = of_scene.rectangular_plate(scene) if vibration is not None else None
+    modes = None
+    if isinstance(plate, RitzPlate):
+        modes = stored_modes(plate)
+        if modes is None:
+            return None
     if vibration is not None:  # a release is heard at a distance, whatever the edges
         ends = [[1e-3 * x for x in end] for end in scene.plate.contact_ends_mm.values()]
     settings = _settings(run)
@@ -92,7 +98,31 @@ def live_of(run: Run) -> Data | None:
         _add_vibration(data, run, vibration)
         track = data["law"]
     data["remarks"] = _remarks(run, track)
+    if modes is not None:
+        _add_modes(data, modes)
     return data
+
+
+def _add_modes(data: Data, modes: StoredModes) -> None:
+    """Add the modes of free or clamped edges to the data of a run: one slider scales both sides."""
+    settings = data["settings"]
+    limits = data["limits"]
+    ratio = settings["length"] / settings["width"]
+    data["modes"] = stored_arrays(modes)
+    data["fixed"] |= {"sideRatio": ratio, "highestNumber": modes.data["highest"] * (1 + 1e-9)}
+    least = max(limits["length"][0], ratio * limits["width"][0])
+    limits["length"] = [min(least, settings["length"]), limits["length"][1]]
+    del limits["width"]
+    data["remarks"].append(
+        "The width of the plate follows its length, because its modes belong to a side ratio."
+    )
+
+
+def stored_arrays(modes: StoredModes) -> Data:
+    """Return modes with their arrays in base64."""
+    arrays = {name: packed(values, KINDS[name])[0] for name, values in modes.arrays.items()}
+    beams = [packed(values.ravel(), "float32")[0] for values in modes.beams]
+    return modes.data | arrays | {"beams": beams}
 
 
 def _limits(

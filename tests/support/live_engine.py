@@ -54,6 +54,7 @@ def node(script: str, data: Any = None) -> Any:
         "radiation",
         "response",
         "prepare",
+        "ritz",
         "worklet",
         "limiter",
         "effort",

@@ -18,15 +18,22 @@ const MAX_LINES = 1200; // of the force
 
 /** A thin plate by mass per area [kg/m2], bending stiffness [N m], loss factor with its curve over the frequency, and edges [m]. */
 export class EdgedPlate {
-  constructor({ massPerArea, bendingStiffness, lossFactor, lossCurve, length, width }) {
+  constructor({ massPerArea, bendingStiffness, lossFactor, lossCurve, length, width, computed }) {
     this.edges = [length, width];
     this.ratio = Math.sqrt(bendingStiffness / massPerArea);
     this.mobility = 1 / (8 * Math.sqrt(bendingStiffness * massPerArea)); // [s/kg] of an infinite plate
     this.modalMass = (massPerArea * length * width) / 4;
-    this.modes = this.between(0, MODES_HZ).sort((a, b) => a.w - b.w);
-    for (const mode of this.modes) {
-      mode.loss = lossAt(lossFactor, lossCurve, mode.w) + (2 * radiationResistance(this.edges, mode)) / (this.modalMass * mode.w);
+    this.computed = computed;
+    this.modes = this.modesWith((w) => lossAt(lossFactor, lossCurve, w));
+  }
+
+  /** Return the modes up to the highest, with a loss factor of the plate over frequency and by their sound. */
+  modesWith(lossOf) {
+    const modes = this.between(0, MODES_HZ).sort((a, b) => a.w - b.w);
+    for (const mode of modes) {
+      mode.loss = lossOf(mode.w) + (2 * radiationResistance(this.edges, mode)) / (this.modalMass * mode.w);
     }
+    return modes;
   }
 
   /** Return the modes above one frequency [Hz] up to another. */
@@ -62,7 +69,7 @@ export class EdgedPlate {
     for (let low = rest[0]?.w; low < edge; low *= TAIL_RATIO) {
       addBand(low, complianceOf(rest.filter(({ w }) => w >= low && w < low * TAIL_RATIO)));
     }
-    const beyond = this.mobility / (Math.PI ** 2 * BEYOND * MODES_HZ) + complianceOf(this.between(MODES_HZ, BEYOND * MODES_HZ));
+    const beyond = this.beyond(complianceOf);
     for (let band = 0; band < TAIL_BANDS; band++) {
       const share = TAIL_RATIO ** -band - (band < TAIL_BANDS - 1 ? TAIL_RATIO ** -(band + 1) : 0);
       addBand(edge * TAIL_RATIO ** band, beyond * share);
@@ -70,13 +77,23 @@ export class EdgedPlate {
     return moving;
   }
 
+  /** Return the static compliance [m/N] of the modes above the highest. */
+  beyond(complianceOf) {
+    return this.mobility / (Math.PI ** 2 * BEYOND * MODES_HZ) + complianceOf(this.between(MODES_HZ, BEYOND * MODES_HZ));
+  }
+
   /** Return modes, their distances [m] to a listener and their pressures per stiffness force for a contact [m]. */
   radiation(contact, listener) {
     const { edges } = this;
     const size = (Math.sign(listener[2]) * AIR) / (2 * Math.PI * this.modalMass);
     const modes = this.modes.map((mode) => ({ ...mode, share: size * this.shape(mode, contact) }));
-    const at = (frequency, path) => rayleighIntegrals(edges, modes, listener, path, frequency);
+    const at = (frequency, path) => this.integrals(modes, listener, path, frequency);
     return { modes, distances: distances(edges, listener), at };
+  }
+
+  /** Return the pressures of modes per stiffness force at a frequency [Hz]. */
+  integrals(modes, listener, path, frequency) {
+    return rayleighIntegrals(this.edges, modes, listener, path, frequency);
   }
 }
 

@@ -10,10 +10,11 @@ import { isPlayable, plateNumbers } from "./effort.js";
 import { costOfModes, EdgedPlate } from "./plate.js";
 import { ballPressure, halfSpacePressure, platePressure } from "./radiation.js";
 import { prepareRelease } from "./release.js";
+import { computedModes, ComputedPlate } from "./ritz.js";
 import { impulseResponses } from "./response.js";
 
 const LIVE_MODES = 100; // that move in real time
-let latestPlate = { key: "", plate: null };
+let latestPlate = { key: "", run: "", plate: null };
 
 /** Return the slow parts of a run at settings; `most` modes move. */
 export function prepare(run, settings, most = LIVE_MODES) {
@@ -44,16 +45,19 @@ export function prepare(run, settings, most = LIVE_MODES) {
 
 /** Return the plate with edges at settings, the latest again if it is the same; null without edges. */
 function edgedPlate(run, settings) {
-  const { thickness, length, width, lossFactor } = settings;
+  const { thickness, length, lossFactor } = settings;
   if (!thickness || !length) return null;
-  const { massPerArea, bendingStiffness, area, count } = plateNumbers(run.fixed, settings);
+  const { massPerArea, bendingStiffness, width, area, count } = plateNumbers(run.fixed, settings);
   if (!isPlayable(run, settings)) {
     const size = `${area.toPrecision(2)} m2 with about ${Math.round(count)} modes`;
-    throw new Error(`This plate (${size}) takes too long to prepare: choose a smaller or a thicker one.`);
+    throw new Error(`This plate (${size}) takes too long to prepare, or has more modes than the page holds: choose a smaller or a thicker one.`);
   }
   const numbers = { massPerArea, bendingStiffness, lossFactor, lossCurve: run.fixed.lossCurve, length, width };
   const key = JSON.stringify(numbers);
-  if (latestPlate.key !== key) latestPlate = { key, plate: new EdgedPlate(numbers) };
+  if (latestPlate.key !== key || latestPlate.run !== run.label) {
+    const plate = run.modes ? new ComputedPlate({ ...numbers, computed: computedModes(run.modes) }) : new EdgedPlate(numbers);
+    latestPlate = { key, run: run.label, plate };
+  }
   return latestPlate.plate;
 }
 

@@ -58,13 +58,24 @@ export function distances(edges, [x, y, z]) {
 
 /** Return integrals of exp(-i k (R - path)) / R [m] over modes (m, n, share) at a frequency [Hz]. */
 export function rayleighIntegrals(edges, modes, listener, path, frequency) {
+  const counts = edges.map((_, i) => modes.reduce((order, mode) => Math.max(order, i ? mode.n : mode.m), 1));
+  const sines = (i, nodes) => {
+    const wave = (order) => Float64Array.from(nodes, (node) => Math.sin((Math.PI * order * node) / edges[i]));
+    return Array.from({ length: counts[i] }, (_, m) => wave(m + 1));
+  };
+  const integralOf = integralsOfProducts(edges, counts, sines, listener, path, frequency);
+  return modes.map(({ m, n, share }) => integralOf(m - 1, n - 1).map((part) => share * part));
+}
+
+// `functionsOf` returns so many functions of a side (0 or 1) at nodes [m], as `counts` says, with as many half waves.
+/** Return the function that gives the integral [re, im] [m] of a product of functions of both sides. */
+export function integralsOfProducts(edges, counts, functionsOf, listener, path, frequency) {
   const k = (2 * Math.PI * frequency) / SOUND;
   const [near] = distances(edges, listener);
   const [along, across] = edges.map((edge, i) => {
-    const most = modes.reduce((order, mode) => Math.max(order, i ? mode.n : mode.m), 1);
-    const { nodes, weights } = quadrature(edge, k * edge + Math.PI * most, near);
-    const wave = (order) => Float64Array.from(nodes, (node, j) => weights[j] * Math.sin((Math.PI * order * node) / edge));
-    return { squares: nodes.map((node) => (node - listener[i]) ** 2), shapes: Array.from({ length: most }, (_, m) => wave(m + 1)) };
+    const { nodes, weights } = quadrature(edge, k * edge + Math.PI * counts[i], near);
+    const shapes = functionsOf(i, nodes).map((values) => values.map((value, j) => weights[j] * value));
+    return { squares: nodes.map((node) => (node - listener[i]) ** 2), shapes };
   });
   const count = across.squares.length;
   const [cos, sin] = [new Float64Array(count), new Float64Array(count)];
@@ -84,13 +95,13 @@ export function rayleighIntegrals(edges, modes, listener, path, frequency) {
       }
     });
   });
-  return modes.map(({ m, n, share }) => {
-    const [[c, s], shape] = [sums[m - 1], across.shapes[n - 1]];
+  return (m, n) => {
+    const [[c, s], shape] = [sums[m], across.shapes[n]];
     let [re, im] = [0, 0];
     for (let b = 0; b < count; b++) {
       re += c[b] * shape[b];
       im += s[b] * shape[b];
     }
-    return [share * re, share * im];
-  });
+    return [re, im];
+  };
 }

@@ -26,6 +26,8 @@ function changedKeys(run, settings, dropped) {
     if (name === "lossFactor" && lossCurve) return [key, lossCurve.map(([hz, ratio]) => [hz, Number((value * ratio).toPrecision(6))])];
     return [key, value];
   });
+  const { sideRatio } = run.fixed;
+  if (sideRatio && differs("length")) changed.push(["plate.width_mm", Number(((1e3 * settings.length) / sideRatio).toPrecision(6))]);
   if (scene.plate.contact_mm && (differs("length") || differs("width"))) changed.push(["plate.contact_mm", scene.plate.contact_mm]); // it stays
   const length = dropped && settings.dropHeight > 0 ? trackOfFall(run, settings) : 0;
   if (1e3 * length > (1 + ROUNDED) * scene.rolling.distance_mm) changed.push(["rolling.distance_mm", Number((1e3 * length).toPrecision(4))]);
