@@ -21,6 +21,7 @@ from acoustics.rectangular_plate import (
     MODES_HZ,
     OWN_RATIO,
     PHASE_RAD,
+    POINTS,
     SIDES,
     Complex,
     Listener,
@@ -38,6 +39,9 @@ from acoustics.traps import ignoring_underflow
 SUPPORT_HZ = 2.0
 _BELOW_BENDING = 20.0  # of the lowest bending mode over that of the rigid-body motions, at least
 _SUPPORT_LOSS = 2.0  # loss factor of critical damping
+_MANY = 400  # points of a straight path whose shapes are interpolated
+_PER_WAVE = 12  # stations of a path in the shortest bending wave; they leave 1e-3
+_POINTS_AT_ONCE = 200
 _BEYOND_TURN = 5.0  # cube roots of a phase by which a degree may exceed it
 
 
@@ -117,12 +121,31 @@ class RitzPlate(RectangularPlate):
         return np.asarray(loss)
 
     def shapes(self, points_m: ArrayLike, modes: slice = slice(None)) -> Array:
-        """Return the shape of each mode at points (n, 2) [m], an array (n, modes)."""
+        """Return the shape of each mode at points (n, 2) [m], an array (n, modes).
+
+        Many points of a straight path are interpolated between stations of the path.
+        """
         refuse_masked("points_m", points_m)
-        along, across = np.atleast_2d(np.asarray(points_m, dtype=float)).T
-        x = 2 * along / self.length_m - 1
-        y = 2 * across / self.width_m - 1
-        return self.modes.shapes(x, y, modes)
+        points = np.atleast_2d(np.asarray(points_m, dtype=float))
+        ends = _straight_path(points)
+        if ends is None:
+            return self._shapes_at(points)[:, modes]
+        begin, end = ends
+        way = float(np.hypot(*(end - begin)))
+        spaces = POINTS + int(np.ceil(_PER_WAVE * way / self.bending_wavelength_m(MODES_HZ)))
+        table = _stations(self, tuple(begin.tolist()), tuple(end.tolist()), spaces)[:, modes]
+        place = (points - begin) @ (end - begin) / way**2 * spaces
+        first, weights = polynomial_weights(np.clip(place, 0.0, spaces), spaces + 1)
+        shapes = np.zeros((len(points), table.shape[1]))
+        for k in range(POINTS):
+            shapes += weights[:, k, None] * table[first + k]
+        return shapes
+
+    def _shapes_at(self, points: Array) -> Array:
+        """Return the shapes at points, a block at a time."""
+        unit = 2 * points / (self.length_m, self.width_m) - 1
+        blocks = np.array_split(unit, max(1, len(unit) // _POINTS_AT_ONCE))
+        return np.concatenate([self.modes.shapes(block[:, 0], block[:, 1]) for block in blocks])
 
     def residual_compliance_m_n(self, point_m: ArrayLike) -> float:
         """Return the static compliance [m/N] of the modes above MODES_HZ, as a mean over points."""
@@ -190,6 +213,31 @@ class RitzPlate(RectangularPlate):
                 amplitudes = products.reshape(functions, -1).T @ coefficients.reshape(functions, -1)
                 table[row, family.modes] = np.pi / 4 * weights @ np.square(amplitudes)
         return step, table * (edges[0] * edges[1] / 4) ** 2
+
+
+def _straight_path(points: Array) -> tuple[Array, Array] | None:
+    """Return the ends of a straight path of many points (n, 2) [m], None for others."""
+    if len(points) < _MANY:
+        return None
+    away = points - points[0]
+    direction = away[int(np.argmax(np.sum(np.square(away), axis=1)))]
+    way = float(np.hypot(*direction))
+    if way == 0:
+        return None
+    beside = away[:, 0] * direction[1] - away[:, 1] * direction[0]
+    if np.abs(beside).max() > 1e-9 * way**2:
+        return None
+    passed = away @ direction / way**2
+    return points[0] + passed.min() * direction, points[0] + passed.max() * direction
+
+
+@lru_cache(maxsize=4)
+def _stations(
+    plate: RitzPlate, begin: tuple[float, ...], end: tuple[float, ...], spaces: int
+) -> Array:
+    """Return the shapes at stations at equal distances between two points [m]."""
+    share = np.linspace(0, 1, spaces + 1)[:, None]
+    return plate._shapes_at(np.array(begin) + share * (np.array(end) - np.array(begin)))
 
 
 @lru_cache(maxsize=32)

@@ -162,3 +162,12 @@ def test_power_in_is_power_radiated_and_lost(edges: Pair, loss_factor: float) ->
     lost = np.sum(np.square(velocities) @ rates)
     radiated = 2 * np.sum(plate.power_per_force(frequency, contact))
     assert lost + radiated == pytest.approx(fed, rel=0.05)
+
+
+def test_many_points_of_a_path() -> None:
+    """Shapes of a moving contact are interpolated between stations: 1e-3 of the largest."""
+    plate = steel(MIXED)
+    share = np.abs(np.linspace(-0.9, 1, 2000))[:, None]
+    path = np.array([0.02, 0.13]) + share * np.array([0.15, -0.1])
+    one_by_one = np.concatenate([plate.shapes(part) for part in np.array_split(path, 10)])
+    assert plate.shapes(path) == pytest.approx(one_by_one, abs=2e-3)
