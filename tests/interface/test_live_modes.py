@@ -102,7 +102,7 @@ def test_a_record_is_that_of_the_program(
 ) -> None:
     """As for simply supported edges: reliable third octaves within 0.5 dB, LAeq within 0.2 dB.
 
-    The stored products leave 3 % of a shape.
+    The stored products leave 1 % of a shape.
     """
     begun = scene(CHANGES | {"plate.edges": edges, "plate.thickness_mm": 5})
     law = force_law(begun)
