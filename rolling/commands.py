@@ -135,6 +135,8 @@ def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
     if not done:
         return
     shown = _print_answers(done)
+    for line in run_lines.channel_lines(shown):
+        print(line)
     for line in run_lines.doubt_lines(shown):
         print(line)
     _print_files(folder, done)

@@ -13,6 +13,11 @@ Examples
 """
 
 from rolling.figures.article import max_level_over_load, spectra_over_load
+from rolling.figures.channels import (
+    channel_envelope,
+    channel_spectrum,
+    channel_third_octaves,
+)
 from rolling.figures.contact import ball_surface, contact_pressure, recovery_events, surface
 from rolling.figures.levels import levels
 from rolling.figures.origins import modulation, running_in, wavelengths
@@ -22,7 +27,8 @@ from rolling.figures.sweep import contact_areas, mean_third_octaves
 from rolling.figures.vibration import contact_filter, contact_force, mobilities, sources
 
 __all__ = [
-    "ball_surface", "contact_areas", "contact_filter", "contact_force", "contact_pressure",
+    "ball_surface", "channel_envelope", "channel_spectrum", "channel_third_octaves",
+    "contact_areas", "contact_filter", "contact_force", "contact_pressure",
     "levels", "max_level_over_load", "mean_third_octaves", "mobilities", "modulation",
     "places", "power_density", "recovery_events", "release_power", "running_in", "sources",
     "spectra_over_load", "spectrogram", "spectrum", "surface", "third_octaves", "wavelengths",

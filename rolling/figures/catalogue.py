@@ -13,7 +13,17 @@ from matplotlib.axes import Axes
 from pandas import DataFrame
 
 from acoustics.traps import ignoring_underflow
-from rolling.figures import article, contact, levels, origins, places, sound, sweep, vibration
+from rolling.figures import (
+    article,
+    channels,
+    contact,
+    levels,
+    origins,
+    places,
+    sound,
+    sweep,
+    vibration,
+)
 from rolling.figures.picture import Picture, csv_bytes, listed, picture, slug
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.results.run_result import Run
@@ -65,6 +75,10 @@ def _has_events(run: Run) -> bool:
 
 def _has_vibration(run: Run) -> bool:
     return run.vibration is not None
+
+
+def _has_channels(run: Run) -> bool:
+    return bool(run.channels)
 
 
 def _vibrates_on_a_rough_surface(run: Run) -> bool:
@@ -156,6 +170,15 @@ SINGLE = {
         vibration.contact_filter, vibration.contact_filter_table, _vibrates_on_a_rough_surface
     ),
     "mobilities": FigureKind(vibration.mobilities, vibration.mobility_table, _has_vibration),
+    "channel_third_octaves": FigureKind(
+        channels.channel_third_octaves, channels.channel_third_octave_table, _has_channels
+    ),
+    "channel_spectrum": FigureKind(
+        channels.channel_spectrum, channels.channel_spectrum_table, _has_channels
+    ),
+    "channel_envelope": FigureKind(
+        channels.channel_envelope, channels.channel_envelope_table, _has_channels
+    ),
 }
 # A figure for all loads and seeds of each combination of the other swept values.
 BY_SURFACE = {

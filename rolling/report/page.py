@@ -37,6 +37,7 @@ MAIN_CURVES = "third_octaves_a"  # which the page shows first; the others are on
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 SURFACES = ("surface", "ball_surface")
 VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
+CHANNELS = ("channel_third_octaves", "channel_spectrum", "channel_envelope")
 
 
 def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
@@ -96,6 +97,8 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         curves=_comparing_exhibits(runs),
         surfaces=_surfaces(shown),
         vibration=[name for name in VIBRATION if any(name in view.pictures for view in views)],
+        channels=[name for name in CHANNELS if any(name in view.pictures for view in views)],
+        channel_lines=run_lines.channel_lines(shown),
         css=Markup(
             text.asset("report.css")
             + text.asset("heard.css")

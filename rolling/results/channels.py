@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -12,7 +13,7 @@ import numpy as np
 from acoustics import wav
 from acoustics.arrays import Array, short_repr
 from acoustics.modulation import EnvelopeSpectrum, envelope_spectrum, loudest_octave
-from acoustics.numbers import rounded
+from acoustics.numbers import si
 from acoustics.spectrum import Psd, welch
 from acoustics.traps import ignoring_underflow
 from acoustics.vibration_level import REFERENCES, VibrationLevels, vibration_levels
@@ -110,17 +111,6 @@ class Channel:
         return envelope_spectrum(self.samples, self.sample_rate, band, self.closed)
 
     @property
-    def line(self) -> str:
-        """Name, level with its reference, rms and peak of the channel in one line."""
-        levels = self.levels
-        if levels.level_db is None:
-            return f"{self.name}: no motion within hearing"
-        return (
-            f"{self.name}: {levels.level_db:.1f} dB {self.reference} (rms {rounded(levels.rms, 3)},"
-            f" peak {rounded(levels.peak, 3)} {self.unit})"
-        )
-
-    @property
     def numbers(self) -> dict[str, Any]:
         """Facts and levels of the channel, as summary.json has them."""
         levels = self.levels
@@ -142,6 +132,19 @@ class Channel:
             "octave_db": levels.octave_db,
             "note": self.note,
         }
+
+
+def channel_line(numbers: Mapping[str, Any]) -> str:
+    """Write name, level with its reference, rms and peak of a channel of summary.json in a line."""
+    if numbers["level_db"] is None:
+        return f"{numbers['name']}: nothing moves within hearing"
+    line = (
+        f"{numbers['name']}: {numbers['level_db']:.1f} dB {numbers['reference']}"
+        f" (rms {si(numbers['rms'], numbers['unit'])}, peak {si(numbers['peak'], numbers['unit'])})"
+    )
+    if numbers["note"]:
+        line += f"; {numbers['note']}"
+    return line
 
 
 def channels_of(scene: Scene, vibration: Vibration | None) -> tuple[Channel, ...]:

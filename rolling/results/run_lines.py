@@ -21,6 +21,7 @@ from rolling.results.answer import (
     uncertain,
     vibration,
 )
+from rolling.results.channels import channel_line
 from rolling.results.description import runs_sentence
 from rolling.results.doubts import band_error_db, band_text
 from rolling.results.labels import labels
@@ -46,6 +47,16 @@ def answer_lines(runs: Sequence[RunFolder]) -> list[str]:
     if conclusion:
         lines += ["", folded(conclusion)]
     return lines
+
+
+def channel_lines(runs: Sequence[RunFolder]) -> list[str]:
+    """Return a line for each channel that runs ask for, with a level and its reference."""
+    lines = []
+    solved = _solved(runs)
+    for label, summary in solved:
+        before = f"{label}, " if len(solved) > 1 else ""
+        lines += [f"{before}{channel_line(channel)}" for channel in summary.get("channels", [])]
+    return [folded(line) for line in lines]
 
 
 def doubt_lines(runs: Sequence[RunFolder]) -> list[str]:
