@@ -1,5 +1,7 @@
 """Figures of the channels of a run: third octaves, narrow bands and envelopes."""
 
+from collections.abc import Iterable, Sequence
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -48,6 +50,7 @@ def channel_third_octaves(run: Run, ax: Axes | None = None) -> Axes:
     no_spread = dict.fromkeys(BAND_NAMES)
     curves = [(_label(channel), channel.levels.third_octave_db, no_spread) for channel in channels]
     ax = plots.third_octaves(axes_of(ax), curves, duration_s=run.sound.duration / run.laps)
+    ax.set_ylim(_limits([channel.levels.third_octave_db.values() for channel in channels]))
     ax.set_ylabel("level [dB re the value in the legend]")
     facts = [_ISO, "no frequency weighting", duration_text([run])]
     return finish(ax, f"Third octaves of the channels: {run.title}", facts)
@@ -104,7 +107,8 @@ def channel_spectrum(run: Run, ax: Axes | None = None) -> Axes:
     for channel in channels:
         frequency_hz, level_db = _density_level(channel)
         curves.append((_label(channel), Lines.audible(frequency_hz, level_db)))
-    ax = plots.spectrum(axes_of(ax), curves)
+    limits = _limits([lines.level_db for _, lines in curves])
+    ax = plots.spectrum(axes_of(ax), curves, limits)
     ax.set_ylabel("density level [dB re the squared value in the legend per Hz]")
     facts = [
         _ISO,
@@ -204,6 +208,18 @@ def _channels(run: Run) -> tuple[Channel, ...]:
     if not run.channels:
         raise ValueError(f"{run.title}: has no channels; sound.channels of a scene asks for them")
     return run.channels
+
+
+def _limits(levels: Sequence[Iterable[float | None]]) -> tuple[float, float]:
+    """Return limits [dB] that show the upper 50 dB of each channel, whatever its reference."""
+    largest = []
+    for values in levels:
+        known = [value for value in values if value is not None and np.isfinite(value)]
+        if known:
+            largest.append(max(known))
+    if not largest:
+        return 0.0, 10.0
+    return 10.0 * np.floor(min(largest) / 10 - 5), 10.0 * np.ceil(max(largest) / 10 + 0.5)
 
 
 def _label(channel: Channel) -> str:

@@ -55,6 +55,11 @@ def drawing(name: str) -> Callable[[Axes], Axes]:
         runs = runs_of("flying")
     elif name == "running_in":
         runs = runs_of("memory")
+    elif name.startswith("channel_"):
+        (run, *_) = runs_of("flying")
+        motion = {"of": "ball", "quantity": "velocity"}
+        force = {"of": "contact", "quantity": "force"}
+        runs = [replace(run, scene=run.scene.with_({"sound.channels": [motion, force]}))]
     else:
         runs = runs_of("seeds")
     function = getattr(plot, name)
