@@ -84,7 +84,7 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
     ISO 532-1:2017, method 1, for stationary sounds; DIN 45692:2009 for sharpness.
     """
     refuse_masked("pressure_pa", pressure_pa)
-    _import_mosqito()
+    import_mosqito()
     from mosqito.sq_metrics import loudness_zwst, sharpness_din_from_loudness
 
     record = checked_record(pressure_pa, sample_rate_hz)
@@ -157,7 +157,7 @@ def varying_loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) ->
     """
     refuse_masked("pressure_pa", pressure_pa)
     record = checked_record(pressure_pa, sample_rate_hz)
-    _import_mosqito()
+    import_mosqito()
     _check_varying_rate(sample_rate_hz)
     # the onset of a mean would be heard as a bang
     fluctuation = record - np.mean(record)
@@ -228,7 +228,7 @@ def loudness_in_time(records: Sequence[Array], sample_rate_hz: float) -> list[Ar
     ----------
     ISO 532-1:2017, method 2.
     """
-    _import_mosqito()
+    import_mosqito()
     _check_varying_rate(sample_rate_hz)
     together = max(1, int(_TOGETHER_S * sample_rate_hz / len(records[0])))
     courses: list[Array] = []
@@ -271,7 +271,7 @@ def _loudness_of_group(records: Sequence[Array]) -> list[Array]:
     return courses
 
 
-def _import_mosqito() -> None:
+def import_mosqito() -> None:
     """Import mosqito; raise ModuleNotFoundError with the command that installs it."""
     if find_spec("mosqito") is None:
         raise ModuleNotFoundError(

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 import rolling
-from acoustics import loudness, uncertainty, wav
+from acoustics import ears, loudness, uncertainty, wav
 from acoustics.arrays import Array
 from acoustics.level import SoundLevels, is_single_event, lae_db, level_db
 from acoustics.modulation import MIN_PERIODS, envelope_spectrum, modulated_octave
@@ -71,6 +71,7 @@ def summarize(run: SolvedRun, release: ContactSound) -> dict[str, Any]:
         **error_numbers(run, _uncertainty_parts(run, law, band, instrument)),
         **_band(band),
         **_loudness(run, is_event),
+        **_ears(run),
         **_record(sound, release),
         **_contact(scene, result),
         **_effort(scene, result),
@@ -228,6 +229,37 @@ def _loudness(run: SolvedRun, is_event: bool) -> dict[str, float | None]:
         varying = loudness.varying_loudness(sound.pressure, sound.sample_rate, sound.closed)
         numbers["loudness_n5_sone"] = varying.n5_sone
         numbers["loudness_max_sone"] = varying.max_sone
+    return numbers
+
+
+def _ears(run: SolvedRun) -> dict[str, Any]:
+    """Compute roughness and prominence of tones if the scene requests loudness.
+
+    They are null where a record is too short, and for tones where none is found.
+    """
+    sound = run.sound
+    if not run.scene.sound.loudness:
+        return {}
+    found = ears.tones(sound.pressure, sound.sample_rate)
+    numbers: dict[str, Any] = {
+        "roughness_asper": ears.roughness_asper(sound.pressure, sound.sample_rate),
+        "tone_to_noise_db": None,
+        "tone_to_noise_hz": None,
+        "tone_to_noise_prominent": None,
+        "prominence_ratio_db": None,
+        "prominence_ratio_hz": None,
+        "prominence_ratio_prominent": None,
+    }
+    if found is None:
+        return numbers
+    for name, tone in (
+        ("tone_to_noise", found.tone_to_noise),
+        ("prominence_ratio", found.prominence),
+    ):
+        numbers[f"{name}_prominent"] = tone is not None and tone.is_prominent
+        if tone is not None:
+            numbers[f"{name}_db"] = tone.decibels
+            numbers[f"{name}_hz"] = tone.frequency_hz
     return numbers
 
 

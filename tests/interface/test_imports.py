@@ -39,7 +39,7 @@ FLOORS = {
             "spectrum",
         ),
         ("level", "loudness", "modulation", "ritz_plate", "sound_power"),
-        ("audibility", "laps", "plots", "uncertainty", "vibration_level", "wav"),
+        ("audibility", "ears", "laps", "plots", "uncertainty", "vibration_level", "wav"),
     ),
 }
 FRONT_DOOR = "__init__"  # hands out names of every floor; rooms take version and place from it only
