@@ -38,6 +38,7 @@ from rolling.scene.laws import SelfAffineLaw
 from rolling.scene.messages import nearest
 from rolling.scene.scene import Scene
 from rolling.sound.wavelengths import wavelength_bands
+from rolling.studies import printed_truths
 from rolling.studies.output import markdown_table
 from rolling.surface.heights import statistics
 from rolling.surface.measured import HeightArray
@@ -420,6 +421,21 @@ def rough_gap(scene: Scene, stride: int) -> tuple[Array, float]:
     return (x[:, None] ** 2 + x**2) / (2 * scene.radius) - surface, spacing
 
 
+# ---- surfaces and colliding spheres
+
+
+def surfaces() -> PublishedValues:
+    """Compare parameters of two surfaces with those of other programs."""
+    for rule, item, published, ours in printed_truths.surface_rows():
+        yield PublishedValue(rule, item, published, ours)
+
+
+def colliding_spheres() -> PublishedValues:
+    """Compare the sound of two spheres that collide with its closed form."""
+    for rule, item, published, ours in printed_truths.collision_rows():
+        yield PublishedValue(rule, item, published, ours)
+
+
 # ---- slopes of level
 
 
@@ -434,6 +450,33 @@ def speed_and_roughness() -> PublishedValues:
     yield PublishedValue("exponent of Ra, sliding", "", math.nan, exponents[-1])
     by_speed = _exponent(levels.xs(roughness[0], level=1).unstack(0))
     yield PublishedValue("exponent of speed, sliding", "", math.nan, by_speed)
+    yield PublishedValue("off a line over log v", "", math.nan, _off_a_line_db(levels))
+    yield PublishedValue("loudest band by Ra", "", math.nan, _moved_bands(runs, roughness))
+
+
+def _off_a_line_db(levels: pd.Series) -> Array:
+    """Return the rms distance [dB] of levels from a line over log v, for each seed and Ra."""
+    by_speed = levels.unstack(2)
+    log_speeds = np.log10(by_speed.columns.to_numpy(float))
+    values = by_speed.to_numpy()
+    fits = np.polyfit(log_speeds, values.T, 1)
+    lines = log_speeds[:, None] * fits[0] + fits[1]
+    return np.asarray(np.sqrt(np.mean((values.T - lines) ** 2, axis=0)))
+
+
+def _moved_bands(runs: Mapping[Values, Run], roughness: Sequence[float]) -> Array:
+    """Return by how many third octaves the loudest one moves between two Ra, for each other key."""
+    loudest = {values: _loudest_band(run) for values, run in runs.items()}
+    table = pd.Series(loudest).unstack(1)
+    return np.asarray(np.abs((table[roughness[1]] - table[roughness[0]]).to_numpy(float)))
+
+
+def _loudest_band(run: Run) -> int:
+    """Return the number of the loudest third octave."""
+    levels = [
+        -math.inf if level is None else level for level in run.sound.levels.third_octave_db.values()
+    ]
+    return int(np.argmax(levels))
 
 
 def _exponent(levels: pd.DataFrame) -> Array:
@@ -673,6 +716,8 @@ CASES: dict[str, Callable[[], PublishedValues]] = {
     "impact": impact,
     "phonometry": phonometry,
     "rough-contact": rough_contact,
+    "surfaces": surfaces,
+    "colliding-spheres": colliding_spheres,
     "speed-and-roughness": speed_and_roughness,
     "contact-filter": contact_filter,
     "synthetic-recording": synthetic_recording,

@@ -1,0 +1,31 @@
+"""Parameters of surfaces beside other programs, and two spheres that collide."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rolling.studies import printed_truths
+
+
+@pytest.mark.law("Surface parameters: surfalize and SurfaceTopography give the same ones.")
+def test_parameters_are_those_of_other_programs() -> None:
+    rows = printed_truths.surface_rows()
+    assert len(rows) == 32
+    for rule, item, published, ours in rows:
+        near = 0.02 if rule in ("Sk", "Spk", "Svk", "Smr1", "Smr2") else 1e-5
+        assert ours == pytest.approx(published, rel=near), (rule, item)
+
+
+@pytest.mark.law("Colliding spheres: the sound is that of two dipoles, by a closed form in time.")
+def test_colliding_spheres_sound_as_two_dipoles() -> None:
+    for rule, item, published, ours in printed_truths.collision_rows():
+        assert ours == pytest.approx(published, rel=1e-3, abs=1e-4), (rule, item)
+
+
+def test_the_closed_form_solves_its_equation() -> None:
+    """The pressure of the nearer sphere starts at rest, and its area over time vanishes."""
+    times = 2e-7 * (np.arange(2**15) - 2000)
+    pressure = printed_truths.colliding_spheres(times, 0.005)
+    assert np.all(pressure[times < -0.01 / 343.2] == 0)
+    assert abs(pressure.sum()) < 1e-3 * np.abs(pressure).sum()
