@@ -42,6 +42,7 @@ _SUPPORT_LOSS = 2.0  # loss factor of critical damping
 _MANY = 400  # points of a straight path whose shapes are interpolated
 _PER_WAVE = 12  # stations of a path in the shortest bending wave; they leave 1e-3
 _POINTS_AT_ONCE = 200
+_SMALL_RAD = 6.0  # phase of sound along the diagonal of a plate that is small
 _BEYOND_TURN = 5.0  # cube roots of a phase by which a degree may exceed it
 
 
@@ -167,11 +168,15 @@ class RitzPlate(RectangularPlate):
 
     def resistances(self, frequency_hz: float) -> Array:
         """Return the radiation resistance [W s2/m2] of each mode at a frequency."""
-        step, table = self._wave_squares
         k = 2 * np.pi * frequency_hz / SOUND_M_S
         diagonal = np.hypot(self.length_m, self.width_m)
         u, weights = legendre(int(np.ceil(k * diagonal / 2)) + MARGIN)
         angle = np.pi / 4 * (u + 1)
+        if k * diagonal < _SMALL_RAD:  # the squares rise too steeply for a table
+            squares = np.array([self._squares_of_waves(k * sine) for sine in np.sin(angle)])
+            share = (np.pi / 4 * weights * np.sin(angle)) @ squares
+            return np.asarray(AIR_KG_M3 * SOUND_M_S * (k / np.pi) ** 2 * share)
+        step, table = self._wave_squares
         place = np.clip(k * np.sin(angle) / step, 0.0, len(table) - 1.0)
         first, shares = polynomial_weights(place, len(table))
         of_rows = np.zeros(len(table))
@@ -190,29 +195,36 @@ class RitzPlate(RectangularPlate):
         highest = 2 * np.pi * MODES_HZ / SOUND_M_S
         step = PHASE_RAD / diagonal
         rows = int(np.ceil(highest / step)) + MARGIN
-        table = np.zeros((rows, self.mode_count))
-        for row in range(rows):
-            k = step * row
-            u, weights = legendre(int(np.ceil(k * diagonal / 2)) + MARGIN)
-            angle = np.pi / 4 * (u + 1)
-            waves = (k * np.cos(angle) * edges[0] / 2, k * np.sin(angle) * edges[1] / 2)
-            transforms = [
-                side.transforms(wave) for side, wave in zip(self.modes.sides, waves, strict=True)
-            ]
-            # A function of high degree has nothing of long waves: its transform is a Bessel
-            # function beyond its turn.
-            phases = [k * edge / 2 for edge in edges]
-            most = [phase + _BEYOND_TURN * np.cbrt(phase) + MARGIN for phase in phases]
-            for family in self.modes.families:
-                within = np.ix_(family.along < most[0], family.across < most[1])
-                coefficients = family.coefficients[within]
-                x = transforms[0][family.along[family.along < most[0]]]
-                y = transforms[1][family.across[family.across < most[1]]]
-                products = x[:, None] * y
-                functions = products.shape[0] * products.shape[1]
-                amplitudes = products.reshape(functions, -1).T @ coefficients.reshape(functions, -1)
-                table[row, family.modes] = np.pi / 4 * weights @ np.square(amplitudes)
-        return step, table * (edges[0] * edges[1] / 4) ** 2
+        table = np.array([self._squares_of_waves(step * row) for row in range(rows)])
+        return step, table
+
+    def _squares_of_waves(self, k: float) -> Array:
+        """Return the squared transform of each mode over waves of a length, (modes,) [m4].
+
+        It is an integral over a quarter turn of the wave vector, whose length is k [rad/m].
+        """
+        edges = (self.length_m, self.width_m)
+        u, weights = legendre(int(np.ceil(k * np.hypot(*edges) / 2)) + MARGIN)
+        angle = np.pi / 4 * (u + 1)
+        waves = (k * np.cos(angle) * edges[0] / 2, k * np.sin(angle) * edges[1] / 2)
+        transforms = [
+            side.transforms(wave) for side, wave in zip(self.modes.sides, waves, strict=True)
+        ]
+        # A function of high degree has nothing of long waves: its transform is a Bessel function
+        # beyond its turn.
+        phases = [k * edge / 2 for edge in edges]
+        most = [phase + _BEYOND_TURN * np.cbrt(phase) + MARGIN for phase in phases]
+        squares = np.empty(self.mode_count)
+        for family in self.modes.families:
+            within = np.ix_(family.along < most[0], family.across < most[1])
+            coefficients = family.coefficients[within]
+            x = transforms[0][family.along[family.along < most[0]]]
+            y = transforms[1][family.across[family.across < most[1]]]
+            products = x[:, None] * y
+            functions = products.shape[0] * products.shape[1]
+            amplitudes = products.reshape(functions, -1).T @ coefficients.reshape(functions, -1)
+            squares[family.modes] = np.pi / 4 * weights @ np.square(amplitudes)
+        return squares * (edges[0] * edges[1] / 4) ** 2
 
 
 def _straight_path(points: Array) -> tuple[Array, Array] | None:
