@@ -20,7 +20,7 @@ def at_level(signal: np.ndarray, level_db: float) -> np.ndarray:
     return signal * P_REF_PA * 10 ** (level_db / 20) / np.sqrt(np.mean(np.square(signal)))
 
 
-@pytest.mark.law("ears: a tone of 1 kHz and 60 dB, all modulated by 70 Hz, has 1 asper")
+@pytest.mark.law("Ears: a tone of 1 kHz and 60 dB, all modulated by 70 Hz, has 1 asper.")
 def test_roughness_of_the_reference_signal() -> None:
     carrier = np.sin(2 * np.pi * 1000 * TIME)
     modulated = (1 + np.sin(2 * np.pi * 70 * TIME)) * carrier
@@ -31,7 +31,7 @@ def test_roughness_of_the_reference_signal() -> None:
     assert roughness_asper(modulated[: RATE // 10], RATE) is None
 
 
-@pytest.mark.law("ears: the tone-to-noise ratio is the tone over its critical band of noise")
+@pytest.mark.law("Ears: the tone-to-noise ratio is the tone over its critical band of noise.")
 def test_tone_in_white_noise() -> None:
     # Noise of 70 dB from 20 Hz to 20 kHz has 49.1 dB in the critical band of 162 Hz about 1 kHz.
     lines = np.fft.rfft(np.random.default_rng(1).standard_normal(len(TIME)))

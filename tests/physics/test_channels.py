@@ -97,7 +97,7 @@ def modal_acceleration(force: Array, scene: rolling.Scene, place: tuple[float, f
     return band_limit(resample_closed(total, len(force)), RATE)
 
 
-@pytest.mark.law("channels: modal equations of motion give the acceleration of a plate with edges")
+@pytest.mark.law("Channels: modal equations of motion give the acceleration of a plate with edges.")
 def test_modal_equations() -> None:
     places = ((0.03, 0.02), (0.15, 0.11), CONTACT)
     force, signals, scene = edged_signals(*places)
@@ -108,7 +108,7 @@ def test_modal_equations() -> None:
         assert third_octaves(acceleration) == pytest.approx(third_octaves(own), abs=most)
 
 
-@pytest.mark.law("channels: acceleration and velocity are derivatives of the displacement")
+@pytest.mark.law("Channels: acceleration and velocity are derivatives of the displacement.")
 def test_derivatives() -> None:
     _, (acceleration, velocity, displacement), _ = edged_signals((0.03, 0.02))
     iw = 2j * np.pi * np.fft.rfftfreq(len(velocity), 1 / RATE)
@@ -117,7 +117,7 @@ def test_derivatives() -> None:
         assert derived == pytest.approx(rate, abs=1e-9 * np.abs(rate).max())
 
 
-@pytest.mark.law("channels: an infinite plate moves with Y F at the contact, and a ball with -F/M")
+@pytest.mark.law("Channels: an infinite plate moves with Y F at the contact, and a ball with -F/M.")
 def test_infinite_plate_and_ball() -> None:
     run = run_of(
         [*SHORT, "plate.thickness_mm=10"],
@@ -134,7 +134,7 @@ def test_infinite_plate_and_ball() -> None:
     assert acceleration == pytest.approx(-force / mass, abs=1e-9 * np.abs(acceleration).max())
 
 
-@pytest.mark.law("channels: the transfer mobility of an infinite plate is its integral over waves")
+@pytest.mark.law("Channels: the transfer mobility of an infinite plate is its integral over waves.")
 def test_transfer_mobility() -> None:
     # With the loss factor 0.05 the Hankel integral over wave numbers converges without a pole.
     plate = ThinPlate(78.5, 18.9e3, 0.05)
@@ -151,7 +151,7 @@ def test_transfer_mobility() -> None:
     assert near == pytest.approx(plate.mobility_s_kg, rel=1e-6)
 
 
-@pytest.mark.law("channels: the blocked force of a heavy plate is the contact force")
+@pytest.mark.law("Channels: the blocked force of a heavy plate is the contact force.")
 def test_blocked_force_of_a_heavy_plate() -> None:
     heavy = [*SHORT, "plate.thickness_mm=400", "plate.contact_loss_factor=0.02"]
     run = run_of(heavy, "{of: contact, quantity: force}", "{of: contact, quantity: blocked_force}")
