@@ -63,9 +63,14 @@ def read_bench(folder: Path) -> Bench:
     if (folder / RESULT).is_file():
         raise FolderError(f"{folder}: a run folder; name a RECORDING to compare it with")
     missing: list[str] = []
-    scene = _scene_of(folder, missing)
-    recordings = _recordings(folder, missing)
+    lacking_of_recordings: list[str] = []
+    recordings = _recordings(folder, lacking_of_recordings)
+    # A contact force may be measured on a block, which has no bending waves.
+    is_plate = not recordings or any(item.quantity.name != "force" for item in recordings)
+    scene = _scene_of(folder, is_plate, missing)
+    missing += lacking_of_recordings
     if scene is not None:
+        missing += _lacking_scans(scene)
         missing += _lacking_channels(scene, recordings)
     if missing or scene is None:
         raise FolderError("\n".join(f"{folder}: {text}" for text in missing))
@@ -129,8 +134,11 @@ def _files(folder: Path, endings: Sequence[str]) -> list[Path]:
 # ---- the scene
 
 
-def _scene_of(folder: Path, missing: list[str]) -> Scene | None:
-    """Return the scene of a folder; add what it lacks to the list, and return None, otherwise."""
+def _scene_of(folder: Path, is_plate: bool, missing: list[str]) -> Scene | None:
+    """Return the scene of a folder; add what it lacks to the list, and return None, otherwise.
+
+    The dimensions of a plate are asked for where it `is_plate`, whose bending is recorded.
+    """
     files = _files(folder, SCENE_ENDINGS)
     if len(files) > 1:
         names = ", ".join(path.name for path in files)
@@ -150,7 +158,7 @@ def _scene_of(folder: Path, missing: list[str]) -> Scene | None:
         return None
     lacking: dict[str, str] = {}
     if isinstance(data, Mapping):
-        lacking = _lacking_keys(data, folder)
+        lacking = _lacking_keys(data, folder, is_plate)
         missing += [f"{files[0].name}: {text}" for text in lacking.values()]
     try:
         scene = read_scene(files[0])
@@ -160,15 +168,19 @@ def _scene_of(folder: Path, missing: list[str]) -> Scene | None:
     if scene.sweep:
         missing.append(f"{files[0].name}: it has a sweep; a bench is one run, so take it out")
         return None
-    missing += [
+    return scene
+
+
+def _lacking_scans(scene: Scene) -> list[str]:
+    """Say which scans a scene names that are not there."""
+    return [
         f"no scan at {printable(str(path))}, which the scene names; put the file there"
         for path in scene.height_paths.values()
         if not path.is_file()
     ]
-    return None if missing else scene
 
 
-def _lacking_keys(data: Mapping[str, Any], folder: Path) -> dict[str, str]:
+def _lacking_keys(data: Mapping[str, Any], folder: Path, is_plate: bool) -> dict[str, str]:
     """Return what a scene lacks of a bench by its key, each with what to do."""
 
     def section(name: str) -> Mapping[str, Any]:
@@ -191,7 +203,7 @@ def _lacking_keys(data: Mapping[str, Any], folder: Path) -> dict[str, str]:
             " plate.material"
         )
     sides = [name for name in ("length_mm", "width_mm", "thickness_mm") if plate.get(name) is None]
-    if sides:
+    if sides and is_plate:
         keys = ", ".join(f"plate.{name}" for name in sides)
         lacking["plate.thickness_mm"] = f"no dimensions of the plate; measure them: {keys}"
     if "dynamics" not in data:

@@ -254,10 +254,12 @@ def lacking_channels(quantity: MeasuredQuantity, others: Sequence[str]) -> str:
 
     The others are the channels that it has, in words.
     """
-    has = f", only {', '.join(others)}" if others else ""
+    has = f", only {', '.join(dict.fromkeys(others))}" if others else ""
+    line = _LACKING[quantity.name]
+    place = ", with your place on the plate," if "x_mm" in line else ""
     return (
-        f"no channel of {quantity.name}{has}; add to the scene, with your place on the plate, and"
-        f" run it again: sound: {{channels: [{{{_LACKING[quantity.name]}}}]}}"
+        f"no channel of {quantity.name}{has}; add to the scene{place} and run it again:"
+        f" sound: {{channels: [{{{line}}}]}}"
     )
 
 
@@ -427,6 +429,8 @@ def _compare_pair(
         *_left_out("not clearly above the background", is_known & ~is_clear),
         *_left_out(f"uncertain by {MAX_DB:g} dB or more", is_clear & ~is_common),
     ]
+    if pair.name:
+        left_out = [f"{pair.name}: {text}" for text in left_out]
     if not is_common.any():
         fault = pair.named("no third octave can be compared")
         raise FolderError("; ".join([f"{path}: {fault}", *left_out]))
@@ -662,16 +666,17 @@ def _in_words(rows: pd.DataFrame, unit: str) -> pd.DataFrame:
     frame = pd.DataFrame(index=rows.index)
     for name, column in columns.items():
         pairs = zip(rows[f"{name}_db"], rows[f"{name}_uncertainty_db"], strict=True)
-        frame[column] = [f"{db:.1f} ± {u:.1f}" for db, u in pairs]
+        # A level that rounds to -0.0 is written as 0.0.
+        frame[column] = [f"{round(db, 1) + 0.0:.1f} ± {u:.1f}" for db, u in pairs]
     return frame
 
 
 def page(run: Run, comparison: RecordingComparison) -> bytes:
     """Write a page with the third octaves, all numbers, and the records at equal loudness."""
     drawn = {}
-    for pair in comparison.pairs:
+    for number, pair in enumerate(comparison.pairs):
         with left_out_if_it_fails("of the third octaves"):
-            draw = partial(_third_octaves, run, comparison, pair)
+            draw = partial(_third_octaves, run, comparison, number)
             content = picture("third_octaves", draw).file("svg")
             drawn[pair.named("third octaves")] = maps.uri("image/svg+xml", content or b"")
     tables = {}
@@ -704,8 +709,9 @@ def _sounds(comparison: RecordingComparison) -> dict[str, str]:
     return {name: records.compressed(gain * samples) for name, samples in sounds.items()}
 
 
-def _third_octaves(run: Run, comparison: RecordingComparison, pair: RecordPair, ax: Axes) -> Axes:
-    """Plot the third octaves of a run and of a recording."""
+def _third_octaves(run: Run, comparison: RecordingComparison, number: int, ax: Axes) -> Axes:
+    """Plot the third octaves of a pair of records, by its number."""
+    pair = comparison.pairs[number]
     rows = comparison.table[comparison.table["channel"] == pair.name]
     bands = rows[rows["quantity"] == THIRD_OCTAVE].set_index("frequency_hz")
     bands = bands.reindex(NOMINAL_HZ).set_axis(BAND_NAMES)
@@ -719,5 +725,5 @@ def _third_octaves(run: Run, comparison: RecordingComparison, pair: RecordPair, 
     if quantity is not PRESSURE:
         ax.set_ylabel(f"{quantity.name} level [dB re {quantity.reference_text}]")
     title = pair.named(f"Third octaves: {run.title}")
-    scale = [note for note in comparison.notes if note.startswith("recording: ")]
-    return finish(ax, title, scale[:1])
+    of_recordings = [note for note in comparison.notes if note.startswith("recording: ")]
+    return finish(ax, title, of_recordings[number : number + 1])

@@ -168,7 +168,6 @@ def test_a_second_comparison_keeps_the_first(run: Run, tmp_path: Path) -> None:
     command = ["compare", str(folder), str(tmp_path / "a.wav")]
     assert cli.main(command) == 0
     first = (folder / "compare-a.wav.csv").read_bytes()
-    assert cli.main(command) == 0  # the same numbers are there already
     assert cli.main([*command, "--calibration", "2"]) == 0
     assert (folder / "compare-a.wav.csv").read_bytes() == first
     names = {path.name for path in folder.glob("compare-*")}
