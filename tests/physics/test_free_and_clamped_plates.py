@@ -46,7 +46,7 @@ def bodies(
     return Chain(MASS, plate(thickness_mm), contact_stiffness(law, LOAD), modes)
 
 
-@pytest.mark.law("Modes: the mean mobility over third octaves is an infinite plate's.")
+@pytest.mark.law("Free and clamped plates: the mean mobility over third octaves is an infinite plate's.")
 @pytest.mark.parametrize("edges", KINDS)
 def test_mean_mobility(edges: Pair) -> None:
     """Third octaves of ten modes or more, as a mean over 40 points: within 0.5 dB."""
@@ -58,7 +58,7 @@ def test_mean_mobility(edges: Pair) -> None:
         assert 10 * np.log10(mobility.real.mean() / plate(2)) == pytest.approx(0, abs=0.5)
 
 
-@pytest.mark.law("Modes: until the first reflection returns, the restitution is Zener's.")
+@pytest.mark.law("Free and clamped plates: until a reflection returns, the restitution is Zener's.")
 @pytest.mark.parametrize("edges", KINDS)
 @pytest.mark.parametrize(
     ("thickness", "side", "restitution"),
