@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import roots_legendre
 
 from acoustics.arrays import Array, finite, positive, real_array, refuse_masked, within
+from acoustics.loss_factors import LossFactor, least_loss_factor, loss_factor_at
 from acoustics.traps import ignoring_underflow
 
 P_REF_PA = 20e-6  # reference sound pressure in air
@@ -106,31 +107,6 @@ def sound_pressure(
         rms = float(np.sqrt(np.mean(np.square(fluctuation))))
         factor = float(np.sqrt(RHO_C / rms)) if rms > 0.0 else 0.0
     return factor * fluctuation, factor
-
-
-# A loss factor at all frequencies, or pairs of a frequency [Hz] and the loss factor there.
-LossFactor = float | tuple[tuple[float, float], ...]
-
-
-def loss_factor_at(loss_factor: LossFactor, frequency_hz: ArrayLike) -> Array:
-    """Return a loss factor at frequencies [Hz], an array of their shape.
-
-    Between pairs its logarithm is linear over that of the frequency, so two pairs are a power law.
-    Beyond the first and the last pair it stays constant.
-    """
-    frequency = np.asarray(frequency_hz, dtype=float)
-    if isinstance(loss_factor, float | int):
-        return np.full(frequency.shape, float(loss_factor))
-    given_hz, given = np.log(np.array(loss_factor)).T
-    within = np.maximum(frequency, np.exp(given_hz[0]))  # a static force has no logarithm
-    return np.asarray(np.exp(np.interp(np.log(within), given_hz, given)))
-
-
-def least_loss_factor(loss_factor: LossFactor) -> float:
-    """Return the smallest loss factor of all frequencies."""
-    if isinstance(loss_factor, float | int):
-        return float(loss_factor)
-    return min(loss for _, loss in loss_factor)
 
 
 @ignoring_underflow

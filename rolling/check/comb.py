@@ -11,8 +11,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from acoustics.arrays import Array
+from acoustics.loss_factors import least_loss_factor
 from acoustics.numbers import rounded, si
-from acoustics.radiation import Body, axis_transfer, least_loss_factor
+from acoustics.radiation import Body, axis_transfer
 from acoustics.weighting import a_weighting_db
 from rolling.check.doubt import Doubt, Finding, Severity
 from rolling.check.force_estimate import contact_axes, mean_heights

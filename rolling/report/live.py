@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.radiation import HalfSpaceBody, LossFactor, loss_factor_at
+from acoustics.loss_factors import LossFactor, loss_factor_at
+from acoustics.radiation import HalfSpaceBody
 from acoustics.ritz_plate import RitzPlate
 from acoustics.wav import PEAK, SAMPLE_RATE_HZ
 from rolling.dynamics import _motion_kernels, drop, of_scene

@@ -19,8 +19,8 @@ from acoustics.bands import (
     MIN_ROOM_DB,
     nearest_nominal,
 )
+from acoustics.loss_factors import LossFactor
 from acoustics.numbers import rounded
-from acoustics.radiation import LossFactor
 from rolling.scene import library, messages
 from rolling.scene.channels import MAX_CHANNELS, SoundChannel, refuse_equal_names
 from rolling.scene.messages import MATERIALS, fault, is_number, numbers, plain_number, quoted

@@ -15,8 +15,9 @@ import numpy as np
 from acoustics import level, wav
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, EDGES_HZ, third_octave_mean_square
+from acoustics.loss_factors import least_loss_factor
 from acoustics.numbers import rounded
-from acoustics.radiation import Body, ThinPlate, axis_transfer, least_loss_factor
+from acoustics.radiation import Body, ThinPlate, axis_transfer
 from acoustics.sound_power import band_power
 from acoustics.spectrum import audible_lines
 from acoustics.weighting import a_weighting_db

@@ -29,7 +29,8 @@ FLOORS = {
     ),
     "acoustics": (
         ("arrays", "matplotlib_import", "numbers", "texts", "traps"),
-        ("bands", "radiation", "weighting"),
+        ("bands", "loss_factors", "weighting"),
+        ("radiation",),
         (
             "continued_rows",
             "plate_modes",

@@ -46,7 +46,7 @@ def bodies(
     return Chain(MASS, plate(thickness_mm), contact_stiffness(law, LOAD), modes)
 
 
-@pytest.mark.law("Free and clamped plates: the mean mobility over third octaves is an infinite plate's.")
+@pytest.mark.law("Free and clamped plates: the mean mobility is an infinite plate's.")
 @pytest.mark.parametrize("edges", KINDS)
 def test_mean_mobility(edges: Pair) -> None:
     """Third octaves of ten modes or more, as a mean over 40 points: within 0.5 dB."""
