@@ -129,6 +129,16 @@ def test_a_silent_run_alone_plays_and_has_nothing_to_compare(pages, opened) -> N
         assert page.evaluate("tap.gains.map((node) => node.gain.value)") == [0]
 
 
+def test_frequencies_stand_beside_the_spectrogram_without_a_solved_part(pages, opened) -> None:
+    with opened(pages("lap")) as page:
+        assert page.locator("#heard-solved").is_hidden()
+        bands = page.locator("#heard-bands").bounding_box()
+        frequencies = page.locator("#heard-frequencies").bounding_box()
+        assert frequencies["y"] == pytest.approx(bands["y"], abs=3)
+        assert frequencies["height"] == pytest.approx(bands["height"], abs=3)
+        assert page.locator("#heard-times").bounding_box()["y"] >= bands["y"] + bands["height"]
+
+
 def test_a_short_record_says_that_its_repetition_is_heard(pages, opened) -> None:
     """A record of 6 ms repeats 167 times a second."""
     with opened(pages("lap")) as page:
