@@ -59,6 +59,15 @@ class VibrationLevels:
     third_octave_db, octave_db : dict, dB
         Levels by nominal mid frequency: 31 third octaves from "20" to "20000", and 10 octaves from
         "31.5" to "16000".
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import acoustics
+    >>> tone = np.sqrt(2) * 10 * np.sin(2 * np.pi * 160 * np.arange(48000) / 48000)
+    >>> levels = acoustics.vibration_levels(tone, 48000, "acceleration")  # 10 m/s2 rms
+    >>> round(levels.level_db, 1), round(levels.third_octave_db["160"], 1)
+    (140.0, 140.0)
     """
 
     __repr__ = short_repr

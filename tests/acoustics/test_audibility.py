@@ -83,6 +83,7 @@ def test_no_band_is_silence_and_wrong_bands_are_refused():
 # ---- two sounds
 
 
+@pytest.mark.slow
 @pytest.mark.law("Audibility: equal sounds do not differ.")
 def test_equal_sounds_do_not_differ(mosqito):
     records = [noise(35.0, 1), noise(35.0, 2)]
@@ -92,6 +93,7 @@ def test_equal_sounds_do_not_differ(mosqito):
     assert result.n5_a_sone > result.n5_room_sone > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.law("Audibility: sounds 20 dB below the room do not differ audibly.")
 def test_sounds_far_below_the_room_do_not_differ(mosqito):
     room = dict.fromkeys(acoustics.default_room_db(), 40.0)

@@ -57,6 +57,7 @@ DRAWN = (
     "rolling.load_n=0.01",
     "rolling.distance_mm=1.3",
     "recovery.events=true",
+    "sound.channels=[{of: contact, quantity: force}]",
     "sphere.surface={kind: gaussian, roughness_ra_um: 0.02, correlation_length_um: 10, seed: 1}",
 )
 

@@ -117,6 +117,7 @@ def test_derivatives() -> None:
         assert derived == pytest.approx(rate, abs=1e-9 * np.abs(rate).max())
 
 
+@pytest.mark.slow
 @pytest.mark.law("Channels: an infinite plate moves with Y F at the contact, and a ball with -F/M.")
 def test_infinite_plate_and_ball() -> None:
     run = run_of(
@@ -151,6 +152,7 @@ def test_transfer_mobility() -> None:
     assert near == pytest.approx(plate.mobility_s_kg, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.law("Channels: the blocked force of a heavy plate is the contact force.")
 def test_blocked_force_of_a_heavy_plate() -> None:
     heavy = [*SHORT, "plate.thickness_mm=400", "plate.contact_loss_factor=0.02"]
