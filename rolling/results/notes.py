@@ -166,6 +166,8 @@ def _uncertainty(
         )
     else:
         covered = f"{parts} of the record, taken as stationary Gaussian noise"
+    if vibrating is not None and vibrating.contact_loss_db:
+        covered += ", and the damping of the contact, which is unknown"
     text = f"± covers {covered}; it holds no error of model, grid or solver."
     if summary.get("laeq_uncertainty_db") is not None:
         estimated = "grid and solver"
