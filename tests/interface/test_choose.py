@@ -43,6 +43,7 @@ def chosen(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
+@pytest.mark.slow
 def test_a_choice_leaves_its_answer_in_files(chosen: Path) -> None:
     stored = json.loads((chosen / "choice.json").read_text())
     assert stored["differences"][0]["pairs"] == 6
@@ -54,6 +55,7 @@ def test_a_choice_leaves_its_answer_in_files(chosen: Path) -> None:
     assert stored["sentences"][0].split(" (")[0].replace("&", "&amp;") in page
 
 
+@pytest.mark.slow
 def test_sounds_of_a_choice_have_one_gain(chosen: Path) -> None:
     """The ratio of the WAVs is that of the calibrated records."""
     peaks = []
@@ -64,6 +66,7 @@ def test_sounds_of_a_choice_have_one_gain(chosen: Path) -> None:
     assert peaks[0] == pytest.approx(peaks[1], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_specimen_is_a_run(chosen: Path) -> None:
     run = rc.open_run(chosen / "ground" / "02")
     assert run.scene.surface.seed == 2
@@ -75,6 +78,7 @@ def without_room(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(choosing, "_audible", lambda _: ())
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("without_room")
 def test_the_same_command_solves_nothing_again(
     chosen: Path, monkeypatch: pytest.MonkeyPatch
@@ -182,6 +186,7 @@ def test_a_folder_of_somebody_else_stays_as_it_is(tmp_path: Path) -> None:
     assert tree(tmp_path / "out") == before
 
 
+@pytest.mark.slow
 def test_a_choice_of_another_program_is_not_mixed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -195,6 +200,7 @@ def test_a_choice_of_another_program_is_not_mixed(
     assert [path.name for path in out.iterdir()] == ["choice.json"]
 
 
+@pytest.mark.slow
 def test_damaged_numbers_are_named(tmp_path: Path, chosen: Path) -> None:
     from rolling.choice.heard import Specimen, read_heard
 

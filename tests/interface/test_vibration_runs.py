@@ -155,6 +155,7 @@ sound: {source: vibration}
 """
 
 
+@pytest.mark.slow
 def test_a_force_law_reaches_as_far_as_the_motion() -> None:
     """Approaches of a yielding contact rise too unevenly for a spline through all loads."""
     numbers = marched(MARBLE).summary

@@ -58,14 +58,12 @@ def test_mean_mobility(edges: Pair) -> None:
         assert 10 * np.log10(mobility.real.mean() / plate(2)) == pytest.approx(0, abs=0.5)
 
 
+@pytest.mark.slow
 @pytest.mark.law("Free and clamped plates: until a reflection returns, the restitution is Zener's.")
 @pytest.mark.parametrize("edges", KINDS)
 @pytest.mark.parametrize(
     ("thickness", "side", "restitution"),
-    [
-        pytest.param(5, 0.7, 0.8458, marks=pytest.mark.slow),
-        (3, 0.5, 0.6333),
-    ],
+    [(5, 0.7, 0.8458), (3, 0.5, 0.6333)],
 )
 def test_restitution(edges: Pair, thickness: float, side: float, restitution: float) -> None:
     step = hertz_time(BOTH_ELASTIC, 0.1) / 300
