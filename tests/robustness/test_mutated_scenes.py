@@ -16,11 +16,13 @@ from mutated_texts import mutated
 from mutations import CASES, outcome, texts
 from scene_text import SCENES
 
+from rolling import Scene
 from rolling.check import findings
 from rolling.scene import file
 from rolling.scene.messages import SceneError
 
 SECONDS = 1.0  # of processor time, up to which a case is quick on any machine
+SECONDS_OF_MODES = 10.0  # the same for plates whose modes have no closed form, some 1,000 of them
 WORKS = 20  # maximum processor time of a case, over that of `work`; the slowest takes 12
 # cases of each kind; tests/support/mutations.py runs any number
 SHORT = 100
@@ -49,13 +51,20 @@ def imported() -> None:
 def assert_read_or_refused(kind: str, numbers: range, folder: Path) -> None:
     outcomes = set()
     for number in numbers:
+        made: list[Scene] = []
+
+        def make() -> Scene:
+            made.append(CASES[kind](number, folder))  # noqa: B023
+            return made[0]  # noqa: B023
+
         try:
-            took = processor_time(
-                lambda: outcomes.add(outcome(lambda: CASES[kind](number, folder)))  # noqa: B023
-            )
+            took = processor_time(lambda: outcomes.add(outcome(make)))
         except Exception as error:
             raise AssertionError(f"the {kind} of number {number}") from error
-        assert took < SECONDS or took < WORKS * processor_time(work), (kind, number)
+        limit = SECONDS
+        if made and made[0].plate.edges not in (None, "simply_supported"):
+            limit = SECONDS_OF_MODES
+        assert took < limit or took < WORKS * processor_time(work), (kind, number)
     assert outcomes == {"read", "refused"}  # neither is rare, so both ways are tried
 
 
