@@ -53,7 +53,8 @@ SITE = {
     "accelerating": [],
 }
 # With ROLLING_SHORT_SITE in the environment, as in the tests, these tracks are shorter and coarser
-# still, one process marches them, and the sheet's edges have modes in closed form. The marble's track lasts until it has landed.
+# still, one process marches them, and the sheet has modes in closed form. The marble's track lasts
+# until it has landed.
 IS_SHORT = bool(os.environ.get("ROLLING_SHORT_SITE"))
 SHORT = {
     "steel-sheet": [
