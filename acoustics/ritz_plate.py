@@ -6,6 +6,7 @@ mode needs the mean square of its transform over wave vectors of each length, wh
 once for all frequencies.
 """
 
+import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
@@ -132,7 +133,7 @@ class RitzPlate(RectangularPlate):
         if ends is None:
             return self._shapes_at(points)[:, modes]
         begin, end = ends
-        way = float(np.hypot(*(end - begin)))
+        way = math.dist(begin, end)
         spaces = POINTS + int(np.ceil(_PER_WAVE * way / self.bending_wavelength_m(MODES_HZ)))
         table = _stations(self, tuple(begin.tolist()), tuple(end.tolist()), spaces)[:, modes]
         place = (points - begin) @ (end - begin) / way**2 * spaces

@@ -13,6 +13,7 @@ already. Under rolling this changes next to nothing, because little of the force
 An impact of 20 to 40 us has its energy there, so a fall gets narrow bands.
 """
 
+import math
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import Any
@@ -169,7 +170,7 @@ def _shapes_on_path(plate: RitzPlate, points_m: Array, tail: int) -> Array:
     """Return the shapes at stations on a straight path, 1 for the modes of a tail."""
     begin, end = points_m[[0, -1]]
     count = 1
-    way = float(np.hypot(*(end - begin)))
+    way = math.dist(begin, end)
     if way > 0:
         count = 4 + int(np.ceil(_PER_WAVE * way / plate.bending_wavelength_m(MODES_HZ)))
     shapes = plate.shapes(begin + np.linspace(0, 1, count)[:, None] * (end - begin))
