@@ -27,6 +27,12 @@ from acoustics.radiation import P_REF_PA as P_REF_PA
 from acoustics.radiation import RHO_C as RHO_C
 from acoustics.radiation import intensity as intensity
 from acoustics.radiation import sound_pressure as sound_pressure
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ as VELOCITY_BANDS_HZ
+from acoustics.ring_velocity import NarrowSpectrum as NarrowSpectrum
+from acoustics.ring_velocity import VelocityBands as VelocityBands
+from acoustics.ring_velocity import narrow_spectrum as narrow_spectrum
+from acoustics.ring_velocity import squared_envelope_spectrum as squared_envelope_spectrum
+from acoustics.ring_velocity import velocity_bands as velocity_bands
 from acoustics.spectrum import Psd as Psd
 from acoustics.spectrum import line_spectrum as line_spectrum
 from acoustics.spectrum import welch as welch

@@ -39,7 +39,7 @@ FLOORS = {
             "resampling",
             "spectrum",
         ),
-        ("level", "loudness", "modulation", "ritz_plate", "sound_power"),
+        ("level", "loudness", "modulation", "ring_velocity", "ritz_plate", "sound_power"),
         ("audibility", "ears", "laps", "plots", "uncertainty", "vibration_level", "wav"),
     ),
 }

@@ -1,0 +1,369 @@
+"""Vibration of rolling bearings: velocity in three bands, and the narrow spectra of its lines.
+
+A bearing that turns has lines at frequencies of its kinematics. They are read from a spectrum with
+a Hann window, or from the spectrum of the squared envelope of a band, where the pulses of a fault
+have lines.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from acoustics.arrays import Array, positive, real_array, short_repr
+from acoustics.spectrum import checked_record
+from acoustics.traps import ignoring_underflow
+
+VELOCITY_BANDS_HZ: dict[str, tuple[float, float]] = {
+    "low": (50.0, 300.0),
+    "medium": (300.0, 1800.0),
+    "high": (1800.0, 10000.0),
+}
+"""Edges of the bands of ISO 15242-1 by their names [Hz]."""
+
+_TAPERS = 4  # windows over which the power of a band is averaged
+_PARTS = 8  # of a record, whose scatter gives the uncertainty
+_SHORTEST = 16 * _PARTS  # samples of a record
+# A tone lies within two lines of a Hann window, so its power is the sum of these.
+_LINES_OF_TONE = 2
+_SURROUNDINGS = 40  # lines to either side of a tone, whose median is its surroundings
+_HANN_BANDWIDTH = 1.5  # lines, of noise
+
+
+@ignoring_underflow
+@dataclass(frozen=True)
+class VelocityBands:
+    """Velocity of a bearing's ring in the three bands of ISO 15242-1.
+
+    Parameters
+    ----------
+    rms_m_s : dict, m/s
+        Root of the mean square by the name of the band: low (50 to 300 Hz), medium (300 to
+        1,800 Hz) and high (1,800 to 10,000 Hz).
+    uncertainty_db : dict, dB
+        Standard uncertainty of each from the length of the record; 0 for a record at rest.
+
+    Examples
+    --------
+    >>> import numpy as np, acoustics
+    >>> tone = 1e-5 * np.sqrt(2) * np.sin(2 * np.pi * 100 * np.arange(48000) / 48000)
+    >>> bands = acoustics.velocity_bands(tone, 48000)
+    >>> [round(1e6 * rms, 2) for rms in bands.rms_m_s.values()]  # um/s
+    [10.0, 0.0, 0.0]
+    """
+
+    __repr__ = short_repr
+
+    rms_m_s: dict[str, float]
+    uncertainty_db: dict[str, float]
+
+
+@ignoring_underflow
+def velocity_bands(velocity_m_s: Array, sample_rate_hz: float) -> VelocityBands:
+    """Compute the rms velocity of a bearing's ring in the three bands of ISO 15242-1.
+
+    The record is a stretch of a longer one and closes nowhere, so its power is the mean under four
+    orthogonal sine windows. They weigh nearly all samples equally, and a line farther than five
+    halves of 1/T from an edge stays on its side. The standard's filters have slopes instead.
+
+    The uncertainty is the scatter between eighths of the record over the root of eight. Lines that
+    a turning bearing repeats do not scatter, noise does.
+
+    Parameters
+    ----------
+    velocity_m_s : array (n,), m/s
+        Velocity of the ring in one direction, at least 128 samples.
+    sample_rate_hz : float, Hz
+        Sample rate, at least 20 kHz.
+
+    Returns
+    -------
+    VelocityBands
+
+    Raises
+    ------
+    ValueError
+        As `acoustics.spectrum.checked_record`, for fewer samples, and for a lower rate.
+
+    References
+    ----------
+    ISO 15242-1:2015, Rolling bearings - Measuring methods for vibration - Part 1, for the bands.
+    Riedel and Sidorenko, IEEE Transactions on Signal Processing 1995, 43(1), 188-195, for the
+    windows.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import velocity_bands
+    >>> noise = 1e-5 * np.random.default_rng(1).standard_normal(48000)
+    >>> bands = velocity_bands(noise, 48000)  # 24 kHz wide
+    >>> round(1e6 * bands.rms_m_s["high"], 1), bands.uncertainty_db["high"] < 0.2
+    (5.8, True)
+    """
+    record = checked_record(velocity_m_s, sample_rate_hz, "velocity_m_s")
+    highest_hz = VELOCITY_BANDS_HZ["high"][1]
+    if sample_rate_hz < 2 * highest_hz:
+        raise ValueError(
+            f"sample_rate_hz: got {sample_rate_hz:g}, allowed: at least {2 * highest_hz:g}"
+        )
+    if len(record) < _SHORTEST:
+        raise ValueError(f"velocity_m_s: got {len(record)} samples, allowed: at least {_SHORTEST}")
+    whole = _band_mean_squares(record, sample_rate_hz)
+    samples = len(record) // _PARTS
+    parts = np.array(
+        [
+            _band_mean_squares(record[number * samples : (number + 1) * samples], sample_rate_hz)
+            for number in range(_PARTS)
+        ]
+    )
+    rms = {}
+    uncertainty_db = {}
+    for number, name in enumerate(VELOCITY_BANDS_HZ):
+        rms[name] = math.sqrt(whole[number])
+        uncertainty_db[name] = _uncertainty_db(parts[:, number])
+    return VelocityBands(rms_m_s=rms, uncertainty_db=uncertainty_db)
+
+
+def _band_mean_squares(record: Array, sample_rate_hz: float) -> list[float]:
+    """Return the mean squares of the three bands under sine windows."""
+    count = len(record)
+    places = np.pi * np.arange(1, count + 1) / (count + 1)
+    frequency_hz = np.fft.rfftfreq(count, 1.0 / sample_rate_hz)
+    power = np.zeros(len(frequency_hz))
+    for number in range(1, _TAPERS + 1):
+        window = math.sqrt(2.0 / (count + 1)) * np.sin(number * places)
+        lines = np.fft.rfft(window * record)
+        power += np.square(lines.real) + np.square(lines.imag)
+    power *= 2.0 / (_TAPERS * count)  # both signs of a frequency
+    mean_squares = []
+    for low, high in VELOCITY_BANDS_HZ.values():
+        inside = (frequency_hz >= low) & (frequency_hz < high)
+        mean_squares.append(float(power[inside].sum()))
+    return mean_squares
+
+
+def _uncertainty_db(mean_squares: Array) -> float:
+    """Return the standard uncertainty [dB] of the mean of mean squares that scatter."""
+    mean = float(mean_squares.mean())
+    if not mean > 0.0:
+        return 0.0
+    share = float(mean_squares.std(ddof=1)) / mean / math.sqrt(len(mean_squares))
+    return 10.0 / math.log(10.0) * share
+
+
+# ---- lines
+
+
+@ignoring_underflow
+@dataclass(frozen=True)
+class NarrowSpectrum:
+    """Spectrum of a record under a Hann window, from which tones are read.
+
+    Parameters
+    ----------
+    frequency_hz : array (n,), Hz
+        Frequencies of the lines, 1/T apart.
+    rms : array (n,), unit of the record
+        Root of the mean square of a tone at each line. Noise stands higher by the root of the
+        noise bandwidth of a line, and falls with the length of the record.
+
+    Examples
+    --------
+    >>> import numpy as np, acoustics
+    >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 92.2 * np.arange(48000) / 48000)
+    >>> spectrum = acoustics.narrow_spectrum(tone, 48000)
+    >>> round(spectrum.line_rms(92.2), 3), spectrum.line_height(92.2) > 1000
+    (1.0, True)
+    """
+
+    __repr__ = short_repr
+
+    frequency_hz: Array
+    rms: Array
+
+    @property
+    def line_width_hz(self) -> float:
+        """Distance of two lines [Hz]."""
+        return float(self.frequency_hz[1] - self.frequency_hz[0])
+
+    def line_rms(self, frequency_hz: float) -> float:
+        """Return the rms of a tone at a frequency, between two lines too.
+
+        Parameters
+        ----------
+        frequency_hz : float, Hz
+            Frequency of the tone.
+
+        Returns
+        -------
+        float, unit of the record. Noise in the four lines about the tone counts with it; 0 outside
+            the spectrum.
+        """
+        first, last = self._lines_about(frequency_hz)
+        square = float(np.square(self.rms[first:last]).sum())
+        return math.sqrt(square / _HANN_BANDWIDTH)
+
+    def surroundings_rms(self, frequency_hz: float) -> float:
+        """Return the median of the lines beside a tone, 40 to either side, without the tone.
+
+        Parameters
+        ----------
+        frequency_hz : float, Hz
+            Frequency of the tone.
+
+        Returns
+        -------
+        float, unit of the record
+        """
+        first, last = self._lines_about(frequency_hz)
+        beside = np.concatenate(
+            (
+                self.rms[max(first - _SURROUNDINGS, 1) : first],
+                self.rms[last : last + _SURROUNDINGS],
+            )
+        )
+        if not len(beside):
+            return 0.0
+        return float(np.median(beside))
+
+    def line_height(self, frequency_hz: float) -> float:
+        """Return the largest line about a frequency over the median of its surroundings.
+
+        Parameters
+        ----------
+        frequency_hz : float, Hz
+            Frequency of the tone.
+
+        Returns
+        -------
+        float. Ratio of amplitudes [-]; noise has 1 to 3. 0 where there is no line, and infinity
+            where nothing but the line is there.
+        """
+        first, last = self._lines_about(frequency_hz)
+        line = float(self.rms[first:last].max(initial=0.0))
+        beside = self.surroundings_rms(frequency_hz)
+        if beside > 0.0:
+            return line / beside
+        return math.inf if line > 0.0 else 0.0
+
+    def _lines_about(self, frequency_hz: float) -> tuple[int, int]:
+        """Return the first line about a tone, and the one behind the last."""
+        place = (frequency_hz - float(self.frequency_hz[0])) / self.line_width_hz
+        first = max(math.ceil(place - _LINES_OF_TONE), 0)
+        last = min(math.floor(place + _LINES_OF_TONE) + 1, len(self.rms))
+        return first, max(first, last)
+
+
+@ignoring_underflow
+def narrow_spectrum(signal: Array, sample_rate_hz: float) -> NarrowSpectrum:
+    """Compute the spectrum of a record under one Hann window, with the rms of tones.
+
+    Parameters
+    ----------
+    signal : array (n,), any unit
+        Record, at least 8 samples. Its mean is subtracted.
+    sample_rate_hz : float, Hz
+        Sample rate.
+
+    Returns
+    -------
+    NarrowSpectrum
+
+    Raises
+    ------
+    ValueError
+        As `acoustics.spectrum.checked_record`, and for fewer samples.
+
+    References
+    ----------
+    Harris, Proceedings of the IEEE 1978, 66(1), 51-83.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import narrow_spectrum
+    >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(4800) / 48000)
+    >>> round(float(narrow_spectrum(tone, 48000).rms.max()), 6)
+    1.0
+    """
+    record = checked_record(signal, sample_rate_hz)
+    count = len(record)
+    if count < 8:
+        raise ValueError(f"signal: got {count} samples, allowed: at least 8")
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
+    amplitudes = 2.0 * np.abs(np.fft.rfft(window * (record - record.mean()))) / window.sum()
+    frequency_hz = np.fft.rfftfreq(count, 1.0 / sample_rate_hz)
+    rms = np.asarray(amplitudes / math.sqrt(2.0), dtype=float)
+    return NarrowSpectrum(np.asarray(frequency_hz, dtype=float), rms)
+
+
+@ignoring_underflow
+def squared_envelope_spectrum(
+    signal: Array,
+    sample_rate_hz: float,
+    band_hz: Sequence[float] = VELOCITY_BANDS_HZ["high"],
+) -> NarrowSpectrum:
+    """Compute the spectrum of the squared envelope of a band over its mean.
+
+    Pulses that come at a frequency, such as those of a ball that meets a pit, have lines at this
+    frequency and its multiples, with side bands at the frequency with which their strength changes.
+
+    Parameters
+    ----------
+    signal : array (n,), any unit
+        Record, at least 8 samples.
+    sample_rate_hz : float, Hz
+        Sample rate.
+    band_hz : (float, float), Hz
+        Edges of the band. Default: 1,800 to 10,000 Hz.
+
+    Returns
+    -------
+    NarrowSpectrum
+        Lines up to the width of the band [-]; all 0 for a record without power in the band.
+
+    Raises
+    ------
+    ValueError
+        As `narrow_spectrum`, or if the band is empty.
+
+    References
+    ----------
+    R. B. Randall and J. Antoni, Rolling element bearing diagnostics - a tutorial, Mechanical
+    Systems and Signal Processing 25 (2011), 485-520, section 3.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import squared_envelope_spectrum
+    >>> t = np.arange(48000) / 48000
+    >>> pulses = np.exp(-2000 * (t % (1 / 90))) * np.sin(2 * np.pi * 4000 * t)
+    >>> spectrum = squared_envelope_spectrum(pulses, 48000)
+    >>> spectrum.line_height(90.0) > 100, spectrum.line_height(137.0) < 10
+    (True, True)
+    """
+    record = checked_record(signal, sample_rate_hz)
+    low, high = _edges(band_hz, sample_rate_hz)
+    count = len(record)
+    frequency_hz = np.fft.rfftfreq(count, 1.0 / sample_rate_hz)
+    inside = np.flatnonzero((frequency_hz >= low) & (frequency_hz < high))
+    analytic = np.zeros(count, dtype=complex)
+    analytic[inside] = 2.0 * np.fft.rfft(record)[inside]
+    values = np.fft.ifft(analytic)
+    square = np.square(values.real) + np.square(values.imag)
+    mean = float(square.mean())
+    spectrum = narrow_spectrum(square / mean if mean > 0.0 else square, sample_rate_hz)
+    shown = spectrum.frequency_hz <= high - low
+    return NarrowSpectrum(spectrum.frequency_hz[shown], spectrum.rms[shown])
+
+
+def _edges(band_hz: Sequence[float], sample_rate_hz: float) -> tuple[float, float]:
+    """Return the edges of a band [Hz]; raise ValueError unless they rise from 0 Hz."""
+    edges = real_array("band_hz", band_hz, 1)
+    half = positive("sample_rate_hz", sample_rate_hz) / 2.0
+    if len(edges) != 2 or not 0.0 <= edges[0] < min(edges[1], half):
+        raise ValueError(
+            f"band_hz: got {tuple(band_hz)}, allowed: two edges that rise from 0 to {half:g} Hz"
+        )
+    return float(edges[0]), float(edges[1])
