@@ -1,0 +1,1 @@
+"""A ball bearing: geometry, kinematics, static load, and the motion of the ring that vibrates."""

@@ -1,0 +1,202 @@
+"""Geometry, speeds and static loads of a bearing agree with closed forms and exact sums."""
+
+from __future__ import annotations
+
+from math import cos, degrees, pi, radians, sin, tan
+
+import numpy as np
+import pytest
+from bearings import STEEL, angular, bearing, miniature
+
+from rolling.bearing.geometry import (
+    BearingGeometry,
+    angle_under_load,
+    contact_lines,
+    ring_bending_hz,
+)
+from rolling.bearing.kinematics import kinematics_of
+from rolling.bearing.static_load import least_axial_load, sjovall, static_balance
+from rolling.contact import closed_forms
+
+GEOMETRIES = {"6204": bearing(), "7210": angular(), "608": miniature()}
+
+
+@pytest.mark.parametrize("name", GEOMETRIES)
+def test_contacts_are_elliptic_hertz_contacts(name: str) -> None:
+    """Approach and stiffness are those of the sphere that `hertz_ellipse` gives."""
+    geometry = GEOMETRIES[name]
+    for contact in (geometry.inner, geometry.outer):
+        radius, _, _ = closed_forms.hertz_ellipse(contact.radius_along_m, contact.radius_across_m)
+        approach = closed_forms.hertz_approach(30.0, radius, STEEL)
+        assert contact.stiffness_n_m15 * approach**1.5 == pytest.approx(30.0, rel=1e-12)
+    both = sum(
+        (10.0 / contact.stiffness_n_m15) ** (2 / 3) for contact in (geometry.inner, geometry.outer)
+    )
+    assert geometry.series_stiffness * both**1.5 == pytest.approx(10.0, rel=1e-12)
+
+
+def test_clearance_and_angle_belong_together() -> None:
+    geometry = bearing(angle_deg=12.0)
+    assert geometry.groove_distance_m == pytest.approx((0.515 + 0.525 - 1) * 7.938e-3, rel=1e-9)
+    clearance = 2 * (1 - cos(radians(12))) * geometry.groove_distance_m
+    assert geometry.radial_clearance_m == pytest.approx(clearance, rel=1e-12)
+
+
+@pytest.mark.law("Bearing: cage, ball passes and ball spin follow from pure rolling.")
+def test_speeds_of_a_6204() -> None:
+    """The numbers are those of another program, to the digits that it prints."""
+    speeds = kinematics_of(bearing(), "inner", 30.0)
+    assert speeds.cage_hz == pytest.approx(11.5233, abs=5e-5)
+    assert speeds.ball_pass_outer_hz == pytest.approx(92.187, abs=5e-4)
+    assert speeds.ball_pass_inner_hz == pytest.approx(147.813, abs=5e-4)
+    assert speeds.ball_spin_hz == pytest.approx(59.902, abs=5e-4)
+    assert speeds.rolling_speed_m_s == pytest.approx(1.494, abs=5e-4)
+
+
+@pytest.mark.parametrize("name", GEOMETRIES)
+@pytest.mark.parametrize("turning", ["inner", "outer"])
+def test_contacts_roll_without_slip(name: str, turning: str) -> None:
+    """Each raceway passes its contacts at the speed of the ball's surface."""
+    geometry = GEOMETRIES[name]
+    speeds = kinematics_of(geometry, turning, 25.0)
+    inner = 2 * pi * geometry.inner.radius_m * abs(speeds.inner_hz - speeds.cage_hz)
+    outer = 2 * pi * geometry.outer.radius_m * abs(speeds.cage_hz - speeds.outer_hz)
+    assert inner == pytest.approx(speeds.rolling_speed_m_s, rel=1e-12)
+    assert outer == pytest.approx(speeds.rolling_speed_m_s, rel=1e-12)
+
+
+@pytest.mark.law("Bearing: under an axial load each ball bears F_a / (Z sin alpha).")
+@pytest.mark.parametrize("name", GEOMETRIES)
+@pytest.mark.parametrize("moving", ["inner", "outer"])
+def test_axial_load_and_stiffness_of_all_balls(name: str, moving: str) -> None:
+    geometry = GEOMETRIES[name]
+    balls, angle = geometry.balls, geometry.contact_angle
+    state = static_balance(
+        geometry, axial_load_n=70.0, radial_load_n=0.0, cage_angle=0.3, moving=moving
+    )
+    load = 70.0 / (balls * sin(angle))
+    np.testing.assert_allclose(state.ball_load_n, load, rtol=1e-9)
+    stiffness = 1.5 * geometry.series_stiffness ** (2 / 3) * load ** (1 / 3)
+    radial = stiffness * balls * cos(angle) ** 2 / 2
+    expected = np.diag([radial, radial, stiffness * balls * sin(angle) ** 2])
+    np.testing.assert_allclose(state.stiffness_n_m, expected, rtol=1e-8, atol=1e-8 * radial)
+
+
+@pytest.mark.law("Bearing: a radial load on eight balls loads one with 4.35 or 3.90 F_r / Z.")
+@pytest.mark.parametrize(("ball_mm", "conformity"), [(7.938, 0.515), (11.0, 0.53)])
+@pytest.mark.parametrize(("place", "factor"), [(0.0, 4.35), (0.5, 3.90)])
+def test_largest_load_of_eight_balls(
+    ball_mm: float, conformity: float, place: float, factor: float
+) -> None:
+    """The factors have three digits; a ball is at the bottom, or the bottom lies between two."""
+    geometry = bearing(balls=8, ball_mm=ball_mm, angle_deg=0.0, inner=conformity)
+    state = static_balance(
+        geometry, axial_load_n=0.0, radial_load_n=800.0, cage_angle=place * 2 * pi / 8
+    )
+    assert state.ball_load_n.max() * 8 / 800.0 == pytest.approx(factor, abs=0.006)
+
+
+@pytest.mark.law("Bearing: loads of many balls follow Sjoevall's integral.")
+@pytest.mark.parametrize(("balls", "ball_mm"), [(20, 7.938), (31, 4.0)])
+@pytest.mark.parametrize("gap_um", [0.0, 3.0, 10.0, -2.0])
+def test_many_balls_follow_sjovall(balls: int, ball_mm: float, gap_um: float) -> None:
+    """The sum over 20 balls meets the integral within 1 %, with clearance or an interference.
+
+    The load of the ball at the bottom fluctuates around it with the place of the cage, hence the
+    mean over it.
+    """
+    geometry = bearing(balls=balls, ball_mm=ball_mm, pitch_mm=60.0, angle_deg=0.0)
+    loads = []
+    shifts = []
+    for place in (0.0, 0.25, 0.5, 0.75):
+        state = static_balance(
+            geometry,
+            axial_load_n=0.0,
+            radial_load_n=1000.0,
+            cage_angle=place * 2 * pi / balls,
+            gap_m=1e-6 * gap_um,
+        )
+        shifts.append(-state.displacement_m[0])
+        approach = shifts[-1] - 1e-6 * gap_um
+        loads.append(geometry.series_stiffness * approach**1.5)
+    zone = 0.5 * (1 - 1e-6 * gap_um / np.mean(shifts))
+    radial, _ = sjovall(zone)
+    assert np.mean(loads) == pytest.approx(1000.0 / (balls * radial), rel=0.01)
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.6, 0.9])
+def test_combined_loads_of_many_balls_follow_sjovall(ratio: float) -> None:
+    """Axial and radial integral give one load zone, within 1 % of the exact sums."""
+    geometry = angular(balls=30)
+    axial = 500.0
+    radial = ratio * axial / tan(geometry.contact_angle)
+    state = static_balance(geometry, axial_load_n=axial, radial_load_n=radial, cage_angle=0.05)
+    lines = contact_lines(np.array([0.0, pi]), geometry.contact_angle, "outer")
+    nearest, farthest = lines @ state.displacement_m
+    zone = nearest / (nearest - farthest)
+    radial_integral, axial_integral = sjovall(zone)
+    maximum = geometry.series_stiffness * nearest**1.5
+    angle = geometry.contact_angle
+    assert 30 * maximum * radial_integral * cos(angle) == pytest.approx(radial, rel=0.01)
+    assert 30 * maximum * axial_integral * sin(angle) == pytest.approx(axial, rel=0.01)
+
+
+def exact_loads(geometry: BearingGeometry, state, cage_angle: float) -> np.ndarray:
+    """Return the load of each ball at the displacement of a state, by the law of one ball."""
+    angles = cage_angle + 2 * pi * np.arange(geometry.balls) / geometry.balls
+    x, y, z = state.displacement_m
+    radial = -(x * np.cos(angles) + y * np.sin(angles)) * cos(geometry.contact_angle)
+    approach = radial + z * sin(geometry.contact_angle)
+    return geometry.series_stiffness * np.maximum(approach, 0.0) ** 1.5
+
+
+@pytest.mark.parametrize("balls", [3, 4, 9, 30])
+@pytest.mark.parametrize("cage_angle", [0.0, 0.4, 2.0])
+def test_balls_bear_the_loads(balls: int, cage_angle: float) -> None:
+    geometry = angular(balls=balls)
+    radial = 200.0
+    axial = 1.2 * least_axial_load(geometry, radial)
+    state = static_balance(
+        geometry, axial_load_n=axial, radial_load_n=radial, cage_angle=cage_angle
+    )
+    np.testing.assert_allclose(state.ball_load_n, exact_loads(geometry, state, cage_angle))
+    lines = contact_lines(geometry.ball_angles(cage_angle), geometry.contact_angle, "outer")
+    borne = state.ball_load_n @ lines
+    np.testing.assert_allclose(borne, [-radial, 0.0, axial], atol=1e-8 * axial)
+
+
+def test_a_single_ball_may_bear_a_small_load_in_a_wide_clearance() -> None:
+    geometry = bearing(angle_deg=0.0)
+    state = static_balance(geometry, axial_load_n=0.0, radial_load_n=1.0, gap_m=5e-6)
+    np.testing.assert_allclose(state.ball_load_n, [1.0, 0, 0, 0, 0, 0, 0, 0], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("angle_deg", "axial", "radial"), [(12.0, 0.0, 100.0), (12.0, 20.0, 100.0), (0.0, 1.0, 5.0)]
+)
+def test_loads_without_a_balance_are_refused(angle_deg: float, axial: float, radial: float) -> None:
+    with pytest.raises(ValueError, match="axial_load_n"):
+        static_balance(bearing(angle_deg=angle_deg), axial_load_n=axial, radial_load_n=radial)
+
+
+@pytest.mark.parametrize("name", GEOMETRIES)
+def test_angle_under_load_balances_the_groove_centres(name: str) -> None:
+    """The balls' force along the turned line has the axial load as its axial part."""
+    geometry = GEOMETRIES[name]
+    for load in (1.0, 300.0):
+        angle = angle_under_load(geometry, load)
+        stretch = cos(geometry.contact_angle) / cos(angle) - 1
+        force = geometry.series_stiffness * (stretch * geometry.groove_distance_m) ** 1.5
+        assert geometry.balls * force * sin(angle) == pytest.approx(load, rel=1e-6)
+    assert angle_under_load(geometry, 0.0) == geometry.contact_angle
+    assert degrees(angle_under_load(bearing(), 70.0)) == pytest.approx(13.91, abs=0.01)
+
+
+def test_ring_bending_is_that_of_a_thin_ring() -> None:
+    """Rayleigh's n (n^2 - 1) / sqrt(n^2 + 1) sqrt(E I / (m' R^4)) with n = 2, by another route."""
+    height, radius = 3e-3, 20e-3
+    inertia = 8e-3 * height**3 / 12
+    mass = 7800 * 8e-3 * height
+    expected = 2 * 3 / np.sqrt(5) * np.sqrt(210e9 * inertia / (mass * radius**4)) / (2 * pi)
+    found = ring_bending_hz(youngs_modulus=210e9, density=7800, radius_m=radius, thickness_m=height)
+    assert found == pytest.approx(expected, rel=1e-12)
