@@ -199,6 +199,14 @@ class RitzPlate(RectangularPlate):
         table = np.array([self._squares_of_waves(step * row) for row in range(rows)])
         return step, table
 
+    @cached_property
+    def _single_coefficients(self) -> list[NDArray[np.float32]]:
+        """Coefficients of each family in single precision, which leaves 1e-7 of a loss factor.
+
+        It takes half of the time of double precision.
+        """
+        return [family.coefficients.astype(np.float32) for family in self.modes.families]
+
     def _squares_of_waves(self, k: float) -> Array:
         """Return the squared transform of each mode over waves of a length, (modes,) [m4].
 
@@ -216,12 +224,12 @@ class RitzPlate(RectangularPlate):
         phases = [k * edge / 2 for edge in edges]
         most = [phase + _BEYOND_TURN * np.cbrt(phase) + MARGIN for phase in phases]
         squares = np.empty(self.mode_count)
-        for family in self.modes.families:
+        for family, single in zip(self.modes.families, self._single_coefficients, strict=True):
             within = np.ix_(family.along < most[0], family.across < most[1])
-            coefficients = family.coefficients[within]
+            coefficients = single[within]
             x = transforms[0][family.along[family.along < most[0]]]
             y = transforms[1][family.across[family.across < most[1]]]
-            products = x[:, None] * y
+            products = (x[:, None] * y).astype(np.float32)
             functions = products.shape[0] * products.shape[1]
             amplitudes = products.reshape(functions, -1).T @ coefficients.reshape(functions, -1)
             squares[family.modes] = np.pi / 4 * weights @ np.square(amplitudes)

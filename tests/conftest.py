@@ -1,4 +1,6 @@
-"""Rules of every test: invalid numbers are errors, and a test with a browser is slow."""
+"""Rules of every test: invalid numbers are errors, a test with a browser is slow, and the longest
+tests are the first.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +12,9 @@ import pytest
 
 from rolling.run.worker import ENVIRONMENT
 from rolling.terminal import progress
+
+# Files with tests of a minute. A process that begins one at the end leaves the other one idle.
+LONGEST = ("test_docs", "test_tutorials", "test_every_write", "test_validate", "test_audibility")
 
 
 def pytest_configure() -> None:
@@ -46,3 +51,4 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if "browser" in getattr(item, "fixturenames", ()):
             item.add_marker("browser")
             item.add_marker("slow")
+    items.sort(key=lambda item: item.path.stem not in LONGEST)

@@ -29,10 +29,15 @@ SHORTER = {
             'rc.read_scene("lee2025/as-stated/middle").with_(duration_s=0.005)'
         )
     },
-    "bearing-ball": {"distance_mm=3": "distance_mm=1"},
+    "bearing-ball": {
+        "distance_mm=3": "distance_mm=1",
+        "listen_s=5": "listen_s=1",
+        "[1, 2, 3]": "[1, 2]",
+    },
     "first-contact": {"duration_s=0.03": "duration_s=0.01"},
-    "marble": {"distance_mm=8, spacing_um=4": "distance_mm=4, spacing_um=4, drop_mm=5, listen_s=5"},
+    "marble": {"distance_mm=8, spacing_um=4": "distance_mm=4, spacing_um=8, drop_mm=5, listen_s=2"},
     "my-scan": {"(2700, 800)": "(1000, 800)"},
+    "which-one": {"distance_mm=3": "distance_mm=1"},
 }
 
 

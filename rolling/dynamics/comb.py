@@ -4,6 +4,7 @@ The force of a lap has lines, and a sharp resonance falls on a line or between t
 sphere on its contact, or a mode of the plate at the frequency that halves the power.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
@@ -20,6 +21,7 @@ COMB_MOST_DB = 3.0  # spread from which on a level is the mean over the comb
 FEWEST_SPEEDS = 60
 MOST_SPEEDS = 1000
 _MAX_LINES = 200_000  # lines of all speeds, unless the minimum has more
+_LINES_AT_ONCE = 20_000  # for which the gain is asked at once, because each question takes time
 
 
 class LinesAtSpeed(NamedTuple):
@@ -52,21 +54,25 @@ def speeds_of_comb(
     and `gain` turns them into A-weighted power. `loss_factor` is that of a plate with modes.
     There are 60 speeds, or more for a sharper resonance, up to `most_speeds`.
     """
-    order = np.arange(1, len(lines) + 1)
+    order_hz = line_hz * np.arange(1, len(lines) + 1)
 
-    def at_speed(ratio: float) -> LinesAtSpeed:
-        """Return the lines at a ratio of speeds."""
-        frequency = np.asarray(order * (line_hz * ratio), dtype=float)
-        audible = (frequency > AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
-        return LinesAtSpeed(
-            frequency_hz=frequency[audible], audible=audible, gain=gain(frequency[audible])
-        )
+    def at_speeds(ratios: Array) -> Iterator[LinesAtSpeed]:
+        """Yield the lines at each ratio of speeds."""
+        for some in np.array_split(ratios, math.ceil(ratios.size * len(lines) / _LINES_AT_ONCE)):
+            frequencies = np.asarray(some[:, None] * order_hz, dtype=float)
+            audible = (frequencies > AUDIBLE_HZ[0]) & (frequencies < AUDIBLE_HZ[1])
+            gains = gain(frequencies[audible])
+            ends = np.cumsum(audible.sum(axis=1))[:-1]
+            for frequency, heard, gain_of_lines in zip(
+                frequencies, audible, np.split(gains, ends), strict=True
+            ):
+                yield LinesAtSpeed(frequency_hz=frequency[heard], audible=heard, gain=gain_of_lines)
 
     quality = chain.quality
     sharpest_hz = chain.resonance_hz
     most = most_speeds
     if chain.modes is not None:
-        own = at_speed(1.0)
+        (own,) = at_speeds(np.ones(1))
         power_up_to = np.cumsum(lines[own.audible] * own.gain)
         if not len(power_up_to) or not power_up_to[-1] > 0:
             return None
@@ -77,7 +83,7 @@ def speeds_of_comb(
         return None
     count = int(np.clip(16 * NEAR_SPEEDS * quality, min(FEWEST_SPEEDS, most), most))
     ratios = np.linspace(1 - NEAR_SPEEDS, 1 + NEAR_SPEEDS, count)
-    return (at_speed(float(ratio)) for ratio in ratios)
+    return at_speeds(ratios)
 
 
 def spread_db(powers: Array) -> float:
