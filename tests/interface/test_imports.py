@@ -24,7 +24,7 @@ FLOORS = {
         ("results",),
         ("figures", "run"),
         ("plot", "report"),
-        ("choice", "commands", "studies", "surface_command"),
+        ("bearing_run", "choice", "commands", "studies", "surface_command"),
         ("cli", "interface"),
     ),
     "acoustics": (

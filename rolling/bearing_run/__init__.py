@@ -1,0 +1,1 @@
+"""Bearings that turn: their rough contacts, solving, results, figures and page."""
