@@ -10,12 +10,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
+from acoustics.pairs import FIRST_PAIRS, pairs_needed
 from rolling.check import refusals
 from rolling.choice import words
 from rolling.choice.candidates import Candidate, candidates_of
 from rolling.choice.choice import Choice
 from rolling.choice.comparison import Contender
-from rolling.choice.difference import FIRST_PAIRS, difference, pairs_needed
+from rolling.choice.difference import difference
 from rolling.choice.heard import Specimen, read_heard
 from rolling.choice.solving import solve
 from rolling.choice.specimens import FEWEST, Specimens

@@ -1,44 +1,19 @@
-"""Difference of two candidates over pairs of specimens, its ± and how sure its sign is.
-
-The scatter of the pairs is taken from the first six of them. It decides how many pairs the wanted ±
-needs, and it stays when they are there: a rule that stops when the scatter of all pairs happens to
-look small would promise too much (Stein's two-stage procedure).
-
-References
-----------
-C. Stein, A two-sample test for a linear hypothesis whose power is independent of the variance,
-Annals of Mathematical Statistics 16, 1945, 243-258. B. L. Welch, The generalization of Student's
-problem, Biometrika 34, 1947, 28-35, for the degrees of freedom of a sum of parts.
-"""
+"""Difference of two candidates over pairs of specimens, its ± and how sure its sign is."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import t as student
 
 from acoustics.arrays import Array
+from acoustics.pairs import SURE, joint_freedom, paired_mean, student_factor, sureness
 from acoustics.radiation import P_REF_PA
 from rolling.choice.heard import Heard, LevelError
 
-FIRST_PAIRS = 6  # whose scatter is that of all pairs
-FEWEST_PAIRS = 2  # that have a scatter
 LEAST_SHARE = 0.5  # of the wanted ± that the scatter of the pairs gets in any case
-SURE = 0.95  # from which on a candidate is surely quieter
-ONE_SIGMA = 0.8413447460685429  # share of a normal distribution below one standard deviation
-MOST_FREEDOM = 1e6  # from which on Student's distribution is normal
-
-
-class PairedMean(NamedTuple):
-    """Mean over pairs, its standard error, and the degrees of freedom of that."""
-
-    mean: float
-    error: float
-    freedom: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +94,7 @@ def difference(first: Sequence[Heard], second: Sequence[Heard]) -> Difference:
     released_db, released_uncertainty_db = _released(pairs)
     db = None
     uncertainty_db = None
-    sureness = None
+    sure = None
     parts_db: dict[str, float] = {}
     if np.all(np.isfinite(apart)):
         of_pairs = paired_mean(apart.mean(axis=1))
@@ -134,25 +109,18 @@ def difference(first: Sequence[Heard], second: Sequence[Heard]) -> Difference:
             total = math.hypot(*parts_db.values())
             freedom = joint_freedom(of_pairs, total)
             uncertainty_db = total * student_factor(freedom)
-            sureness = _sureness(db, total, freedom)
+            sure = sureness(db, total, freedom)
     return Difference(
         pairs=len(pairs),
         db=db,
         uncertainty_db=uncertainty_db,
-        sureness=sureness,
+        sureness=sure,
         parts_db=parts_db,
         released_db=released_db,
         released_uncertainty_db=released_uncertainty_db,
         band_db=band_db,
         band_uncertainty_db=band_uncertainty_db,
     )
-
-
-def _sureness(db: float, total: float, freedom: float) -> float:
-    """Return the probability that the sign of a difference [dB] with a total error is right."""
-    if total > 0:
-        return float(student.cdf(abs(db) / total, freedom))
-    return 1.0 if db else 0.5
 
 
 # ---- statistics
@@ -162,44 +130,6 @@ def level_db(squares: Array) -> Array:
     """Return levels [dB re 20 uPa] of mean squares [Pa2]; that of silence is minus infinity."""
     with np.errstate(divide="ignore"):
         return np.asarray(10.0 * np.log10(squares / P_REF_PA**2))
-
-
-def paired_mean(values: Array) -> PairedMean:
-    """Return the mean of values over pairs, with the scatter of the first six.
-
-    The error is NaN for a single pair.
-    """
-    mean = float(np.mean(values))
-    first = values[:FIRST_PAIRS]
-    if len(first) < FEWEST_PAIRS:
-        return PairedMean(mean=mean, error=math.nan, freedom=math.nan)
-    scatter = float(np.std(first, ddof=1))
-    return PairedMean(
-        mean=mean,
-        error=scatter / math.sqrt(len(values)),
-        freedom=float(len(first) - 1),
-    )
-
-
-def joint_freedom(of_pairs: PairedMean, total: float) -> float:
-    """Return the degrees of freedom of a total uncertainty, of which the pairs are one part."""
-    if not of_pairs.error > 0:
-        return MOST_FREEDOM
-    return min(MOST_FREEDOM, of_pairs.freedom * (total / of_pairs.error) ** 4)
-
-
-def student_factor(freedom: float) -> float:
-    """Return the factor by which an error holds the mean with the probability of one sigma."""
-    return float(student.ppf(ONE_SIGMA, freedom))
-
-
-def pairs_needed(values: Array, wanted_db: float) -> int:
-    """Return the pairs after which the ± of a mean is a wanted one [dB], by Student's t."""
-    of_pairs = paired_mean(values)
-    scatter = of_pairs.error * math.sqrt(len(values))
-    if not scatter > 0:
-        return len(values)
-    return math.ceil((student_factor(of_pairs.freedom) * scatter / wanted_db) ** 2)
 
 
 # ---- parts of a difference
@@ -215,7 +145,7 @@ def _by_band(values: Array) -> tuple[Array, Array]:
         of_pairs = paired_mean(of_band)
         means[band] = of_pairs.mean
         if math.isfinite(of_pairs.error):
-            errors[band] = of_pairs.error * student_factor(of_pairs.freedom)
+            errors[band] = of_pairs.uncertainty
     return means, errors
 
 
@@ -229,7 +159,7 @@ def _released(pairs: Sequence[tuple[Heard, Heard]]) -> tuple[float | None, float
     of_pairs = paired_mean(np.array(apart))
     if not math.isfinite(of_pairs.error):
         return of_pairs.mean, None
-    return of_pairs.mean, of_pairs.error * student_factor(of_pairs.freedom)
+    return of_pairs.mean, of_pairs.uncertainty
 
 
 def _error_part(pairs: Sequence[tuple[Heard, Heard]], origin: str) -> float:

@@ -25,11 +25,12 @@ from scipy.stats import nct, norm
 from scipy.stats import t as student
 
 from acoustics.arrays import Array
+from acoustics.pairs import SURE
 from acoustics.texts import printable
 from rolling.choice import drawing
 from rolling.choice.candidates import Candidate
 from rolling.choice.choosing import OpenChoice, default_folder, open_choice
-from rolling.choice.difference import SURE, level_db
+from rolling.choice.difference import level_db
 from rolling.choice.sensitivity import refuse_sweep
 from rolling.choice.specimens import SEED_KEYS
 from rolling.contact.solver import ContactError

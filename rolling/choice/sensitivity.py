@@ -16,21 +16,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from acoustics.pairs import FIRST_PAIRS, SURE, paired_mean, pairs_needed
 from acoustics.texts import printable
 from rolling.choice import drawing
 from rolling.choice.candidates import Candidate
 from rolling.choice.chain import chain_levels
 from rolling.choice.choosing import BATCH, OpenChoice, default_folder, open_choice
 from rolling.choice.comparison import Contender
-from rolling.choice.difference import (
-    FIRST_PAIRS,
-    SURE,
-    Difference,
-    difference,
-    paired_mean,
-    pairs_needed,
-    student_factor,
-)
+from rolling.choice.difference import Difference, difference
 from rolling.choice.drawing import ChangedValue, LeftOut
 from rolling.contact.solver import ContactError
 from rolling.scene.messages import SceneError
@@ -374,7 +367,7 @@ def _sensitivity(change: ChangedValue, base: Contender, changed: Contender) -> S
         of_pairs = paired_mean(of_changed - of_base)
         chain_db = of_pairs.mean if change.is_upwards else -of_pairs.mean
         if math.isfinite(of_pairs.error):
-            chain_uncertainty_db = of_pairs.error * student_factor(of_pairs.freedom)
+            chain_uncertainty_db = of_pairs.uncertainty
     return Sensitivity(
         change=change,
         apart=difference(changed.heard, base.heard),

@@ -11,10 +11,11 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.numbers import rounded
+from acoustics.pairs import SURE
 from acoustics.texts import printable
 from rolling.choice.candidates import LOSS_FACTORS
 from rolling.choice.comparison import ChoiceNumbers, Contender
-from rolling.choice.difference import SURE, Difference
+from rolling.choice.difference import Difference
 from rolling.results.answer import uncertain
 
 PROBABLE = 0.8  # probability from which on a candidate is probably quieter

@@ -16,10 +16,10 @@ from pathlib import Path
 import numpy as np
 
 from acoustics.arrays import Array
+from acoustics.pairs import paired_mean, student_factor
 from rolling.choice import drawing
 from rolling.choice.chain import chain_levels
 from rolling.choice.choosing import OpenChoice, open_choice
-from rolling.choice.difference import paired_mean, student_factor
 from rolling.choice.limit import tolerance_limit
 from rolling.scene.scene import Scene
 

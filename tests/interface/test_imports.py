@@ -29,7 +29,7 @@ FLOORS = {
     ),
     "acoustics": (
         ("arrays", "matplotlib_import", "numbers", "texts", "traps"),
-        ("bands", "loss_factors", "weighting"),
+        ("bands", "loss_factors", "pairs", "weighting"),
         ("radiation",),
         (
             "continued_rows",

@@ -10,14 +10,9 @@ import pytest
 
 import rolling as rc
 from acoustics.bands import BAND_NAMES
+from acoustics.pairs import FIRST_PAIRS, paired_mean, pairs_needed, student_factor
 from rolling.choice.candidates import LOSS_FACTORS, candidate, candidates_of
-from rolling.choice.difference import (
-    FIRST_PAIRS,
-    difference,
-    paired_mean,
-    pairs_needed,
-    student_factor,
-)
+from rolling.choice.difference import difference
 from rolling.choice.heard import Heard, LevelError
 from rolling.choice.specimens import FEWEST, Specimens
 from rolling.choice.words import frequencies_of_difference
