@@ -280,7 +280,7 @@ def ball_heights(scene: Scene, ball: surfaces.BallSurface) -> tuple[Array, dict[
         heights = np.zeros(shape)
     described = made.described("ball_surface_made", heights, spacing, law)
     if ball.has_form:
-        heights += _form(ball, track.turn_nodes)[:, None]
+        heights += form_heights(ball, track.turn_nodes)[:, None]
     add_faults(heights, ball.faults or (), spacing)
     return heights, described
 
@@ -298,7 +298,7 @@ def _read_turn(scene: Scene, ball: surfaces.BallHeightFile) -> Array:
     return np.asarray(heights)
 
 
-def _form(ball: surfaces.BallSurface, nodes: int) -> Array:
+def form_heights(ball: surfaces.BallSurface, nodes: int) -> Array:
     """Return the heights [m] of the waves around a circumference of some nodes."""
     angle = _angle(nodes)
     line = np.zeros(nodes)

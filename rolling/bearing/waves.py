@@ -1,0 +1,131 @@
+"""Linear response of a contact: what heights within its length do to its approach.
+
+A closed elastic contact under a constant load follows heights by their mean over the contact,
+weighted by the pressure under a flat punch of its outline (reciprocity). For an ellipse with the
+semi-axes a along and b across the track, the weighted mean of a wave is its height times
+
+    sin(q) / q,   q = sqrt((k_along a)^2 + (k_across b)^2)
+
+Of waves along the track alone this is the plain mean over the length 2 a. The response holds for
+waves of any length that the contact does not bridge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from acoustics.arrays import Array
+from rolling.bearing.geometry import RacewayContact
+from rolling.contact import closed_forms
+
+LONG_CONTACTS = 10.0  # contact lengths 2 a from which on a wave counts as geometry
+
+
+class SemiAxes(NamedTuple):
+    """Semi-axes of an elliptic contact [m]."""
+
+    along: float
+    across: float
+
+
+def semi_axes(contact: RacewayContact, load_n: float) -> SemiAxes:
+    """Return the semi-axes of the smooth contact of a ball with a raceway under a load [N].
+
+    They follow from its stiffness K = 4/3 E* sqrt(R), R of the equivalent sphere, whose contact
+    radius is a^2 = R (Q / K)^(2/3).
+    """
+    radii = contact.radius_along_m, contact.radius_across_m
+    equivalent, along, across = closed_forms.hertz_ellipse(*radii)
+    approach = hertz_approach(contact, load_n)
+    radius = np.sqrt(equivalent * approach)
+    return SemiAxes(along=float(along * radius), across=float(across * radius))
+
+
+def hertz_approach(contact: RacewayContact, load_n: float) -> float:
+    """Return the approach [m] of the smooth contact under a load [N]."""
+    return float((load_n / contact.stiffness_n_m15) ** (2 / 3))
+
+
+def hertz_pressure(contact: RacewayContact, load_n: float) -> float:
+    """Return the maximum pressure [Pa] of the smooth contact under a load [N]."""
+    axes = semi_axes(contact, load_n)
+    return 1.5 * load_n / (np.pi * axes.along * axes.across)
+
+
+def response(phase: Array) -> Array:
+    """Return the response of a contact to a wave over its height, sin(q) / q."""
+    return np.asarray(np.sinc(phase / np.pi))
+
+
+def approach_of_profile(
+    heights_m: Array, radius_m: float, contact: RacewayContact, loads_n: Sequence[float]
+) -> Array:
+    """Return the change of the approach by heights along the track that do not vary across it.
+
+    Parameters
+    ----------
+    heights_m : array (n,), m
+        Heights at equally spaced angles of a full turn of a body.
+    radius_m : float, m
+        Radius of the circle on the body on which the contact runs.
+    contact : RacewayContact
+        Smooth contact.
+    loads_n : sequence of float, N
+        Loads.
+
+    Returns
+    -------
+    array (loads, n), m
+        Change of the approach under each load, with zero mean; a bump lowers it.
+    """
+    count = len(heights_m)
+    waves = np.fft.rfft(heights_m)
+    waves[0] = 0.0
+    wave_number = np.arange(len(waves)) / radius_m
+    rows = []
+    for load in loads_n:
+        share = response(wave_number * semi_axes(contact, load).along)
+        rows.append(-np.fft.irfft(waves * share, count))
+    return np.array(rows)
+
+
+def approach_of_heights(
+    heights_m: Array,
+    spacing_m: tuple[float, float],
+    contact: RacewayContact,
+    loads_n: Sequence[float],
+) -> Array:
+    """Return the change of the approach on the middle line of periodic heights.
+
+    Parameters
+    ----------
+    heights_m : array (along, across), m
+        Heights of a surface that repeats along and across.
+    spacing_m : pair of float, m
+        Distance of nodes along and across.
+    contact : RacewayContact
+        Smooth contact.
+    loads_n : sequence of float, N
+        Loads.
+
+    Returns
+    -------
+    array (loads, along), m
+        Change of the approach under each load, with zero mean; a bump lowers it.
+    """
+    count, across = heights_m.shape
+    middle = (across - 1) / 2 * spacing_m[1]  # as of a march
+    across_wave = 2 * np.pi * np.fft.fftfreq(across, spacing_m[1])
+    waves = np.fft.rfft2(heights_m, axes=(1, 0)) * np.exp(1j * across_wave * middle)
+    along_wave = 2 * np.pi * np.fft.rfftfreq(count, spacing_m[0])
+    rows = []
+    for load in loads_n:
+        axes = semi_axes(contact, load)
+        phase = np.hypot(along_wave[:, None] * axes.along, across_wave * axes.across)
+        line = (waves * response(phase)).mean(axis=1)
+        line[0] = 0.0
+        rows.append(-np.fft.irfft(line, count))
+    return np.array(rows)

@@ -1,0 +1,242 @@
+"""Faults of raceways and balls as solved stretches of the tracks.
+
+A contact is marched over a fault, and over the same stretch without it. The difference of both
+approaches stands in the track at the angle of the fault. A fault wider than the contact is followed
+to its bottom, and a narrow one is bridged.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from acoustics.arrays import Array, short_repr
+from rolling.bearing.geometry import RacewayContact
+from rolling.bearing_run.contacts import (
+    HIGHEST,
+    ROOM,
+    MarchNumbers,
+    contact_scene,
+    overlap_reach,
+)
+from rolling.scene.laws import Roughness, SurfaceFault
+from rolling.scene.scene import Scene
+from rolling.scene.sections import STEP_NODES
+from rolling.surface.heights import RIM, fault_places
+
+NODES_PER_FAULT = 8.0  # minimum number of nodes in the size of a fault
+STEPS_PER_FAULT = 8.0  # minimum number of steps in it
+
+
+@dataclass(frozen=True)
+class FaultStretch:
+    """Stretch around a fault under a kind of contact, which is marched with and without it.
+
+    name : str. Kind of contact, as of `RoughContact`.
+    angle : float, rad. Place of the fault on its body.
+    with_fault, without : Scene. The stretch at the middle load; the fault is in its middle.
+    loads_n : tuple of float, N. Ascending loads.
+    """
+
+    __repr__ = short_repr
+
+    name: str
+    angle: float
+    with_fault: Scene
+    without: Scene
+    loads_n: tuple[float, ...]
+
+    @cached_property
+    def scenes(self) -> dict[float, tuple[Scene, Scene]]:
+        """Scenes with and without the fault by load [N]."""
+        pairs = {}
+        for load in self.loads_n:
+            change = {"rolling.load_n": load}
+            pairs[load] = (self.with_fault.with_(change), self.without.with_(change))
+        return pairs
+
+    @property
+    def places_m(self) -> Array:
+        """Distances of the positions from the fault [m]."""
+        track = self.with_fault.track
+        steps = np.arange(track.solved_steps)
+        return np.asarray(steps * track.step - track.distance / 2, dtype=np.float64)
+
+
+def fault_stretches(
+    name: str,
+    contact: RacewayContact,
+    faults: Sequence[SurfaceFault],
+    *,
+    radius_m: float,
+    law: Roughness | None,
+    numbers: MarchNumbers,
+    loads_n: Sequence[float],
+    speed_m_s: float,
+    body: dict[str, float | str],
+) -> list[FaultStretch]:
+    """Return the stretches around the faults of a body that a kind of contact meets.
+
+    A fault beside the contact gives none, nor does a step, which is a form of the whole turn.
+    Equal stretches on smooth surfaces share their marches.
+
+    Parameters
+    ----------
+    name : str
+        Kind of contact.
+    contact : RacewayContact
+        Smooth contact.
+    faults : sequence of SurfaceFault
+        Faults with places (x, y) on the body: x along the turn, y from the middle of the track.
+    radius_m : float, m
+        Radius of the circle on the body on which the contact runs.
+    law : Roughness or None
+        Law of the surface around the fault, None for a smooth one.
+    numbers : MarchNumbers
+        Grid of the marches of this kind of contact.
+    loads_n, speed_m_s, body : as in `rough_contact`
+    """
+    stretches = []
+    for fault in faults:
+        if fault.kind == "step":
+            continue
+        width = numbers.width_um * 1e-6
+        for x, y in fault_places(fault, 2 * np.pi * radius_m, width):
+            if abs(y) - _reach_across(fault) > width / 2:
+                continue
+            stretch = _stretch(
+                name,
+                contact,
+                fault,
+                angle=float(x) / radius_m,
+                across_m=float(y),
+                law=law,
+                numbers=numbers,
+                loads_n=loads_n,
+                speed_m_s=speed_m_s,
+                body=body,
+            )
+            stretches.append(stretch)
+    return stretches
+
+
+def _reach_across(fault: SurfaceFault) -> float:
+    """Return how far a fault reaches across the track from its place [m]."""
+    if fault.crosses:
+        return math.inf
+    reach = (RIM if fault.kind == "dent" else 1.0) * fault.size_um / 2
+    angle = math.radians(90.0 if fault.angle_deg is None else fault.angle_deg)
+    return 1e-6 * (reach + abs(math.sin(angle)) * (fault.length_um or 0.0) / 2)
+
+
+def _reach_along(fault: SurfaceFault) -> float:
+    """Return how far a fault reaches along the track from its place [m]."""
+    reach = (RIM if fault.kind == "dent" else 1.0) * fault.size_um / 2
+    angle = math.radians(90.0 if fault.angle_deg is None else fault.angle_deg)
+    return 1e-6 * (reach + abs(math.cos(angle)) * (fault.length_um or 0.0) / 2)
+
+
+def _stretch(
+    name: str,
+    contact: RacewayContact,
+    fault: SurfaceFault,
+    *,
+    angle: float,
+    across_m: float,
+    law: Roughness | None,
+    numbers: MarchNumbers,
+    loads_n: Sequence[float],
+    speed_m_s: float,
+    body: dict[str, float | str],
+) -> FaultStretch:
+    """Return the stretch around a fault at a place."""
+    own = _fault_numbers(contact, fault, across_m, law, numbers, max(loads_n))
+    middle_mm = own.distance_mm / 2
+    placed = fault.model_copy(
+        update={"at_mm": [middle_mm, across_m * 1e3], "count": None, "seed": None}
+    )
+    scenes = []
+    for faults in ([placed], []):
+        scene = contact_scene(
+            f"{name}-{fault.kind}" if faults else f"{name}-beside-{fault.kind}",
+            contact,
+            law=law,
+            faults=faults,
+            numbers=own,
+            load_n=loads_n[len(loads_n) // 2],
+            speed_m_s=speed_m_s,
+            body=body,
+        )
+        scenes.append(scene)
+    return FaultStretch(
+        name=name,
+        angle=angle,
+        with_fault=scenes[0],
+        without=scenes[1],
+        loads_n=tuple(loads_n),
+    )
+
+
+def _fault_numbers(
+    contact: RacewayContact,
+    fault: SurfaceFault,
+    across_m: float,
+    law: Roughness | None,
+    numbers: MarchNumbers,
+    load_n: float,
+) -> MarchNumbers:
+    """Return the grid of the stretch around a fault, which is closed and holds the contact."""
+    spacing_um = min(numbers.spacing_um, float(f"{fault.size_um / NODES_PER_FAULT:.2g}"))
+    step_um = min(numbers.spacing_um * numbers.step_nodes, fault.size_um / STEPS_PER_FAULT)
+    fitting = [nodes for nodes in STEP_NODES if 1 <= nodes <= step_um / spacing_um]
+    step_nodes = max(fitting, default=1.0)
+    roughness = law.rq_m if law is not None else 0.0
+    reach_along, reach_across = overlap_reach(
+        contact, load_n, roughness + fault.depth_um * 1e-6 / HIGHEST
+    )
+    length = 2 * ROOM * (reach_along + _reach_along(fault))
+    width = 2 * ROOM * reach_across
+    if not fault.crosses:
+        width = max(width, 2 * ROOM * (abs(across_m) + _reach_across(fault)))
+    # An even number of steps puts a position on the fault.
+    steps = 2 * math.ceil(length * 1e6 / (2 * step_nodes * spacing_um))
+    nodes = 2 * math.ceil(max(width * 1e6, numbers.width_um) / (2 * spacing_um))
+    return replace(
+        numbers,
+        spacing_um=spacing_um,
+        step_nodes=step_nodes,
+        distance_mm=steps * step_nodes * spacing_um * 1e-3,
+        width_um=nodes * spacing_um,
+    )
+
+
+def added_at_angle(
+    rows: Array, places_m: Array, change_m: Array, angle: float, radius_m: float
+) -> Array:
+    """Return rows around a turn with a change of the approach added at an angle.
+
+    Parameters
+    ----------
+    rows : array (loads, n), m
+        Change of the approach at n equally spaced angles.
+    places_m : array (m,), m
+        Ascending distances from the place.
+    change_m : array (loads, m), m
+        Change at these distances; it is zero beyond them.
+    angle : float, rad
+        Angle of the place.
+    radius_m : float, m
+        Radius of the circle on the body on which the contact runs.
+    """
+    points = rows.shape[1]
+    turn = 2 * np.pi * np.arange(points) / points - angle
+    distance = radius_m * ((turn + np.pi) % (2 * np.pi) - np.pi)
+    changed = [
+        row + np.interp(distance, places_m, change, left=0.0, right=0.0)
+        for row, change in zip(rows, change_m, strict=True)
+    ]
+    return np.array(changed)

@@ -1,0 +1,220 @@
+"""Tracks of a bearing from its plan: roughness, waves around, measured turns and faults."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from acoustics.arrays import Array
+from rolling.bearing import waves
+from rolling.bearing.tracks import BearingTracks, BodyTrack, smooth_track
+from rolling.bearing_run.contacts import RoughContact
+from rolling.bearing_run.faults import FaultStretch, added_at_angle
+from rolling.bearing_run.plan import (
+    ContactPlan,
+    contact_of,
+    kinds_of_contact,
+    radius_of,
+)
+from rolling.bearing_run.solving import ContactMarch, Marches
+from rolling.bearing_run.turns import continued_turn
+from rolling.marches.piece import contact_identity
+from rolling.scene.scene import Scene
+from rolling.scene.surfaces import BallHeightFile, BallSurface, GradedBall
+from rolling.surface import levelling
+from rolling.surface.heights import add_faults
+from rolling.surface.scene_surface import form_heights
+
+LEAST_POINTS = 4096  # of a turn without roughness
+# Parts of seeds, so that roughness and place of balls differ.
+_ROUGHNESS = 1
+_PLACE = 2
+
+
+def bearing_tracks(plan: ContactPlan, marches: Marches | None = None) -> BearingTracks:
+    """Return the tracks of a bearing from the marches of its contacts that are there.
+
+    Without a march of a contact its roughness enters by the linear response. At a load that is not
+    marched, the nonlinear part is that of the nearest load that is. Faults need their marches.
+
+    Parameters
+    ----------
+    plan : ContactPlan
+        Contacts of the bearing.
+    marches : dict, optional
+        Marches by contact identity, as of `solved_stages`. Default: none.
+
+    Returns
+    -------
+    BearingTracks
+    """
+    known = marches or {}
+    rings = {ring: _ring_track(plan, ring, known) for ring in ("inner", "outer")}
+    balls = [_ball_tracks(plan, ball, known) for ball in range(plan.geometry.balls)]
+    return BearingTracks(
+        inner=rings["inner"],
+        outer=rings["outer"],
+        balls_on_inner=tuple(tracks[0] for tracks in balls),
+        balls_on_outer=tuple(tracks[1] for tracks in balls),
+    )
+
+
+def _ring_track(plan: ContactPlan, ring: str, marches: Marches) -> BodyTrack:
+    """Return the track around a raceway."""
+    surface = plan.surfaces[ring]
+    if surface is None:
+        return smooth_track()
+    seed = getattr(surface, "seed", 0)
+    (track,) = _body_tracks(plan, ring, surface, marches, seed=(seed, _ROUGHNESS), is_first=True)
+    return track
+
+
+def _ball_tracks(plan: ContactPlan, ball: int, marches: Marches) -> Sequence[BodyTrack]:
+    """Return the tracks around a ball on the inner and on the outer raceway.
+
+    Balls share their marches. Each has heights and form of its own, and begins at another angle.
+    """
+    surface = plan.surfaces["balls"]
+    if surface is None:
+        return [smooth_track(), smooth_track()]
+    seed = getattr(surface, "seed", 0)
+    if isinstance(surface, GradedBall):
+        surface = surface.model_copy(update={"seed": seed + ball})
+    if surface.faults and ball != plan.fault_ball:
+        surface = surface.model_copy(update={"faults": None})
+    tracks = _body_tracks(
+        plan, "balls", surface, marches, seed=(seed, _ROUGHNESS, ball), is_first=ball == 0
+    )
+    share = np.random.default_rng((seed, _PLACE, ball)).uniform() if ball else 0.0
+    turned = []
+    for track in tracks:
+        begin = round(share * track.points)
+        turned.append(BodyTrack(track.loads_n, np.roll(track.approach_m, begin, axis=1)))
+    return turned
+
+
+def _body_tracks(
+    plan: ContactPlan,
+    body: str,
+    surface: BallSurface,
+    marches: Marches,
+    *,
+    seed: tuple[int, ...],
+    is_first: bool,
+) -> list[BodyTrack]:
+    """Return the tracks of a body, one for each kind of contact that it meets."""
+    names = kinds_of_contact(body)
+    radius = radius_of(plan.geometry, body)
+    loads = np.array(plan.loads_n)
+    rough = [plan.rough[name] for name in names if name in plan.rough]
+    stretches = [
+        [stretch for stretch in plan.faults if stretch.name == name and surface.faults]
+        for name in names
+    ]
+    if rough:
+        rows = np.concatenate([rough_rows(contact, marches) for contact in rough])
+        points = round(2 * np.pi * radius / rough[0].scene.step)
+        number = int(np.random.SeedSequence(seed).generate_state(1)[0])
+        turn = continued_turn(rows, points, number, keep_rows=is_first)
+        parts = np.split(turn, len(names))
+    else:
+        parts = [np.zeros((len(loads), LEAST_POINTS))] * len(names)
+    tracks = []
+    for name, part, own_stretches in zip(names, parts, stretches, strict=True):
+        track = BodyTrack(loads, part)
+        finest = min([stretch.with_fault.step for stretch in own_stretches], default=np.inf)
+        if 2 * np.pi * radius / finest > track.points:
+            track = track.resampled(int(np.ceil(2 * np.pi * radius / finest)))
+        for form in _forms(plan, name, surface, radius, track.points):
+            track = track.plus(BodyTrack(loads, form))
+        values = track.approach_m
+        for stretch in own_stretches:
+            change = _fault_change(stretch, marches)
+            if change is not None:
+                values = added_at_angle(values, stretch.places_m, change, stretch.angle, radius)
+        tracks.append(BodyTrack(loads, values))
+    return tracks
+
+
+def _forms(
+    plan: ContactPlan, name: str, surface: BallSurface, radius: float, points: int
+) -> list[Array]:
+    """Return the changes of the approach by waves around a body, and by a measured turn."""
+    contact = contact_of(plan.geometry, name)
+    forms = []
+    profile = np.zeros(points)
+    if surface.has_form:
+        profile += form_heights(surface, points)
+    steps = [fault for fault in surface.faults or () if fault.kind == "step"]
+    if steps:
+        line = np.zeros((points, 1))
+        add_faults(line, steps, 2 * np.pi * radius / points)
+        profile += line[:, 0]
+    if profile.any():
+        forms.append(waves.approach_of_profile(profile, radius, contact, plan.loads_n))
+    if isinstance(surface, BallHeightFile):
+        path = plan.folder / surface.path
+        read = levelling.read_heights(path, surface.height_unit, "bearing.surfaces")
+        heights = without_first_order(read)
+        if heights.shape[1] == 1:
+            line = heights[:, 0]
+            forms.append(waves.approach_of_profile(line, radius, contact, plan.loads_n))
+        else:
+            spacing = (2 * np.pi * radius / len(heights), surface.spacing_um * 1e-6)
+            forms.append(waves.approach_of_heights(heights, spacing, contact, plan.loads_n))
+    return forms
+
+
+def without_first_order(heights: Array) -> Array:
+    """Return the heights of a turn without their mean wave of order 1, which is eccentricity."""
+    angle = 2 * np.pi * np.arange(len(heights)) / len(heights)
+    for wave in (np.cos(angle), np.sin(angle)):
+        heights = heights - np.outer(wave, 2 / len(wave) * (wave @ heights.mean(axis=1)))
+    return np.asarray(heights - heights.mean())
+
+
+# ---- marches
+
+
+def rough_rows(contact: RoughContact, marches: Marches) -> Array:
+    """Return the changes of the approach at all loads of a rough contact [m], (loads, steps)."""
+    linear = contact.linear_rows(contact.loads_n)
+    marched = {}
+    for load, scene in contact.scenes.items():
+        march = _march_of(scene, marches)
+        if march is not None:
+            marched[load] = march.approach_m - march.approach_m.mean()
+    if not marched:
+        return linear
+    by_load = dict(zip(contact.loads_n, linear, strict=True))
+    rows = []
+    for load in contact.loads_n:
+        nearest = _nearest(load, marched)
+        rows.append(by_load[load] + marched[nearest] - by_load[nearest])
+    return np.array(rows)
+
+
+def _fault_change(stretch: FaultStretch, marches: Marches) -> Array | None:
+    """Return the changes of the approach by a fault at all loads [m], None without a march."""
+    known = {}
+    for load, (with_fault, without) in stretch.scenes.items():
+        over = _march_of(with_fault, marches)
+        beside = _march_of(without, marches)
+        if over is not None and beside is not None:
+            known[load] = over.approach_m - beside.approach_m
+    if not known:
+        return None
+    return np.array([known[_nearest(load, known)] for load in stretch.loads_n])
+
+
+def _march_of(scene: Scene, marches: Marches) -> ContactMarch | None:
+    """Return the march of a scene, None where it is not there."""
+    if not marches:
+        return None
+    return marches.get(contact_identity(scene))
+
+
+def _nearest(load_n: float, known: Mapping[float, Array]) -> float:
+    """Return the load among some that is nearest to a load, by their ratio."""
+    return min(known, key=lambda other: abs(np.log(other / load_n)))

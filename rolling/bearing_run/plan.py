@@ -1,0 +1,237 @@
+"""Plan of the contacts that a bearing needs: rough contacts and stretches around faults.
+
+A smooth raceway or ball needs none. A bearing has four kinds of rough contact at most: the surface
+of each raceway, and that of the balls on each raceway. Waves around a body and measured turns
+enter by the linear response of the contact, and need no march either.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from acoustics.arrays import short_repr
+from rolling.bearing import waves
+from rolling.bearing.geometry import BearingGeometry, RacewayContact
+from rolling.bearing_run.contacts import (
+    MarchNumbers,
+    RoughContact,
+    contact_loads,
+    march_numbers,
+    rough_contact,
+)
+from rolling.bearing_run.faults import FaultStretch, fault_stretches
+from rolling.scene.laws import Roughness
+from rolling.scene.scene import Scene
+from rolling.scene.surfaces import BallHeightFile, BallSurface
+
+RINGS = ("inner", "outer")
+
+
+@dataclass(frozen=True)
+class ContactPlan:
+    """Contacts of a bearing.
+
+    geometry : BearingGeometry.
+    loads_n : tuple of float, N. Ascending loads of the marches.
+    surfaces : dict. Surfaces of "inner", "outer" and "balls"; None for a smooth one.
+    fault_ball : int. Number of the ball that has the faults of the balls.
+    folder : Path. Folder from which relative paths of height files start.
+    rough : dict. Rough contacts by name.
+    faults : tuple of FaultStretch.
+    """
+
+    __repr__ = short_repr
+
+    geometry: BearingGeometry
+    loads_n: tuple[float, ...]
+    surfaces: dict[str, BallSurface | None]
+    fault_ball: int
+    folder: Path
+    rough: dict[str, RoughContact]
+    faults: tuple[FaultStretch, ...]
+
+    @property
+    def stages(self) -> list[list[Scene]]:
+        """Scenes to march, the most urgent first: all contacts at the middle load, then the rest.
+
+        After the first stage the tracks hold the roughness and the faults at the middle load.
+        """
+        first = [contact.scene for contact in self.rough.values()]
+        rest = [scene for contact in self.rough.values() for scene in contact.scenes.values()]
+        for stretch in self.faults:
+            first += [stretch.with_fault, stretch.without]
+            rest += [scene for pair in stretch.scenes.values() for scene in pair]
+        return [first, rest]
+
+
+def stages_of(plans: Sequence[ContactPlan]) -> list[list[Scene]]:
+    """Return the stages of several bearings together, such as the runs of a sweep."""
+    stages = [plan.stages for plan in plans]
+    return [[scene for plan in stages for scene in plan[number]] for number in (0, 1)]
+
+
+def contact_of(geometry: BearingGeometry, name: str) -> RacewayContact:
+    """Return the smooth contact of a kind of contact by its name."""
+    return geometry.inner if name.endswith("inner") else geometry.outer
+
+
+def radius_of(geometry: BearingGeometry, body: str) -> float:
+    """Return the radius of the circle of "inner", "outer" or "balls" on which a contact runs."""
+    if body == "balls":
+        return geometry.ball_radius_m
+    return contact_of(geometry, body).radius_m
+
+
+def kinds_of_contact(body: str) -> tuple[str, ...]:
+    """Return the names of the kinds of contact that meet the surface of a body."""
+    if body == "balls":
+        return tuple(f"balls-on-{ring}" for ring in RINGS)
+    return (body,)
+
+
+def plan_contacts(
+    geometry: BearingGeometry,
+    surfaces: dict[str, BallSurface | None],
+    *,
+    axial_load_n: float,
+    radial_load_n: float,
+    speed_m_s: float,
+    body: dict[str, float | str],
+    window_mm: float,
+    spacing_um: float | None = None,
+    gap_m: float = 0.0,
+    fault_ball: int = 0,
+    folder: Path = Path(),
+) -> ContactPlan:
+    """Return the contacts that a bearing needs.
+
+    Parameters
+    ----------
+    geometry : BearingGeometry
+    surfaces : dict
+        Surfaces of "inner", "outer" and "balls"; None for a smooth one.
+    axial_load_n, radial_load_n : float, N
+        Loads on the bearing.
+    speed_m_s : float, m/s
+        Rolling speed.
+    body : dict
+        Keys of the material of rings and balls, as of `sphere` and `plate`.
+    window_mm : float, mm
+        Length of the closed track that is marched, a turn at most.
+    spacing_um : float, optional, um
+        Distance of its nodes. Default: as contact and surface need it.
+    gap_m : float, m
+        Gap of each ball while the ring is centred. Default: none.
+    fault_ball : int
+        Number of the ball that has the faults of the balls. Default: the first.
+    folder : Path
+        Folder from which relative paths of height files start.
+
+    Raises
+    ------
+    SceneError
+        A contact cannot be made with these values.
+    ValueError
+        The loads have no balance.
+    """
+    loads = contact_loads(
+        geometry, axial_load_n=axial_load_n, radial_load_n=radial_load_n, gap_m=gap_m
+    )
+    rough = {}
+    faults: list[FaultStretch] = []
+    for body_name, surface in surfaces.items():
+        if surface is None:
+            continue
+        names = kinds_of_contact(body_name)
+        law = law_of(surface)
+        radius = radius_of(geometry, body_name)
+        numbers = _shared_numbers(
+            [contact_of(geometry, name) for name in names],
+            law,
+            loads,
+            speed_m_s=speed_m_s,
+            turn_m=2 * math.pi * radius,
+            window_mm=window_mm,
+            spacing_um=spacing_um,
+        )
+        for name in names:
+            if law is not None:
+                rough[name] = rough_contact(
+                    name,
+                    contact_of(geometry, name),
+                    law,
+                    loads,
+                    numbers=numbers,
+                    speed_m_s=speed_m_s,
+                    body=body,
+                )
+            faults += fault_stretches(
+                name,
+                contact_of(geometry, name),
+                surface.faults or (),
+                radius_m=radius,
+                law=law,
+                numbers=numbers,
+                loads_n=loads,
+                speed_m_s=speed_m_s,
+                body=body,
+            )
+    return ContactPlan(
+        geometry=geometry,
+        loads_n=loads,
+        surfaces=surfaces,
+        fault_ball=fault_ball,
+        folder=folder,
+        rough=rough,
+        faults=tuple(faults),
+    )
+
+
+def law_of(surface: BallSurface) -> Roughness | None:
+    """Return the law of the random heights of a surface, None for a smooth or measured one."""
+    if isinstance(surface, BallHeightFile):
+        return None
+    law = surface.law
+    assert law is None or isinstance(law, Roughness)  # the only law of bodies that turn
+    return law
+
+
+def _shared_numbers(
+    contacts: Sequence[RacewayContact],
+    law: Roughness | None,
+    loads_n: Sequence[float],
+    *,
+    speed_m_s: float,
+    turn_m: float,
+    window_mm: float,
+    spacing_um: float | None,
+) -> MarchNumbers:
+    """Return the grid on which all contacts of a surface are marched, so that they see it alike.
+
+    The shortest contact sets nodes and steps, and the widest one the width.
+    """
+    laws = [] if law is None else [law]
+    shortest = min(contacts, key=lambda contact: waves.semi_axes(contact, min(loads_n)).along)
+    widest = max(contacts, key=lambda contact: contact.radius_across_m)
+    numbers = march_numbers(
+        shortest,
+        laws,
+        loads_n,
+        speed_m_s=speed_m_s,
+        turn_m=turn_m,
+        window_mm=window_mm,
+        spacing_um=spacing_um,
+    )
+    wide = march_numbers(
+        widest,
+        laws,
+        loads_n,
+        speed_m_s=speed_m_s,
+        turn_m=turn_m,
+        window_mm=window_mm,
+        spacing_um=numbers.spacing_um,
+    )
+    return replace(numbers, width_um=wide.width_um)
