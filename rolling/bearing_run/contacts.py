@@ -31,7 +31,11 @@ from rolling.surface.scene_surface import heights
 
 NODES_PER_LENGTH = 2.5  # minimum number of nodes in a correlation length
 NODES_PER_AXIS = 6.0  # minimum number of nodes in the shorter semi-axis at the lightest load
-STEPS_PER_AXIS = 5.0  # minimum number of steps in it, which averages what is shorter
+# Steps fold waves shorter than two of them back into hearing. A contact averages waves shorter than
+# itself, and a Gaussian law has few much shorter than its correlation length: steps of 0.8 lengths
+# left -40 dB of what is heard (lengths of 10 and 20 um, semi-axes of 36 to 64 um, 1.5 m/s).
+STEPS_PER_AXIS = 2.0  # minimum number of steps in the shorter semi-axis
+STEPS_PER_LENGTH = 1.25  # minimum number of steps in a correlation length along the track
 HEARD_HZ = 24e3  # that the steps hold with a margin
 MARGIN = 2.0  # of the Nyquist frequency of the steps over it
 HIGHEST = 4.0  # peaks of rough surfaces over their rms height
@@ -186,11 +190,14 @@ def march_numbers(
         spacing_um = float(f"{min([lightest * 1e6 / NODES_PER_AXIS, *lengths]):.2g}")
     spacing = spacing_um * 1e-6
     longest = min(lightest / STEPS_PER_AXIS, speed_m_s / (2 * MARGIN * HEARD_HZ))
+    for law in laws:
+        shortest = law.lengths_um[0] * 1e-6 / STEPS_PER_LENGTH
+        longest = min(longest, shortest / 2 if law.goes_on else shortest)
     fitting = [nodes for nodes in STEP_NODES if nodes >= 1 and nodes * spacing <= longest]
     step_nodes = max(fitting, default=1.0)
     roughness = math.hypot(*(law.rq_m for law in laws))
     reach = overlap_reach(contact, max(loads_n), roughness)
-    width_nodes = max(MIN_NODES, math.ceil(2 * ROOM * reach[1] / spacing / 2) * 2)
+    width_nodes = rounded_width(2 * ROOM * reach[1] / spacing)
     length = min(window_mm * 1e-3, turn_m)
     steps = max(round(length / (step_nodes * spacing)), 2 * MIN_NODES)
     return MarchNumbers(
@@ -199,6 +206,16 @@ def march_numbers(
         distance_mm=steps * step_nodes * spacing_um * 1e-3,
         step_nodes=step_nodes,
     )
+
+
+def rounded_width(least_nodes: float) -> int:
+    """Return the nodes of a width, in quarters of an octave.
+
+    A little more roughness or load then seldom changes the width, and with it the random heights.
+    """
+    octave = 1 << math.floor(math.log2(max(least_nodes, MIN_NODES)))
+    quarters = math.ceil(4 * max(least_nodes, MIN_NODES) / octave)
+    return max(octave * quarters // 4, MIN_NODES)
 
 
 def overlap_reach(

@@ -66,7 +66,7 @@ def _ring_track(plan: ContactPlan, ring: str, marches: Marches) -> BodyTrack:
     if surface is None:
         return smooth_track()
     seed = getattr(surface, "seed", 0)
-    (track,) = _body_tracks(plan, ring, surface, marches, seed=(seed, _ROUGHNESS), is_first=True)
+    (track,) = _body_tracks(plan, ring, surface, marches, seed=(seed, _ROUGHNESS))
     return track
 
 
@@ -83,9 +83,7 @@ def _ball_tracks(plan: ContactPlan, ball: int, marches: Marches) -> Sequence[Bod
         surface = surface.model_copy(update={"seed": seed + ball})
     if surface.faults and ball != plan.fault_ball:
         surface = surface.model_copy(update={"faults": None})
-    tracks = _body_tracks(
-        plan, "balls", surface, marches, seed=(seed, _ROUGHNESS, ball), is_first=ball == 0
-    )
+    tracks = _body_tracks(plan, "balls", surface, marches, seed=(seed, _ROUGHNESS, ball))
     share = np.random.default_rng((seed, _PLACE, ball)).uniform() if ball else 0.0
     turned = []
     for track in tracks:
@@ -101,7 +99,6 @@ def _body_tracks(
     marches: Marches,
     *,
     seed: tuple[int, ...],
-    is_first: bool,
 ) -> list[BodyTrack]:
     """Return the tracks of a body, one for each kind of contact that it meets."""
     names = kinds_of_contact(body)
@@ -116,7 +113,8 @@ def _body_tracks(
         rows = np.concatenate([rough_rows(contact, marches) for contact in rough])
         points = round(2 * np.pi * radius / rough[0].scene.step)
         number = int(np.random.SeedSequence(seed).generate_state(1)[0])
-        turn = continued_turn(rows, points, number, keep_rows=is_first)
+        # A ball and a raceway of equal seeds have other heights.
+        turn = continued_turn(rows, points, number, keep_rows=body != "balls")
         parts = np.split(turn, len(names))
     else:
         parts = [np.zeros((len(loads), LEAST_POINTS))] * len(names)

@@ -1,0 +1,192 @@
+"""Doubts about the contacts of a bearing: their sum, their mean, yielding, and what is not marched.
+
+Each rule was read from marches of both surfaces together and of each alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from acoustics.numbers import rounded
+from rolling.bearing import waves
+from rolling.bearing_run.contacts import RoughContact
+from rolling.bearing_run.joined_tracks import rough_rows
+from rolling.bearing_run.plan import RINGS, ContactPlan, contact_of, law_of
+from rolling.bearing_run.solving import ContactMarch, Marches
+from rolling.check.doubt import Doubt, Severity, sized
+from rolling.marches.piece import contact_identity
+from rolling.scene.surfaces import BallHeightFile
+
+# Level of the approach by both surfaces marched alone over that of their sum, per rms roughness of
+# both over the smooth approach [dB].
+SUPERPOSITION_DB = 2.0
+SOFTER = 0.03  # change of the mean stiffness beside Hertz's, from which on it is a doubt
+
+
+@dataclass(frozen=True)
+class MarchedContact:
+    """Numbers of the march of a rough contact at its middle load.
+
+    name : str. Kind of contact.
+    load_n : float, N. Load.
+    approach_rms_m : float, m. Rms fluctuation of the approach.
+    linear_db : float, dB. Level of the linear response over that of the march.
+    approach_loss : float. Mean approach less Hertz's, over Hertz's.
+    stiffness_change : float. Mean stiffness between the loads beside the middle one over Hertz's,
+        less 1; NaN with fewer marches.
+    max_pressure_pa : float, Pa. Maximum pressure.
+    seconds : float, s. Processor time of the marches at all loads.
+    """
+
+    name: str
+    load_n: float
+    approach_rms_m: float
+    linear_db: float
+    approach_loss: float
+    stiffness_change: float
+    max_pressure_pa: float
+    seconds: float
+
+
+def marched_contacts(plan: ContactPlan, marches: Marches) -> list[MarchedContact]:
+    """Return the numbers of the rough contacts whose marches are there."""
+    found = []
+    for contact in plan.rough.values():
+        by_load: dict[float, ContactMarch] = {}
+        for load, scene in contact.scenes.items():
+            march = marches.get(contact_identity(scene))
+            if march is not None:
+                by_load[load] = march
+        middle = contact.middle_load_n
+        if middle not in by_load:
+            continue
+        found.append(_numbers(contact, middle, by_load, marches))
+    return found
+
+
+def _numbers(
+    contact: RoughContact, middle: float, by_load: dict[float, ContactMarch], marches: Marches
+) -> MarchedContact:
+    """Return the numbers of a contact at its middle load."""
+    place = contact.loads_n.index(middle)
+    marched = float(np.std(rough_rows(contact, marches)[place]))
+    linear = float(np.std(contact.linear_rows([middle])))
+    hertz = waves.hertz_approach(contact.contact, middle)
+    means = {load: float(march.approach_m.mean()) for load, march in by_load.items()}
+    change = math.nan
+    low = contact.loads_n[max(place - 1, 0)]
+    high = contact.loads_n[min(place + 1, len(contact.loads_n) - 1)]
+    if low < high and low in means and high in means:
+        smooth = waves.hertz_approach(contact.contact, high)
+        smooth -= waves.hertz_approach(contact.contact, low)
+        change = smooth / (means[high] - means[low]) - 1
+    return MarchedContact(
+        name=contact.name,
+        load_n=middle,
+        approach_rms_m=marched,
+        linear_db=20 * math.log10(linear / marched),
+        approach_loss=means[middle] / hertz - 1,
+        stiffness_change=change,
+        max_pressure_pa=max(march.max_pressure_pa for march in by_load.values()),
+        seconds=sum(march.seconds for march in by_load.values()),
+    )
+
+
+def contact_doubts(plan: ContactPlan, marches: Marches, hardness_pa: float) -> tuple[Doubt, ...]:
+    """Return the doubts about the contacts of a bearing whose marches are there.
+
+    Parameters
+    ----------
+    plan : ContactPlan
+        Contacts.
+    marches : dict
+        Marches by contact identity.
+    hardness_pa : float, Pa
+        Hardness of rings and balls, infinite where it is unknown.
+    """
+    numbers = marched_contacts(plan, marches)
+    doubts = [*_superposition(plan), *_measured(plan)]
+    doubts += _unmarched(plan, numbers)
+    for contact in numbers:
+        doubts += _stiffness(contact)
+        doubts += _yielding(contact, hardness_pa)
+    return tuple(doubts)
+
+
+def _superposition(plan: ContactPlan) -> Iterator[Doubt]:
+    """State the error of adding the approaches of both surfaces of a contact."""
+    balls = plan.surfaces["balls"]
+    ball_law = None if balls is None else law_of(balls)
+    worst = 0.0
+    for ring in RINGS:
+        surface = plan.surfaces[ring]
+        ring_law = None if surface is None else law_of(surface)
+        if ball_law is None or ring_law is None:
+            continue
+        middle = plan.loads_n[len(plan.loads_n) // 2]
+        approach = waves.hertz_approach(contact_of(plan.geometry, ring), middle)
+        worst = max(worst, math.hypot(ball_law.rq_m, ring_law.rq_m) / approach)
+    if worst:
+        decibels = SUPERPOSITION_DB * worst
+        yield sized(
+            "superposition",
+            f"rough balls and raceways are marched one by one, which leaves {rounded(decibels)} dB,"
+            f" by a rule: rms roughness is {rounded(100 * worst)} % of the approach",
+            decibels,
+        )
+
+
+def _measured(plan: ContactPlan) -> Iterator[Doubt]:
+    """State that measured turns enter by the linear response alone."""
+    measured = [
+        name for name, surface in plan.surfaces.items() if isinstance(surface, BallHeightFile)
+    ]
+    if measured:
+        yield Doubt(
+            "measured_turns",
+            f"the measured heights of {' and '.join(measured)} enter by the linear response of the"
+            " contact, which is off by up to 1.5 dB where roughness opens the contact",
+            Severity.INDICATIVE,
+        )
+
+
+def _unmarched(plan: ContactPlan, numbers: list[MarchedContact]) -> Iterator[Doubt]:
+    """State that contacts are not marched, so that the linear response stands in their place."""
+    missing = sorted(plan.rough.keys() - {contact.name for contact in numbers})
+    if missing:
+        yield Doubt(
+            "unmarched_contacts",
+            f"{', '.join(missing)}: the roughness enters by the linear response of the contact,"
+            " because its march is not there",
+            Severity.INDICATIVE,
+        )
+
+
+def _stiffness(contact: MarchedContact) -> Iterator[Doubt]:
+    """State how much a rough contact is softer than Hertz's, which the motion takes."""
+    change = contact.stiffness_change
+    if math.isnan(change) or abs(change) <= SOFTER:
+        return
+    word = "softer" if change < 0 else "stiffer"
+    yield sized(
+        "rough_stiffness",
+        f"{contact.name}: roughness makes the contact {rounded(100 * abs(change))} % {word} than"
+        " the smooth contact that the motion takes",
+        20 * math.log10(1 + abs(change)),
+    )
+
+
+def _yielding(contact: MarchedContact, hardness_pa: float) -> Iterator[Doubt]:
+    """State that the highest peaks would yield, which an elastic march leaves out."""
+    if contact.max_pressure_pa <= hardness_pa:
+        return
+    yield Doubt(
+        "yielding_peaks",
+        f"{contact.name}: peaks bear up to {rounded(contact.max_pressure_pa * 1e-9)} GPa, above the"
+        f" hardness of {rounded(hardness_pa * 1e-9)} GPa; they are marched as elastic",
+        Severity.INDICATIVE,
+    )

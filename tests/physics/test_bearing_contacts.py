@@ -1,0 +1,226 @@
+"""Rough contacts of a bearing: linear response, marches, continued turns and faults."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import rolling
+from acoustics.arrays import Array
+from rolling.bearing import waves
+from rolling.bearing_run.contacts import (
+    RoughContact,
+    contact_loads,
+    march_numbers,
+    rough_contact,
+)
+from rolling.bearing_run.faults import FaultStretch, fault_stretches
+from rolling.bearing_run.joined_tracks import bearing_tracks, rough_rows
+from rolling.bearing_run.plan import plan_contacts
+from rolling.bearing_run.solving import Marches, solved_stages
+from rolling.bearing_run.turns import continued_turn
+from rolling.scene.laws import Roughness, SurfaceFault
+from rolling.scene.scene import Scene
+from rolling.scene.surfaces import SmoothBall
+from tests.support.bearings import STEEL, bearing
+
+INNER = bearing().inner
+LOAD = 10.0  # [N] on a ball
+SPEED = 1.5  # [m/s]
+BODY: dict[str, float | str] = {"youngs_modulus_gpa": 210.0, "poissons_ratio": 0.3}
+FINE = Roughness(
+    roughness_ra_um=0.002, correlation_length_um=40, correlation_length_across_um=20, seed=3
+)
+
+
+def marched(scenes: Sequence[Scene]) -> Marches:
+    """Return the marches of scenes in this process."""
+    (marches,) = solved_stages([scenes], name="contacts", workers=1, shown=False)
+    return marches
+
+
+def contact_with(law: Roughness, window_mm: float = 1.0) -> RoughContact:
+    """Return the inner contact of a 6204 over a rough surface."""
+    numbers = march_numbers(
+        INNER, [law], [LOAD], speed_m_s=SPEED, turn_m=0.08, window_mm=window_mm, spacing_um=5
+    )
+    return rough_contact("inner", INNER, law, [LOAD], numbers=numbers, speed_m_s=SPEED, body=BODY)
+
+
+# ---- linear response
+
+
+@pytest.mark.law("Contacts of bearings: a long wave of a raceway passes whole, with its sign.")
+def test_a_long_wave_passes_whole() -> None:
+    angle = 2 * np.pi * np.arange(4096) / 4096
+    height = 1e-7 * np.cos(9 * angle)
+    approach = waves.approach_of_profile(height, INNER.radius_m, INNER, [LOAD, 2 * LOAD])
+    assert np.abs(approach + height).max() < 1e-3 * 1e-7
+
+
+@pytest.mark.law("Contacts of bearings: a marched wave has the response sin(k a)/(k a).")
+@pytest.mark.parametrize("length_um", [600, 200, 100])
+def test_a_marched_wave_is_averaged_over_the_contact(length_um: int) -> None:
+    spacing = 5e-6
+    nodes = 120  # whole waves
+    height = 1e-9 * np.cos(2 * np.pi * np.arange(nodes) * spacing / (length_um * 1e-6))
+    surface = np.repeat(height[:, None], 180, axis=1)
+    contact = rolling.RollingContact(
+        heights=surface,
+        spacing=spacing,
+        radius=INNER.radius_along_m,
+        radius_across=INNER.radius_across_m,
+        contact_modulus=STEEL,
+        hardness=np.inf,
+        load=LOAD,
+        step=2 * spacing,
+        start=0.0,
+        tolerance=1e-6,
+    )
+    half_space = rolling.HalfSpace(spacing, STEEL)
+    approach = np.array([s.approach for s in rolling.march(contact, 0, nodes // 2 - 1, half_space)])
+    linear = waves.approach_of_heights(surface, (spacing, spacing), INNER, [LOAD])[0, ::2]
+    change = approach - approach.mean()
+    gain = float(change @ linear / (linear @ linear))
+    assert gain == pytest.approx(1.0, abs=0.03)  # a node is a sixth of the semi-axis
+    phase = 2 * np.pi / (length_um * 1e-6) * waves.semi_axes(INNER, LOAD).along
+    assert np.abs(linear).max() == pytest.approx(1e-9 * np.sin(phase) / phase, rel=0.01)
+
+
+@pytest.mark.law("Contacts of bearings: a fine roughness is marched as its linear response.")
+def test_a_fine_roughness_is_linear() -> None:
+    contact = contact_with(FINE)
+    rows = rough_rows(contact, marched([contact.scene]))
+    linear = contact.linear_rows([LOAD])
+    error = np.std(rows - linear) / np.std(rows)
+    assert error < 0.1  # -20 dB; 5 nm of deflection at the edge are not closed
+
+
+@pytest.mark.law("Contacts of bearings: twice the roughness of a closed contact is 6.0 dB more.")
+def test_doubling_a_fine_roughness_doubles_the_track() -> None:
+    single = contact_with(FINE)
+    double = contact_with(FINE.model_copy(update={"roughness_ra_um": 0.004}))
+    marches = marched([single.scene, double.scene])
+    ratio = np.std(rough_rows(double, marches)) / np.std(rough_rows(single, marches))
+    assert 20 * np.log10(ratio) == pytest.approx(6.02, abs=0.2)
+
+
+# ---- continued turns
+
+
+def octaves(row: Array) -> Array:
+    """Return the level of each octave of waves around a turn [dB]."""
+    power = np.abs(np.fft.rfft(row) / len(row)) ** 2
+    edges = len(row) // 2 >> np.arange(6)
+    return np.array([10 * np.log10(power[low:high].sum()) for high, low in pairwise(edges)])
+
+
+@pytest.mark.law("Contacts of bearings: a continued turn has the spectrum of what was marched.")
+def test_a_continued_turn_has_the_spectrum_of_the_rows() -> None:
+    random = np.random.default_rng(1)
+    lines = np.fft.rfft(random.standard_normal((2, 2000)))
+    lines[1] = 0.5 * lines[0]  # coherent rows
+    rows = np.fft.irfft(lines / (1 + np.arange(lines.shape[1]) / 50), 2000)
+    turn = continued_turn(rows, 9000, seed=2, keep_rows=False)
+    difference = octaves(turn[0]) - octaves(rows[0])
+    assert np.abs(difference).max() < 1.0  # the scatter of the 16 lines of the lowest octave
+    assert np.allclose(turn[1], 0.5 * turn[0], atol=1e-9 * np.std(turn[0]))
+    steps = np.abs(np.diff(turn[0], append=turn[0, 0]))
+    assert steps[-1] < 5 * np.std(steps)  # it closes
+    other = continued_turn(rows, 9000, seed=3, keep_rows=False)
+    assert abs(np.corrcoef(turn[0], other[0])[0, 1]) < 0.2
+
+
+def test_a_turn_that_is_marched_whole_stays_as_it_is() -> None:
+    rows = np.random.default_rng(1).standard_normal((1, 400))
+    turn = continued_turn(rows, 400, seed=2, keep_rows=True)
+    assert np.allclose(turn, rows - rows.mean())
+
+
+# ---- faults
+
+
+def stretch_over(fault: SurfaceFault) -> FaultStretch:
+    """Return the stretch of the inner contact around a fault of a smooth raceway."""
+    numbers = march_numbers(
+        INNER, [], [LOAD], speed_m_s=SPEED, turn_m=0.08, window_mm=1, spacing_um=8
+    )
+    (stretch,) = fault_stretches(
+        "inner",
+        INNER,
+        [fault],
+        radius_m=INNER.radius_m,
+        law=None,
+        numbers=replace(numbers, step_nodes=4.0),
+        loads_n=[LOAD],
+        speed_m_s=SPEED,
+        body=BODY,
+    )
+    return stretch
+
+
+def change_over(fault: SurfaceFault) -> Array:
+    """Return the change of the approach over a fault [m]."""
+    stretch = stretch_over(fault)
+    (pair,) = stretch.scenes.values()
+    over, beside = marched([pair[0]]), marched([pair[1]])
+    (with_fault,) = over.values()
+    (without,) = beside.values()
+    return with_fault.approach_m - without.approach_m
+
+
+@pytest.mark.law("Contacts of bearings: a fault wider than the contact is followed to its bottom.")
+def test_a_wide_groove_is_followed_to_its_bottom() -> None:
+    groove = SurfaceFault(kind="groove", at_mm=[10, 0], size_um=2000, depth_um=0.5)
+    change = change_over(groove)
+    assert change.max() == pytest.approx(0.5e-6, rel=0.03)
+    assert change.argmax() == len(change) // 2
+    assert abs(change[0]) < 1e-11
+
+
+@pytest.mark.law("Contacts of bearings: a fault narrower than the contact is bridged.")
+def test_a_narrow_pit_is_bridged() -> None:
+    pit = SurfaceFault(kind="pit", at_mm=[10, 0], size_um=40, depth_um=0.5)
+    assert 0 < change_over(pit).max() < 0.02 * 0.5e-6  # a part of its area over the ellipse's
+
+
+def test_a_fault_stands_at_its_place_in_the_tracks() -> None:
+    """The fault of a ball stands in both tracks of that ball alone."""
+    geometry = bearing()
+    groove = SurfaceFault(kind="groove", at_mm=[10, 0], size_um=400, depth_um=0.5)
+    plan = plan_contacts(
+        geometry,
+        {"balls": SmoothBall(faults=[groove]), "inner": SmoothBall(faults=[groove]), "outer": None},
+        axial_load_n=LOAD * 8 * np.sin(geometry.contact_angle),
+        radial_load_n=0.0,
+        speed_m_s=SPEED,
+        body=BODY,
+        window_mm=1,
+        spacing_um=10,
+        fault_ball=2,
+    )
+    tracks = bearing_tracks(plan, marched(plan.stages[0]))
+    track = tracks.inner
+    angle = track.approach_m[1].argmax() / track.points * 2 * np.pi
+    assert angle * INNER.radius_m == pytest.approx(10e-3, abs=30e-6)
+    for ball in range(8):
+        for on_ring in (tracks.balls_on_inner[ball], tracks.balls_on_outer[ball]):
+            assert (on_ring.approach_m.max() > 0.1e-6) == (ball == 2)
+    assert not tracks.outer.approach_m.any()
+
+
+# ---- loads
+
+
+def test_loads_reach_around_those_of_the_balls() -> None:
+    geometry = bearing()
+    axial = contact_loads(geometry, axial_load_n=70, radial_load_n=0)
+    load = 70 / (8 * np.sin(geometry.contact_angle))
+    assert axial == pytest.approx([load / 2, load, 2 * load], rel=1e-3)
+    zone = contact_loads(bearing(angle_deg=0), axial_load_n=0, radial_load_n=200)
+    assert zone[-1] == pytest.approx(2 * 4.35 * 200 / 8, rel=0.01)
+    assert max(np.divide(zone[1:], zone[:-1])) <= 2.0 + 1e-3

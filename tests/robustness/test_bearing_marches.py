@@ -1,0 +1,99 @@
+"""Marches of bearings: equal contacts are shared, and a stopped command goes on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rolling.bearing_run.joined_tracks import bearing_tracks
+from rolling.bearing_run.plan import ContactPlan, plan_contacts, stages_of
+from rolling.bearing_run.solving import CONTACTS, solved_stages
+from rolling.marches.piece import Piece
+from rolling.run import executor, worker
+from rolling.scene.surfaces import GaussianBall
+from tests.support.bearings import bearing
+
+BODY: dict[str, float | str] = {"youngs_modulus_gpa": 210.0, "poissons_ratio": 0.3}
+ROUGH = GaussianBall(roughness_ra_um=0.01, correlation_length_um=40, seed=1)
+
+
+def small_plan(seed_of_ring: int = 2, balls: GaussianBall | None = ROUGH) -> ContactPlan:
+    """Return the contacts of a bearing under a small load on a coarse grid."""
+    return plan_contacts(
+        bearing(),
+        {"balls": balls, "inner": ROUGH.model_copy(update={"seed": seed_of_ring}), "outer": None},
+        axial_load_n=10.0,
+        radial_load_n=0.0,
+        speed_m_s=1.5,
+        body=BODY,
+        window_mm=1.5,
+        spacing_um=8,
+    )
+
+
+@pytest.fixture
+def marched_pieces(monkeypatch: pytest.MonkeyPatch) -> list[Piece]:
+    """Return a list of the pieces that are marched from now on."""
+    marched: list[Piece] = []
+    solve = worker.solve_piece
+
+    def counted(piece: Piece, pieces: Path | None) -> worker.Arrays:
+        stored = pieces is not None and worker.read_piece(worker.piece_path(pieces, piece))
+        if not stored:
+            marched.append(piece)
+        return solve(piece, pieces)
+
+    monkeypatch.setattr(executor, "solve_piece", counted)
+    return marched
+
+
+def test_equal_contacts_are_marched_once(marched_pieces: list[Piece]) -> None:
+    """Two bearings that differ in the seed of one raceway share the contacts of their balls."""
+    plans = [small_plan(2), small_plan(3), small_plan(2)]
+    stages = list(solved_stages(stages_of(plans), name="sweep", workers=1, shown=False))
+    assert [len(marches) for marches in stages] == [4, 12]  # at one load, and at three
+    assert len({(piece.identity, piece.key) for piece in marched_pieces}) == len(marched_pieces)
+    assert len({piece.identity for piece in marched_pieces}) == 12
+
+
+def test_a_stopped_command_goes_on_with_its_pieces(
+    tmp_path: Path, marched_pieces: list[Piece], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plan = small_plan(balls=None)
+    whole = list(solved_stages(plan.stages, name="whole", workers=1, shown=False))[-1]
+    count = len(marched_pieces)
+    marched_pieces.clear()
+    counted = executor.solve_piece
+    stop_at = 2
+
+    def stopped(piece: Piece, pieces: Path | None) -> worker.Arrays:
+        if len(marched_pieces) == stop_at:
+            raise KeyboardInterrupt
+        return counted(piece, pieces)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(executor, "solve_piece", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            list(solved_stages(plan.stages, name="a", folder=tmp_path, workers=1, shown=False))
+    again = list(solved_stages(plan.stages, name="a", folder=tmp_path, workers=1, shown=False))[-1]
+    assert len(marched_pieces) == count
+    assert again.keys() == whole.keys()
+    for identity, march in again.items():
+        assert np.array_equal(march.approach_m, whole[identity].approach_m)
+    assert not (tmp_path / "pieces").exists()
+
+
+def test_a_damaged_march_is_solved_again(tmp_path: Path, marched_pieces: list[Piece]) -> None:
+    plan = small_plan(balls=None)
+    first = list(solved_stages(plan.stages, name="a", folder=tmp_path, workers=1, shown=False))[-1]
+    marched_pieces.clear()
+    list(solved_stages(plan.stages, name="a", folder=tmp_path, workers=1, shown=False))
+    assert not marched_pieces
+    damaged = sorted((tmp_path / CONTACTS).glob("*.npz"))[0]
+    damaged.write_bytes(damaged.read_bytes()[:100])
+    again = list(solved_stages(plan.stages, name="a", folder=tmp_path, workers=1, shown=False))[-1]
+    assert len({piece.identity for piece in marched_pieces}) == 1
+    tracks = [bearing_tracks(plan, marches) for marches in (first, again)]
+    assert np.array_equal(tracks[0].inner.approach_m, tracks[1].inner.approach_m)
