@@ -10,6 +10,9 @@ Scenes
     Rolling, Numerics, Recovery, Dynamics, Sound; HeightArray; surfaces of the sphere GaussianBall,
     SmoothBall, GradedBall, BallHeightFile; SurfaceFault; SoundChannel; check (module), SceneError;
     surface_parameters
+Bearings
+    read_bearing, BearingScene and its sections Bearing, BearingSurfaces, HousingPlate,
+    BearingNumerics, BearingSound
 Runs
     simulate, simulate_sweep, choose, sensitivities, coarsest_below, open_run, save_run, live,
     plot (module), ContactError, SweepError, FolderError

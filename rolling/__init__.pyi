@@ -30,6 +30,13 @@ from rolling.interface import simulate as simulate
 from rolling.interface import simulate_sweep as simulate_sweep
 from rolling.results.channels import Channel as Channel
 from rolling.results.run_result import Run as Run
+from rolling.scene.bearing_file import read_bearing as read_bearing
+from rolling.scene.bearing_scene import BearingScene as BearingScene
+from rolling.scene.bearing_sections import Bearing as Bearing
+from rolling.scene.bearing_sections import BearingNumerics as BearingNumerics
+from rolling.scene.bearing_sections import BearingSound as BearingSound
+from rolling.scene.bearing_sections import BearingSurfaces as BearingSurfaces
+from rolling.scene.bearing_sections import HousingPlate as HousingPlate
 from rolling.scene.channels import SoundChannel as SoundChannel
 from rolling.scene.file import read_scene as read_scene
 from rolling.scene.laws import SurfaceFault as SurfaceFault

@@ -427,9 +427,10 @@ def _schema(given: argparse.Namespace) -> int:
     """Print the JSON Schema of scenes."""
     import json
 
-    from rolling.scene import file
+    from rolling.scene import bearing_file, file
 
-    print(json.dumps(file.schema(), indent=2))
+    schema = bearing_file.bearing_schema() if given.bearing else file.schema()
+    print(json.dumps(schema, indent=2))
     return OK
 
 

@@ -23,6 +23,7 @@ import rolling
 from rolling import cli, read_scene
 from rolling.scene import file as scene_file
 from rolling.scene import library as scene_library
+from rolling.scene.bearing_file import is_bearing_file
 from rolling.terminal import parser as command_line
 
 ROOT = next(folder for folder in Path(__file__).parents if (folder / "pyproject.toml").exists())
@@ -183,8 +184,9 @@ def test_python_of_readme_and_getting_started_is_the_same():
 
 
 def test_scenes_name_their_schema():
-    line = "# yaml-language-server: $schema=scene.schema.json\n"
     for scene in (ROOT / "scenarios").glob("*.yaml"):
+        kind = "bearing" if is_bearing_file(scene) else "scene"
+        line = f"# yaml-language-server: $schema={kind}.schema.json\n"
         assert scene.read_text(encoding="utf-8").startswith(line), _name(scene)
 
 

@@ -84,13 +84,17 @@ def main(words: list[str]) -> int:
     sys.path.insert(0, str(ROOT))
     from rolling.commands import PAGE
     from rolling.scene import library
+    from rolling.scene.bearing_file import is_bearing_file
 
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("scenes", nargs="*", metavar="SCENE")
     parser.add_argument("--out", type=Path, default=Path("outputs") / "gallery")
     parser.add_argument("--workers", type=int, default=0)
     given = parser.parse_args(words)
-    names = given.scenes or [name for name, _ in library.titles() if name not in LEFT_OUT]
+    names = given.scenes
+    if not names:
+        titles = library.titles()
+        names = [x for x, _ in titles if x not in LEFT_OUT and not is_bearing_file(x)]
     page = made(dict.fromkeys(names, ()), given.out, given.workers)
     draw(page, PICTURES / "gallery.png", GALLERY_SIZE)
     if "quickstart" in names:

@@ -2,8 +2,8 @@
 
 With --check, only name the stale ones.
 
-Generated are the reference of scene files with their JSON Schema (from the models), and the tables
-of materials and finishes (from their data).
+Generated are the reference of scene files with their JSON Schemas (from the models), and the tables
+of materials, finishes and bearings (from their data).
 """
 
 from __future__ import annotations
@@ -19,10 +19,12 @@ ROOT = Path(__file__).parents[2]
 COMMAND = "python docs/_hooks/generate.py"
 
 Json = dict[str, Any]
+BEARING_PAGE = "bearing-keys.md"
 PLACES = {  # of the values of a key
     "material": "[name](materials.md#materials)",
     "finish": "[name](materials.md#finishes)",
     "grade": "name",
+    "named": "[name](#bearings)",
 }
 
 
@@ -43,16 +45,29 @@ def main(arguments: list[str]) -> int:
 def generated() -> dict[Path, str]:
     """Return the text of each generated file by its path."""
     schema = _schema()
+    of_bearing = _bearing_schema()
     docs = ROOT / "docs"
     return {
-        ROOT / "scenarios" / "scene.schema.json": json.dumps(schema, indent=1, ensure_ascii=False)
-        + "\n",
+        ROOT / "scenarios" / "scene.schema.json": _json(schema),
+        ROOT / "scenarios" / "bearing.schema.json": _json(of_bearing),
+        docs / BEARING_PAGE: _between(
+            docs / BEARING_PAGE,
+            "keys",
+            f"{bearing_reference(of_bearing)}\n\n{name_tables('bearings')}",
+        ),
         **{
             docs / page: _between(docs / page, "keys", text)
             for page, text in scene_reference(schema).items()
         },
-        docs / "materials.md": _between(docs / "materials.md", "names", name_tables()),
+        docs / "materials.md": _between(
+            docs / "materials.md", "names", name_tables("materials", "finishes")
+        ),
     }
+
+
+def _json(schema: Json) -> str:
+    """Return a JSON Schema as the text of its file."""
+    return json.dumps(schema, indent=1, ensure_ascii=False) + "\n"
 
 
 def _between(path: Path, mark: str, text: str) -> str:
@@ -88,6 +103,21 @@ def _schema() -> Json:
     from rolling.scene.file import schema
 
     return schema()
+
+
+def _bearing_schema() -> Json:
+    sys.path.insert(0, str(ROOT))
+    from rolling.scene.bearing_file import bearing_schema
+
+    return bearing_schema()
+
+
+def bearing_reference(schema: Json) -> str:
+    """Return the reference of the scene files of bearings, without the kinds of surface."""
+    sections = _sections("", schema, schema)
+    bodies = {title: sections[title] for title in sections if ":" not in title}
+    del bodies["faults"]
+    return _reference({"Keys": schema} | bodies, schema)
 
 
 def scene_reference(schema: Json) -> dict[str, str]:
@@ -229,12 +259,12 @@ def _values(field: Json) -> str:
 QUOTED = "; as usually quoted"
 
 
-def name_tables() -> str:
-    """Return the tables of materials and finishes, each value with the number of its source."""
+def name_tables(*tables: str) -> str:
+    """Return the tables of names, each value with the number of its source."""
     from rolling.scene import library
 
     parts = []
-    for table in ("materials", "finishes"):
+    for table in tables:
         entries = library.data(table)[table]
         sources = library.data(table)["sources"]
         numbers = {key: n for n, key in enumerate(sources, 1)}

@@ -75,10 +75,11 @@ def _parts(runs: Sequence[RunFolder]) -> list[list[str]]:
     sections = tuple(f"{key}." for key in swept if key not in WORDS)  # swept under labels
     keys = [*swept, *(key for key in WORDS if not key.startswith(sections))]
     texts = {key: _texts(key, runs) for key in dict.fromkeys(keys)}
-    for section, name in NAMES.items():  # different names stand for their values
-        if len(set(texts.get(f"{section}.{name.key}", ()))) > 1:
-            given = {f"{section}.{key}" for key in name.gives}.difference(swept)
-            texts = {key: words for key, words in texts.items() if key not in given}
+    for section, names_of_section in NAMES.items():  # different names stand for their values
+        for name in names_of_section:
+            if len(set(texts.get(f"{section}.{name.key}", ()))) > 1:
+                given = {f"{section}.{key}" for key in name.gives}.difference(swept)
+                texts = {key: words for key, words in texts.items() if key not in given}
     if len(set(texts.get("plate.damping", ()))) > 1 and "plate.loss_factor" not in swept:
         texts.pop("plate.loss_factor", None)  # which follows from the damping
     minor = {key: WORDS.get(key, Word(key)).minor for key in texts}

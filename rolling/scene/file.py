@@ -20,6 +20,7 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import VIBRATING_PLATE, WEIGHT, Rolling, Sound, Sphere
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.sweep import with_value
+from rolling.scene.swept import AnyScene, SweptScene
 from rolling.scene.yaml_text import parse, read_text
 
 SET = "--set"  # place of the overrides in messages
@@ -53,6 +54,11 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     >>> rolling.read_scene("quickstart", ["rolling.load_n=50"]).rolling.load_n
     50.0
     """
+    return read(path, overrides, Scene)
+
+
+def read(path: Path | str, overrides: Sequence[str], model: type[AnyScene]) -> AnyScene:
+    """Read a scene file of a kind; raise SceneError with all faults of file and overrides."""
     instance("path", path, str, Path)
     if isinstance(overrides, Mapping) or not all(isinstance(word, str) for word in overrides):
         raise TypeError(
@@ -62,11 +68,12 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     path = Path(path)
     file = library.find(path)
     is_whole = file == path or bool(library.companions(file))
-    return loads(
+    return loads_kind(
         read_text(file),
         overrides=[overrides] if isinstance(overrides, str) else overrides,
         where=str(file),
         folder=file.parent if is_whole else Path(),
+        model=model,
     )
 
 
@@ -82,24 +89,49 @@ def loads(
     folder : Path
         Folder that a relative `surface.path` starts from.
     """
+    return loads_kind(text, overrides, where, folder, Scene)
+
+
+def loads_kind(
+    text: str, overrides: Sequence[str], where: str, folder: Path, model: type[AnyScene]
+) -> AnyScene:
+    """Read a scene of a kind from text, as `loads` does."""
     try:
         parsed = parse(text, where)
     except SceneError as error:  # no YAML, so that only the overrides are left to judge
-        wrong = _with_overrides({}, {}, overrides).faults
+        wrong = _with_overrides({}, {}, overrides, model).faults
         raise SceneError([*error.faults, *(found.line for found in wrong)]) from error
     data = parsed.value
     if data is None:
-        needed = ", ".join(name for name, key in Scene.model_fields.items() if key.is_required())
+        needed = ", ".join(name for name, key in model.model_fields.items() if key.is_required())
         raise SceneError([f"{where}: empty, a scene needs at least name, {needed}"])
     if not isinstance(data, dict):
         words = "a scene of keys and values, the first being name"
         raise SceneError([f"{where}:1: got {quoted(data)}, allowed: {words}"])
     places = {key: f"{where}:{line}" for key, line in parsed.lines.items()}
-    changed = _with_overrides(data, places, overrides)
-    return Scene.from_dict(changed.data, folder, places, [*parsed.faults, *changed.faults])
+    _refuse_other_kind(data, places, model)
+    changed = _with_overrides(data, places, overrides, model)
+    return model.from_dict(changed.data, folder, places, [*parsed.faults, *changed.faults])
 
 
-def dump(scene: Scene) -> str:
+def is_of_bearing(data: Any) -> bool:
+    """Tell whether plain values are those of a bearing, which has a section of that name."""
+    return isinstance(data, dict) and "bearing" in data
+
+
+def _refuse_other_kind(
+    data: dict[str, Any], places: Mapping[Key, str], model: type[SweptScene]
+) -> None:
+    """Refuse the scene of a bearing where that of a sphere is read, and the other way round."""
+    if is_of_bearing(data) and model is Scene:
+        advice = "rolling.read_bearing reads it, and `rolling run` and `rolling check` take it"
+        raise SceneError([f"{places[('bearing',)]}: bearing: the scene of a bearing; {advice}"])
+    if not is_of_bearing(data) and model is not Scene and "sphere" in data:
+        advice = "a bearing has a section bearing; rolling.read_scene reads this scene"
+        raise SceneError([f"{places[('sphere',)]}: sphere: the scene of a sphere; {advice}"])
+
+
+def dump(scene: SweptScene) -> str:
     """Write a scene as YAML text with every default filled in.
 
     `loads` makes an equal scene from the text.
@@ -130,7 +162,10 @@ class _Changed(NamedTuple):
 
 
 def _with_overrides(
-    data: dict[str, Any], places: dict[Key, str], overrides: Sequence[str]
+    data: dict[str, Any],
+    places: dict[Key, str],
+    overrides: Sequence[str],
+    model: type[SweptScene],
 ) -> _Changed:
     """Return plain values with overrides, which `places` then names as their place."""
     faults = []
@@ -141,8 +176,8 @@ def _with_overrides(
             words = f"got {quoted(override)}, allowed: key=value, as in rolling.load_n=50"
             faults.append(Fault((), words, SET))
             continue
-        if name not in all_keys(Scene):
-            faults.append(Fault(key_of(name), unknown_name(name, Scene), SET))
+        if name not in all_keys(model):
+            faults.append(Fault(key_of(name), unknown_name(name, model), SET))
             continue
         try:
             parsed = parse(text, f"{SET}: {name}")
@@ -192,7 +227,7 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
     needed = f"needs a new run; without solving again allowed: {', '.join(free)}"
     faults = [Fault(key_of(name), needed, SET) for name in names if name in solved]
     places: dict[Key, str] = {(): "stored scene"}
-    changed = _with_overrides(scene.to_dict(), places, overrides)
+    changed = _with_overrides(scene.to_dict(), places, overrides, Scene)
     faults += changed.faults
     data = changed.data
     if scene.rolling.duration_s is not None and not faults:
@@ -273,14 +308,20 @@ def _bound_keys(scene: Scene) -> set[str]:
 
 def schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of a scene file, for editors."""
+    return schema_of(
+        model=Scene,
+        title="Scene of rolling contact noise",
+        description=(
+            "A sphere that rolls on a rough surface, how its contact is solved, and where it is"
+            " heard."
+        ),
+    )
+
+
+def schema_of(model: type[SweptScene], title: str, description: str) -> dict[str, Any]:
+    """Return the JSON Schema of the scene files of a kind."""
     return (
         {"$schema": "https://json-schema.org/draft/2020-12/schema"}
-        | Scene.model_json_schema()
-        | {
-            "title": "Scene of rolling contact noise",
-            "description": (
-                "A sphere that rolls on a rough surface, how its contact is solved, and where it is"
-                " heard."
-            ),
-        }
+        | model.model_json_schema()
+        | {"title": title, "description": description}
     )

@@ -52,8 +52,7 @@ class Distribution(Section):
 
     def not_allowed(self, key: str, allowed: str, value: float) -> Exception:
         """Make the fault of a value of a key of this section."""
-        at = f"{self.SECTION}.{key}" if self.SECTION else key
-        return fault(f"got {plain_number(value)}, allowed: {allowed}", at=at)
+        return fault(f"got {plain_number(value)}, allowed: {allowed}", at=f".{key}")
 
     @property
     def law(self) -> Self:

@@ -24,7 +24,7 @@ from rolling.scene.messages import SceneError, fault, nearest, quoted
 # In an installed package the scenes stand inside of it, in a checkout beside it.
 _PLACES = (Path(__file__).parents[1] / "scenarios", Path(__file__).parents[2] / "scenarios")
 _SUFFIX = ".yaml"
-_SCHEMA = "scene.schema.json"
+_SCHEMA = re.compile(r"\$schema=([\w.]+)")  # of a scene, in the comment that it begins with
 
 
 def folder() -> Path:
@@ -82,8 +82,8 @@ def copy(name: str, target: Path) -> list[Path]:
         raise SceneError([f"{copied}: exists, and {advice}"]) from error
     written = [copied]
     others = companions(file)
-    if f"$schema={_SCHEMA}".encode() in content:
-        others.append(folder() / _SCHEMA)
+    if schema := _SCHEMA.search(content.decode("utf-8")):
+        others.append(folder() / schema[1])
     for other in others:
         with suppress(FileExistsError):
             _write_new(target / other.name, other.read_bytes())
@@ -129,19 +129,40 @@ _HARDNESS = {"hardness_hv": HV_GPA, "yield_strength_gpa": YIELDS}  # factors of 
 
 
 class Name(NamedTuple):
-    """Key of a section that takes a name, the table of names, and the keys that they give."""
+    """Key of a section that takes a name, the table of names, and the keys that they give.
+
+    A section without the key has the default, if there is one.
+    """
 
     key: str
     table: str
     gives: tuple[str, ...]
+    default: str = ""
 
 
+BEARING_KEYS = (
+    "bore_mm",
+    "outside_diameter_mm",
+    "width_mm",
+    "balls",
+    "ball_diameter_mm",
+    "pitch_diameter_mm",
+    "radial_clearance_um",
+    "conformity_inner",
+    "conformity_outer",
+)
 NAMES = {
-    "plate": Name("material", "materials", (*_ELASTIC, "hardness_gpa", "loss_factor")),
-    "sphere": Name("material", "materials", _ELASTIC),
-    "surface": Name("finish", "finishes", ("roughness_ra_um", "correlation_length_um")),
+    "plate": (Name("material", "materials", (*_ELASTIC, "hardness_gpa", "loss_factor")),),
+    "sphere": (Name("material", "materials", _ELASTIC),),
+    "surface": (Name("finish", "finishes", ("roughness_ra_um", "correlation_length_um")),),
+    "bearing": (
+        Name("named", "bearings", BEARING_KEYS),
+        Name("material", "materials", _ELASTIC, default="steel-100cr6"),
+    ),
 }
-NAME_KEYS = tuple(f"{section}.{name.key}" for section, name in NAMES.items())
+NAME_KEYS = tuple(f"{section}.{name.key}" for section, names in NAMES.items() for name in names)
+# Keys in whose presence a name does not give another key, which follows from them.
+_REPLACED = {"yield_strength_gpa": "hardness_gpa", "contact_angle_deg": "radial_clearance_um"}
 
 
 @cache
@@ -157,18 +178,24 @@ def named_values(section: str, name: str, damping: str = HANDLED) -> dict[str, A
     `damping` chooses the loss factor: the larger of the material's own and that of objects of its
     class as they are handled, or its own (INTRINSIC).
     """
-    table = NAMES[section].table
-    entry = data(table)[table].get(name, {})
+    for by_name in NAMES[section]:
+        entry = data(by_name.table)[by_name.table].get(name)
+        if entry is not None:
+            return _values_of(entry, by_name, damping)
+    return {}
+
+
+def _values_of(entry: Mapping[str, Any], by_name: Name, damping: str) -> dict[str, Any]:
+    """Return the values that an entry of a table gives to a section."""
     values = {key: pair[0] for key, pair in entry.items() if isinstance(pair, list)}
     for key, factor in _HARDNESS.items():
         if key in values:
             values["hardness_gpa"] = float(rounded(factor * values[key], 3))
-    if entry:
-        values.setdefault("hardness_gpa", NONE)
+    values.setdefault("hardness_gpa", NONE)
     if "class" in entry and damping != INTRINSIC:
-        handled = data(table)["handled"][entry["class"]][0]
+        handled = data(by_name.table)["handled"][entry["class"]][0]
         values["loss_factor"] = max(handled, values.get("loss_factor", 0.0))
-    return {key: values[key] for key in NAMES[section].gives if key in values}
+    return {key: values[key] for key in by_name.gives if key in values}
 
 
 def listed(table: str) -> Any:
@@ -180,43 +207,69 @@ def listed(table: str) -> Any:
 
 
 def name_of(section: str, values: Any) -> str | None:
-    """Return the name in the plain values of a section, None without one."""
-    name = values.get(NAMES[section].key) if isinstance(values, Mapping) else None
-    return name if isinstance(name, str) else None
+    """Return the first name in the plain values of a section, None without one."""
+    return next((name for _, name in _names_in(section, values)), None)
+
+
+def _names_in(section: str, values: Any) -> list[tuple[Name, str]]:
+    """Return the names in the plain values of a section, with the default ones.
+
+    A name of digits, such as 6204, may be a number.
+    """
+    if not isinstance(values, Mapping):
+        return []
+    found = []
+    for by_name in NAMES[section]:
+        name = values.get(by_name.key)
+        if name is None and by_name.default:
+            name = by_name.default
+        if isinstance(name, str | int):
+            found.append((by_name, str(name)))
+    return found
 
 
 def fill_in(section: str, values: Any) -> Any:
-    """Fill in the values that the name in a section gives; raise a fault for an unknown name."""
-    by_name = NAMES[section]
-    given = values.get(by_name.key) if isinstance(values, Mapping) else None
-    if given is None:
+    """Fill in the values that the names in a section give; raise a fault for an unknown name."""
+    if not isinstance(values, Mapping):
         return values
-    known = data(by_name.table)[by_name.table]
-    if isinstance(given, str) and given in known:
-        return with_named_values(section, values)
+    for by_name in NAMES[section]:
+        given = values.get(by_name.key)
+        known = data(by_name.table)[by_name.table]
+        if given is not None and not (isinstance(given, str | int) and str(given) in known):
+            raise fault(_unknown_name(given, known), at=f"{section}.{by_name.key}")
+    return with_named_values(section, values)
+
+
+def _unknown_name(given: Any, known: dict[str, Any]) -> str:
+    """Write that a table has no such name, its names, and the nearest of them."""
+    words = f"got {quoted(given)}, allowed: {', '.join(known)}"
     # The material alone stands for the first of its kinds: "glass" for "glass-soda-lime".
     forms = {name.partition("-")[0]: name for name in reversed(known)}
     forms |= {name: name for name in known}
-    words = f"got {quoted(given)}, allowed: {', '.join(known)}"
     near = difflib.get_close_matches(str(given).casefold().replace(" ", "-"), forms, 1)
     if near:
         words += f"; nearest: {forms[near[0]]}"
-    raise fault(words, at=f"{section}.{by_name.key}")
+    return words
 
 
 def with_named_values(section: str, values: Any) -> Any:
-    """Return a section with the values that its name gives; values that stand beside it win."""
-    name = name_of(section, values)
-    if name is None:
+    """Return a section with the values that its names give; values that stand beside them win."""
+    names = _names_in(section, values)
+    if not names:
         return values
     given = {key: value for key, value in values.items() if value is not None}
     if section == "surface" and given.setdefault("kind", "gaussian") != "gaussian":
         return values
-    named = named_values(section, name, given.get("damping", HANDLED))
+    named: dict[str, Any] = {}
+    for by_name, name in names:
+        entry = data(by_name.table)[by_name.table].get(name)
+        if entry is not None:
+            named |= _values_of(entry, by_name, given.get("damping", HANDLED))
     if "thickness_mm" not in given:
         named.pop("loss_factor", None)
-    if "yield_strength_gpa" in given:
-        named.pop("hardness_gpa", None)
+    for key, replaced in _REPLACED.items():
+        if key in given:
+            named.pop(replaced, None)
     return named | given
 
 
@@ -230,27 +283,30 @@ def without_replaced_values(data: Mapping[str, Any], key: str, value: Any) -> Ma
     values = data.get(section)
     if section not in NAMES or not isinstance(values, Mapping) or not last or "." in last:
         return data
-    old_name = name_of(section, values)
-    is_renamed = last == NAMES[section].key
-    if is_renamed and value is None:
-        return data
-    if old_name is not None:
-        dampings = [values.get("damping", HANDLED)]
-        if is_renamed or last == "damping":
-            dampings = [HANDLED, INTRINSIC]
-        kept = dict(values)
-        for damping in dampings:
-            given = named_values(section, old_name, damping)
-            kept = {k: v for k, v in kept.items() if k not in given or v != given[k]}
-    elif is_renamed:
-        given = named_values(section, str(value))
-        kept = {k: v for k, v in values.items() if k not in given}
-    else:
-        return data
+    kept = dict(values)
+    for by_name in NAMES[section]:
+        old_name = values.get(by_name.key)
+        is_renamed = last == by_name.key
+        if is_renamed and value is None and not by_name.default:
+            return data
+        if isinstance(old_name, str | int):
+            dampings = [values.get("damping", HANDLED)]
+            if is_renamed or last == "damping":
+                dampings = [HANDLED, INTRINSIC]
+            for damping in dampings:
+                kept = _without_equal(kept, named_values(section, str(old_name), damping))
+        elif is_renamed:
+            given = named_values(section, str(value))
+            kept = {k: v for k, v in kept.items() if k not in given}
     return {**data, section: kept}
+
+
+def _without_equal(values: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values without those that are equal to given ones."""
+    return {key: v for key, v in values.items() if key not in given or v != given[key]}
 
 
 def order_of_change(key: str) -> int:
     """Return the rank of a change: a name (0) is set before values that may stand beside it."""
-    names = {name.key for name in NAMES.values()}
+    names = {key.rpartition(".")[2] for key in NAME_KEYS}
     return 0 if key.rpartition(".")[2] in names else 1

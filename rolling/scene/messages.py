@@ -107,7 +107,10 @@ class Fault(NamedTuple):
 
 
 def fault(message: str, at: str | Key = ()) -> PydanticCustomError:
-    """Make a fault for pydantic to collect, at the validated key or at another key of the scene."""
+    """Make a fault for pydantic to collect, at the validated key or at another key of the scene.
+
+    A key that begins with a dot is one of the section that is validated.
+    """
     key = key_of(at) if isinstance(at, str) else at
     return PydanticCustomError("fault", "{message}", {"message": writable(message), "at": key})
 

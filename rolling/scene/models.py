@@ -110,11 +110,11 @@ class Section(BaseModel, metaclass=_SceneErrors):
         if cls.IN_FILES:
             schema["properties"][cls.IN_FILES].pop("default", None)
             schema["required"] = [cls.IN_FILES, *schema.get("required", [])]
-        by_name = library.NAMES.get(cls.NAMED)
-        if by_name and cls.NAMED != "sphere":  # whose named keys are optional anyway
+        for by_name in library.NAMES.get(cls.NAMED, ()):
             given = [key for key in schema["required"] if key in (*by_name.gives, "kind")]
             schema["required"] = [key for key in schema["required"] if key not in given]
-            schema["anyOf"] = [{"required": [by_name.key]}, {"required": given}]
+            if given and not by_name.default:  # the keys of a sphere are optional anyway
+                schema["anyOf"] = [{"required": [by_name.key]}, {"required": given}]
         return reference
 
     @classmethod
@@ -164,8 +164,12 @@ class Section(BaseModel, metaclass=_SceneErrors):
 @cache
 def keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
     """Map every dotted key inside the sections to its field, keys of inner sections last."""
-    outer = _inside(root.model_fields)
-    return outer | _inside(outer)
+    found: dict[str, FieldInfo] = {}
+    inner = _inside(root.model_fields)
+    while inner:
+        found |= inner
+        inner = _inside(inner)
+    return found
 
 
 def _inside(fields: Mapping[str, FieldInfo]) -> dict[str, FieldInfo]:
@@ -264,9 +268,11 @@ class Refused:
         at = fault.stands_at
         self._keys |= {fault.key, at}
         self._names |= {str(part) for part in (*fault.key[-1:], *at[-1:])}
-        by_name = library.NAMES.get(str(at[0])) if len(at) == 2 else None
-        if by_name is not None and at[-1] == by_name.key:
-            self._keys |= {(*at[:-1], given) for given in by_name.gives}
+        if len(at) != 2:
+            return
+        for by_name in library.NAMES.get(str(at[0]), ()):
+            if at[-1] == by_name.key:
+                self._keys |= {(*at[:-1], given) for given in by_name.gives}
 
     def holds(self, key: Key) -> bool:
         """Tell whether a key, or a section around it or key inside of it, is refused."""
@@ -386,7 +392,8 @@ def faults_of(
         if len(found) >= MAX_FAULTS:
             return found, len(listed) - number
         if single["type"] == "faults":
-            found += [Fault(at, message) for message, at in single["ctx"]["faults"]]
+            key = locate(single["loc"], root).key
+            found += [Fault(_absolute(at, key), text) for text, at in single["ctx"]["faults"]]
         else:
             found.append(_with_sweep(_fault_of(single, data, root), data, root))
     return found, 0
@@ -399,7 +406,7 @@ def _fault_of(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> Fau
     located = locate(error["loc"], root)
     key = located.key
     if kind == "fault":
-        return Fault(context["at"] or key, context["message"])
+        return Fault(_absolute(context["at"], key), context["message"])
     if kind.startswith("union_tag"):
         return _fault_of_kind(located, data)
     if kind == "missing":
@@ -418,6 +425,13 @@ def _fault_of(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> Fau
     if choices and isinstance(value, str):
         message += nearest(value, choices)
     return Fault(key, message)
+
+
+def _absolute(at: Key, key: Key) -> Key:
+    """Return the key of a fault, which may be the validated key or a key of its section."""
+    if not at:
+        return key
+    return (*key, *at[1:]) if at[0] == "" else at
 
 
 def _with_sweep(found: Fault, data: Mapping[str, Any], root: type[BaseModel]) -> Fault:

@@ -1,12 +1,11 @@
 """Quantities of a scene in SI, from the values of its sections."""
 
 import math
-import re
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import BeforeValidator, Field, PrivateAttr, field_validator
+from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import bracketed
@@ -14,10 +13,10 @@ from rolling.scene import library, step_rule
 from rolling.scene.automatic_tolerance import automatic_tolerance
 from rolling.scene.height_grid import height_grid, refuse_turn
 from rolling.scene.laws import HeightLaw, SurfaceFault, refuse_misplaced
-from rolling.scene.messages import SceneError, dotted, fault, quoted
-from rolling.scene.models import Section
+from rolling.scene.messages import SceneError, dotted
 from rolling.scene.sections import Dynamics, Numerics, Plate, Recovery, Rolling, Sound, Sphere
 from rolling.scene.surfaces import BallHeightFile, HeightFile, Surface, turn_nodes
+from rolling.scene.swept import DEFAULT_NAME, PATTERN, SceneName, SweptScene
 from rolling.scene.track import Motion, Track, file_track, made_track, wanted_distance
 
 STEEL_GPA = 210.0
@@ -27,25 +26,11 @@ GRAVITY = 9.80665  # [m/s2]
 _FREE = 5 / 7  # of the force over the mass: a solid sphere that rolls has 7/5 of its mass
 HEARD_MODES_HZ = 30e3  # highest frequency of the modes of a plate with edges
 
-PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
-DEFAULT_NAME = "scene"  # name of a scene that is built in Python
-NAME = (
-    "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in"
-    " quotes)"
-)
 
-
-def _name(value: Any) -> Any:
-    """Refuse a name that some file system may not take."""
-    if isinstance(value, str) and re.fullmatch(PATTERN, value):
-        return value
-    raise fault(f"got {quoted(value)}, allowed: {NAME}")
-
-
-class SceneQuantities(Section):
+class SceneQuantities(SweptScene):
     """Sections of a scene, and its quantities in SI."""
 
-    name: Annotated[str, BeforeValidator(_name)] = Field(default=DEFAULT_NAME, pattern=PATTERN)
+    name: SceneName = Field(default=DEFAULT_NAME, pattern=PATTERN)
     title: str | None = None
     description: str | None = None
     sphere: Sphere
@@ -57,18 +42,11 @@ class SceneQuantities(Section):
     dynamics: Dynamics | None = Field(default=None, validate_default=True)
     sound: Sound = Field(default_factory=Sound, validate_default=True)
 
-    _folder: Path = PrivateAttr(default=Path())
-
     @field_validator("surface", mode="before")
     @classmethod
     def _of_kind(cls, surface: Any) -> Any:
         """Fill in a surface with a finish, whose kind may be missing."""
         return library.fill_in("surface", surface)
-
-    @property
-    def folder(self) -> Path:
-        """Folder that a relative `surface.path` starts from."""
-        return self._folder
 
     @property
     def height_path(self) -> Path | None:

@@ -1,57 +1,33 @@
-"""Scene: its sections, its sweep, the rules that join them, and its quantities in SI.
-
-`Scene` is built from sections in Python, or from the plain values of a scene file, which `file`
-reads and writes. It is frozen, and `with_` gives a changed copy. A scene is refused with all its
-faults, those of the runs of its sweep included, before any run is solved.
-"""
+"""Scene of a sphere that rolls: its sections, its sweep, and the rules that join them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
-from types import MappingProxyType
-from typing import Annotated, Any, ClassVar, NamedTuple, Self
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import (
     BeforeValidator,
     Field,
     PrivateAttr,
-    ValidationError,
     ValidationInfo,
     WithJsonSchema,
     field_validator,
 )
-from pydantic_core import PydanticCustomError
 
-from rolling.scene import channels, library, quantities, rules, step_rule
+from rolling.scene import channels, quantities, rules, step_rule
 from rolling.scene import sweep as sweeps
-from rolling.scene.messages import (
-    MAX_FAULTS,
-    Fault,
-    Key,
-    SceneError,
-    first_faults,
-    key_of,
-    order_of_place,
-    plain_values,
-)
-from rolling.scene.models import faults_of, full_key, judge
 from rolling.scene.sections import (
     Dynamics,
     Numerics,
     Rolling,
     Sound,
 )
+from rolling.scene.swept import SweepRun
 
 
-class SweepRun(NamedTuple):
-    """One run of a scene.
-
-    It has the swept values by dotted key, and the scene with them, which sweeps nothing.
-    """
-
-    values: dict[str, sweeps.Value]
-    scene: Scene
+def _sweep(value: Any) -> dict[str, Any]:
+    """Return a sweep of a scene with its lists as tuples, or refuse it."""
+    return sweeps.check_lists(value, quantities.SceneQuantities)
 
 
 class Scene(quantities.SceneQuantities):
@@ -95,11 +71,9 @@ class Scene(quantities.SceneQuantities):
     50.0
     """
 
-    IN_FILES: ClassVar[str] = "name"
-
     sweep: Annotated[
         dict[str, Any],
-        BeforeValidator(sweeps.check_lists),
+        BeforeValidator(_sweep),
         WithJsonSchema({"type": "object"}),
     ] = Field(default={})
 
@@ -107,7 +81,6 @@ class Scene(quantities.SceneQuantities):
     # `rolling/__init__.py` binds it.
     check: ClassVar[Callable[..., Any]]
 
-    _places: Mapping[Key, str] = PrivateAttr(default={(): "scene"})
     _step_choice: step_rule.StepChoice | None = PrivateAttr(default=None)
 
     # Each rule sees the sections before its own that are valid.
@@ -146,143 +119,39 @@ class Scene(quantities.SceneQuantities):
             text += f", sweep of {', '.join(self.sweep)}"
         return f"Scene({text})"
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Scene) and self.model_dump() == other.model_dump()
-
-    __hash__ = None  # type: ignore[assignment]
-
     def __copy__(self) -> Self:
         copied = super().__copy__()
         copied.__dict__.pop("track", None)  # a copy may be given other values
         return copied
 
-    # ---- plain values ----
-
-    @classmethod
-    def from_values(cls, values: Mapping[str, Any]) -> Self:
-        """Build a scene from plain values that were given in Python; the name may be missing."""
-        return cls.from_dict({"name": quantities.DEFAULT_NAME, **values})
-
-    @classmethod
-    def from_dict(
-        cls,
-        data: Mapping[str, Any],
-        folder: Path = Path(),
-        places: Mapping[Key, str] = MappingProxyType({(): "scene"}),
-        known: Sequence[Fault] = (),
-    ) -> Self:
-        """Build a scene from plain values as `to_dict` gives them.
-
-        All runs of its sweep must be valid.
-
-        Parameters
-        ----------
-        data : mapping
-            Sections of plain values. A key without a value (None) counts as not given.
-        folder : Path
-            Folder that a relative `surface.path` starts from.
-        places : mapping
-            File and line of each key, for messages; the key () is needed.
-        known : sequence of Fault
-            Faults of the text that the data come from.
-
-        Raises
-        ------
-        SceneError
-            The text, the data, or runs of the sweep have faults; all are named, in the order of
-            their lines, unless they are too many.
-        """
-        values = plain_values(data)
-        judged = judge(values, cls, known)
-        faults = [*known, *judged.faults]
-        if values.get("name") is None and not judged.refused.holds(("name",)):
-            faults.append(Fault(("name",), f"missing; {quantities.NAME}"))
-        scene = judged.model
-        if isinstance(scene, cls):
-            scene._folder = folder
-            scene._places = dict(places)
-            of_runs, _ = scene._judged_runs()
-        else:
-            of_runs = _faults_of_swept_values(judged.rest)
-        faults += [found for found in of_runs if not judged.refused.explain(found)]
-        if faults:
-            more = None if len(of_runs) > MAX_FAULTS else judged.more
-            raise _scene_error(faults, places, more)
-        assert isinstance(scene, cls)  # as it has no fault
-        return scene
+    # ---- plain values and runs ----
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values with every default filled in.
 
         The folder and keys without a value are left out.
         """
-        data: dict[str, Any] = plain_values(self)
-        if not self.sweep:
-            del data["sweep"]
+        data = super().to_dict()
         if self.sound.source == "vibration":
             del data["sound"]["q"]  # which such a scene may not give
         return data
 
-    # ---- changes, runs, findings ----
-
-    def with_(self, changes: Mapping[str, Any] | None = None, /, **keys: Any) -> Self:
-        """Return a copy with other values.
-
-        Parameters
-        ----------
-        changes : mapping, optional
-            Values by key.
-        **keys
-            More values by key. A bare key (load_n) stands for the dotted key (rolling.load_n)
-            where it is unique. None removes an optional key. A key that the scene sweeps leaves the
-            sweep.
-
-        Raises
-        ------
-        SceneError
-            A key is unknown or ambiguous, or the changed scene has faults.
-
-        Examples
-        --------
-        `scene.with_(load_n=20)`, `scene.with_({"plate.poissons_ratio": 0.3})`,
-        `scene.with_(sweep={"rolling.load_n": [5, 20]})`
-        """
-        if changes is not None and not isinstance(changes, Mapping):
-            example = "{'rolling.load_n': 5}, or load_n=5"
-            raise TypeError(f"changes: got {changes!r}, allowed: values by key, as in {example}")
-        by_key: dict[str, Any] = {}
-        faults = []
-        for name, value in [*(changes or {}).items(), *keys.items()]:
-            try:
-                key = full_key(name, type(self))
-            except SceneError as error:
-                faults += error.faults
-                continue
-            if key in by_key:
-                faults.append(f"scene: {key}: given twice")
-            by_key[key] = plain_values(value)
-        if isinstance(by_key.get("sweep"), dict):
-            by_key["sweep"] = self._with_full_keys(by_key["sweep"])
-        if faults:
-            raise SceneError(faults)
+    def _data_to_change(self, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the plain values that changes by key are made in."""
         data = self.to_dict()
-        if "dynamics" in by_key:
+        if "dynamics" in changes:
             del data["sound"]["source"]  # because its default follows the dynamics
-        for key in sorted(by_key, key=library.order_of_change):
-            data = sweeps.with_value(data, key, by_key[key])
-        return type(self).from_dict(data, self.folder)
+        return data
 
-    def _with_full_keys(self, sweep: Mapping[Any, Any]) -> dict[Any, Any]:
-        """Return a sweep by its dotted keys; a name that stands for no key stays as it is."""
-        by_key = {}
-        for name, listed in sweep.items():
-            try:
-                by_key[full_key(name, type(self))] = listed
-            except SceneError:  # the sweep is refused with all that is wrong in it
-                by_key[name] = listed
-        return by_key
+    def _data_of_runs(self) -> dict[str, Any]:
+        """Return the plain values that the runs of the sweep share."""
+        data = super()._data_of_runs()
+        usual_source = "release" if self.dynamics is None else "vibration"
+        if "dynamics" in self.sweep and self.sound.source == usual_source:
+            del data["sound"]["source"]  # because its default follows the dynamics of each run
+        return data
 
-    def runs(self) -> list[SweepRun]:
+    def runs(self) -> list[SweepRun[Self]]:
         """List the runs of the scene; the last swept key varies fastest.
 
         A scene without a sweep is its own only run. In place of `step_nodes: auto` each run has the
@@ -293,9 +162,7 @@ class Scene(quantities.SceneQuantities):
         SceneError
             A run has faults; those of the first such run are named.
         """
-        faults, runs = self._judged_runs()
-        if faults:
-            raise _scene_error(faults, self._places, None if len(faults) > MAX_FAULTS else 0)
+        runs = super().runs()
         if all(isinstance(run.numerics.step_nodes, float) for _, run in runs):
             return runs
         slowest = min(run.slowest_speed for _, run in runs)
@@ -335,82 +202,3 @@ class Scene(quantities.SceneQuantities):
         slowest = choice.speed if choice.speed < self.heard_speed else None
         steps = {"step_nodes": "auto", "slowest_m_s": slowest}
         return self.model_copy(update={"numerics": self.numerics.model_copy(update=steps)})
-
-    def _judged_runs(self) -> tuple[list[Fault], list[SweepRun]]:
-        """Return the faults of the runs, each once at its swept value, and the runs without any.
-
-        After more than MAX_FAULTS the other runs are not judged.
-        """
-        if not self.sweep:
-            return [], [SweepRun({}, self)]
-        data = self.to_dict()
-        del data["sweep"]
-        usual_source = "release" if self.dynamics is None else "vibration"
-        if "dynamics" in self.sweep and self.sound.source == usual_source:
-            del data["sound"]["source"]  # because its default follows the dynamics of each run
-        places = {key: at for key, at in self._places.items() if key[:1] != ("sweep",)}
-        runs: list[SweepRun] = []
-        faults: dict[Fault, Fault] = {}  # with the first of its runs, by the fault without it
-        for values, forms in sweeps.product(self.sweep):
-            run_data = sweeps.with_values(data, forms)
-            try:
-                scene = Scene.model_validate(run_data)
-            except ValidationError as error:
-                for found in faults_of(error, run_data, Scene)[0]:
-                    faults.setdefault(found, self._in_sweep(found, values))
-                if len(faults) > MAX_FAULTS:
-                    break
-                continue
-            scene._folder = self._folder
-            scene._places = places
-            runs.append(SweepRun(values, scene))
-        return list(dict.fromkeys(faults.values())), runs
-
-    def _in_sweep(self, found: Fault, values: Mapping[str, sweeps.Value]) -> Fault:
-        """Return a fault of a run at the place of its swept value, or with the name of the run."""
-        place = sweeps.place_in_sweep(found.key, values, self.sweep)
-        if place is not None:
-            return Fault(place, found.message)
-        run = sweeps.run_name(values)
-        return Fault(found.key, f"{found.message} (in the run {run} of the sweep)")
-
-    def place(self, name: str) -> str:
-        """Return file and line (or --set) of a dotted key, for messages."""
-        swept: Key = ("sweep", name)
-        key = swept if swept in self._places else key_of(name)
-        return _place_of(key, self._places)
-
-
-def _place_of(key: Key, places: Mapping[Key, str]) -> str:
-    """Return file and line (or --set) of a key, or of the nearest section around it."""
-    return next(places[key[:n]] for n in range(len(key), -1, -1) if key[:n] in places)
-
-
-def _faults_of_swept_values(values: Mapping[str, Any]) -> list[Fault]:
-    """Return the faults of swept values, each judged alone beside sections that make no scene."""
-    try:
-        sweep = sweeps.check_lists(values.get("sweep") or {})
-    except PydanticCustomError:  # faults that are listed already
-        return []
-    data = {name: section for name, section in values.items() if name != "sweep"}
-    faults: list[Fault] = []
-    for name, listed in sweep.items():
-        for value, form in sweeps.choices(listed)[: MAX_FAULTS + 1]:
-            run_data = sweeps.with_values(data, {name: form})
-            try:
-                Scene.model_validate(run_data)
-            except ValidationError as error:
-                for found in faults_of(error, run_data, Scene)[0]:
-                    place = sweeps.place_in_sweep(found.key, {name: value}, sweep)
-                    if place is not None:
-                        faults.append(Fault(place, found.message))
-    return faults
-
-
-def _scene_error(
-    faults: Sequence[Fault], places: Mapping[Key, str], more: int | None
-) -> SceneError:
-    """Make the error of a scene from its faults in the order of their lines, and more of them."""
-    placed = [found._replace(place=found.place or _place_of(found.key, places)) for found in faults]
-    placed.sort(key=lambda found: order_of_place(found.place))
-    return SceneError(first_faults([found.line for found in placed], places[()], more))

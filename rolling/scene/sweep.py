@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+from pydantic import BaseModel
 from pydantic_core import PydanticCustomError
 
 from rolling.scene import library
@@ -27,7 +28,6 @@ from rolling.scene.messages import (
     quoted,
 )
 from rolling.scene.models import sweepable_keys
-from rolling.scene.quantities import SceneQuantities
 
 MAX_RUNS = 10_000  # maximum number of runs of a sweep
 LONGEST_LABEL = 100  # letters
@@ -75,8 +75,10 @@ def _digest(text: str) -> str:
 # ---- lists of values
 
 
-def check_lists(sweep: Any) -> dict[str, Any]:
+def check_lists(sweep: Any, root: type[BaseModel]) -> dict[str, Any]:
     """Return a sweep with its lists as tuples; raise all faults of its keys and lists.
+
+    `root` is the model of the scene.
 
     The values themselves are checked with the runs that have them. A key without a value (None)
     is not swept.
@@ -87,7 +89,7 @@ def check_lists(sweep: Any) -> dict[str, Any]:
             " [5, 20]",
             at="sweep",
         )
-    known = sweepable_keys(SceneQuantities)
+    known = sweepable_keys(root)
     found: list[PydanticCustomError] = []
     for name, listed in sweep.items():
         if name not in known:

@@ -532,13 +532,14 @@ def _add_init(commands: Any) -> None:
 
 
 def _add_schema(commands: Any) -> None:
-    _command(
+    schema = _command(
         commands,
         name="schema",
         help="print the JSON Schema of scenes, for editors",
         answer="Print the JSON Schema of scene files, with which an editor completes and "
         "checks keys.",
     )
+    schema.add_argument("--bearing", action="store_true", help="the schema of scenes of a bearing")
 
 
 # ---- arguments of several commands

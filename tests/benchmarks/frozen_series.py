@@ -20,6 +20,7 @@ import numpy as np
 
 import rolling as rc
 from rolling.scene import library
+from rolling.scene.bearing_file import is_bearing_file
 
 SHORTENED_S = 0.03
 SKIPPED = {"measured-surface"}  # its heights are made by a command that the scene names
@@ -52,7 +53,11 @@ def frozen(names: Sequence[str]) -> dict[str, Any]:
     for name, path in sorted(library.scenes().items()):
         if names and name not in names:
             continue
-        if name in SKIPPED or (name.startswith("lee2025") and "as-stated" not in name):
+        if (
+            is_bearing_file(path)
+            or name in SKIPPED
+            or (name.startswith("lee2025") and "as-stated" not in name)
+        ):
             continue  # the other readings of the article differ in numbers of the plate only
         scene = rc.read_scene(path)
         for number, part in enumerate(scene.runs()):

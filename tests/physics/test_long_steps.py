@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from checked import checked
 from helpers import STEEL, make_track, releases, roll, rough
+from scene_text import SCENES
 
 from acoustics import resampling
 from rolling.check import resolution
@@ -118,8 +118,7 @@ def test_warning_gives_the_expected_errors() -> None:
 
 def test_scenes_of_the_repository_have_short_steps() -> None:
     """No scene is refused or warned, nor the quick study with steps three times as long."""
-    root = Path(__file__).parents[2] / "scenarios"
-    for path in sorted(root.glob("*.yaml")):
+    for path in SCENES:
         scene = read_scene(path)
         if scene.height_path is None:
             resolution.refuse_long_steps(scene)
@@ -127,7 +126,7 @@ def test_scenes_of_the_repository_have_short_steps() -> None:
                 run.step <= resolution.DOUBTFUL_RADII * resolution.contact_radius(run)
                 for _, run in scene.runs()
             )
-    files = sorted((root / "lee2025").glob("*/*.yaml"))
+    files = sorted((SCENES[0].parent / "lee2025").glob("*/*.yaml"))
     assert files
     for path in files:
         quick = read_scene(path, reproduce.quick_overrides(read_scene(path)))

@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 from mutated_texts import WORDS, mutated
+from scene_text import SCENES
 
 from rolling.check import findings
 from rolling.scene import file
@@ -81,7 +82,7 @@ VALUES: tuple[Any, ...] = (
 
 def texts() -> list[str]:
     """List the texts that are broken."""
-    return [SWEPT, *(path.read_text(encoding="utf-8") for path in sorted(SCENARIOS.glob("*.yaml")))]
+    return [SWEPT, *(path.read_text(encoding="utf-8") for path in SCENES)]
 
 
 def scene_case(number: int, folder: Path) -> Scene:

@@ -1,14 +1,17 @@
-"""The text of a scene, the faults of its variants, and the scenes of scenarios/."""
+"""The text of a scene, the faults of its variants, and the scenes of scenarios/ by their kind."""
 
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from rolling.scene.bearing_file import is_bearing_file
 from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
 
-SCENES = sorted((Path(__file__).parents[2] / "scenarios").glob("*.yaml"))
+FILES = sorted((Path(__file__).parents[2] / "scenarios").glob("*.yaml"))
+BEARINGS = [path for path in FILES if is_bearing_file(path)]
+SCENES = [path for path in FILES if path not in BEARINGS]
 
 TEXT = """\
 name: trial

@@ -1,0 +1,299 @@
+"""The rules of a bearing, each with the message for one that cannot be assembled or loaded so."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from pydantic_core import PydanticCustomError
+
+from acoustics.numbers import rounded
+from rolling.scene.bearing_load import Raceways, angle_of, clearance_of, groove_distance
+from rolling.scene.laws import refuse_misplaced
+from rolling.scene.messages import Key, fault, plain_number
+from rolling.scene.surfaces import WAVE_NODES, BallSurface
+from rolling.scene.track import MAX_NODES, MIN_NODES
+
+if TYPE_CHECKING:
+    from rolling.scene.bearing_sections import Bearing, BearingNumerics
+
+MAX_BALLS = 300  # of one row, in the largest thin-section bearings
+MAX_ANGLE_DEG = 60  # of radial bearings; thrust bearings beyond have other rings
+STATIC_GPA = 4.2  # largest Hertz pressure under the static load rating of ISO 76
+# Proportions of usual deep-groove bearings: within 5 % for bore and outside diameter of 608, 6204
+# and 6305, within 15 % for their width.
+BALL_SHARE = 0.3  # diameter of a ball over outside diameter less bore
+WIDTH_OVER_BALL = 1.7
+LEAST_BORE = 0.3  # of the inner groove, where the balls are large for their circle
+FINEST_UM = 0.5  # spacing that holds all waves where numerics.spacing_um is automatic
+ROUNDING = 1e-12  # of binary numbers
+SAME_ANGLE_DEG = 0.1  # difference that the rounding of angle or clearance makes
+
+
+def free_angle(bearing: Bearing) -> float:
+    """Return the contact angle without load [rad], from the clearance where no angle is given."""
+    if bearing.contact_angle_deg is not None:
+        return math.radians(bearing.contact_angle_deg)
+    clearance = 1e-6 * (bearing.radial_clearance_um or 0.0)
+    return angle_of(clearance, _distance(bearing))
+
+
+def free_clearance(bearing: Bearing) -> float:
+    """Return the radial clearance without load [m], from the angle where no clearance is given."""
+    if bearing.radial_clearance_um is not None:
+        return 1e-6 * bearing.radial_clearance_um
+    return clearance_of(free_angle(bearing), _distance(bearing))
+
+
+def raceways(bearing: Bearing) -> Raceways:
+    """Return the balls between their raceways.
+
+    Under an axial load the balls touch at the contact angle and no clearance is open. Under a
+    purely radial load they touch in the middle of the grooves.
+    """
+    is_pushed = bearing.axial_load_n > 0
+    compliance = 2 * (1 - bearing.poissons_ratio**2) / (1e9 * bearing.youngs_modulus_gpa)
+    return Raceways(
+        balls=bearing.balls,
+        ball_diameter=1e-3 * bearing.ball_diameter_mm,
+        pitch_diameter=1e-3 * bearing.pitch_diameter_mm,
+        conformity_inner=bearing.conformity_inner,
+        conformity_outer=bearing.conformity_outer,
+        angle=free_angle(bearing) if is_pushed else 0.0,
+        clearance=0.0 if is_pushed else free_clearance(bearing),
+        contact_modulus=1 / compliance,
+    )
+
+
+def usual_bore_mm(bearing: Bearing) -> float:
+    """Return the bore [mm] of a usual bearing with such balls on such a pitch circle."""
+    pitch = bearing.pitch_diameter_mm
+    ball = bearing.ball_diameter_mm
+    return max(pitch - ball / (2 * BALL_SHARE), LEAST_BORE * (pitch - ball))
+
+
+def usual_outside_mm(bearing: Bearing) -> float:
+    """Return the outside diameter [mm] of a usual bearing with such balls."""
+    return bearing.pitch_diameter_mm + bearing.ball_diameter_mm / (2 * BALL_SHARE)
+
+
+def usual_width_mm(bearing: Bearing) -> float:
+    """Return the width [mm] of a usual bearing with such balls."""
+    return WIDTH_OVER_BALL * bearing.ball_diameter_mm
+
+
+def _distance(bearing: Bearing) -> float:
+    """Return the distance of the centres of both grooves [m]."""
+    return groove_distance(
+        1e-3 * bearing.ball_diameter_mm, bearing.conformity_inner, bearing.conformity_outer
+    )
+
+
+def faults_of_bearing(bearing: Bearing) -> Iterator[PydanticCustomError]:
+    """Yield all that does not fit together in a bearing."""
+    assembly = [*_faults_of_balls(bearing), *_faults_of_rings(bearing)]
+    angle = [*_faults_of_angle(bearing)]
+    yield from assembly
+    yield from angle
+    if not bearing.axial_load_n and not bearing.radial_load_n:
+        yield fault("missing; give it, a radial_load_n, or both", at=".axial_load_n")
+    elif not angle and bearing.pitch_diameter_mm > bearing.ball_diameter_mm:
+        yield from _faults_of_load(bearing)
+    if bearing.surfaces.fault_ball >= bearing.balls:
+        yield fault(
+            f"got {bearing.surfaces.fault_ball}, allowed: 0 to {bearing.balls - 1}, the numbers of"
+            " the balls",
+            at=".surfaces.fault_ball",
+        )
+
+
+def _faults_of_balls(bearing: Bearing) -> Iterator[PydanticCustomError]:
+    """Yield the fault of balls that overlap their neighbours on the pitch circle."""
+    ball = bearing.ball_diameter_mm
+    pitch = bearing.pitch_diameter_mm
+    if pitch * math.sin(math.pi / bearing.balls) > ball:
+        return
+    most = 0
+    if pitch > ball:
+        most = math.ceil(math.pi / math.asin(ball / pitch)) - 1
+    if most >= 3:
+        yield fault(
+            f"got {bearing.balls}, allowed: at most {most} balls of {ball:g} mm on a pitch circle"
+            f" of {pitch:g} mm, where more overlap",
+            at=".balls",
+        )
+        return
+    smallest = ball / math.sin(math.pi / bearing.balls)
+    yield fault(
+        f"got {plain_number(pitch)}, allowed: above {_above(smallest)} for {bearing.balls} balls of"
+        f" {ball:g} mm, which overlap on a smaller circle",
+        at=".pitch_diameter_mm",
+    )
+
+
+def _faults_of_rings(bearing: Bearing) -> Iterator[PydanticCustomError]:
+    """Yield the faults of rings without a wall behind their grooves."""
+    inner = bearing.pitch_diameter_mm - bearing.ball_diameter_mm
+    outer = bearing.pitch_diameter_mm + bearing.ball_diameter_mm
+    bore = bearing.bore_mm
+    outside = bearing.outside_diameter_mm
+    width = bearing.width_mm
+    if bore is not None and bore >= inner > 0:
+        yield fault(
+            f"got {plain_number(bore)}, allowed: below {_below(inner)}, the pitch diameter less a"
+            " ball, where the inner groove is",
+            at=".bore_mm",
+        )
+    if outside is not None and outside <= outer:
+        yield fault(
+            f"got {plain_number(outside)}, allowed: above {_above(outer)}, the pitch diameter and a"
+            " ball, where the outer groove is",
+            at=".outside_diameter_mm",
+        )
+    if width is not None and width < bearing.ball_diameter_mm:
+        yield fault(
+            f"got {plain_number(width)}, allowed: at least {_above(bearing.ball_diameter_mm)}, the"
+            " diameter of a ball",
+            at=".width_mm",
+        )
+
+
+def _faults_of_angle(bearing: Bearing) -> Iterator[PydanticCustomError]:
+    """Yield the faults of contact angle and radial clearance."""
+    distance = _distance(bearing)
+    angle_deg = bearing.contact_angle_deg
+    clearance_um = bearing.radial_clearance_um
+    if clearance_um is not None:
+        most_um = 1e6 * clearance_of(math.radians(MAX_ANGLE_DEG), distance)
+        if clearance_um > most_um:
+            yield fault(
+                f"got {plain_number(clearance_um)}, allowed: at most {_below(most_um)} with these"
+                f" grooves, at which the contact angle is {MAX_ANGLE_DEG} degrees",
+                at=".radial_clearance_um",
+            )
+            return
+    has_both = angle_deg is not None and clearance_um is not None
+    if has_both and (angle_deg or bearing.axial_load_n):
+        assert angle_deg is not None and clearance_um is not None  # has_both
+        derived = math.degrees(angle_of(1e-6 * clearance_um, distance))
+        if abs(derived - angle_deg) > SAME_ANGLE_DEG:
+            fitting_um = 1e6 * clearance_of(math.radians(angle_deg), distance)
+            yield fault(
+                f"got {plain_number(angle_deg)} beside radial_clearance_um"
+                f" {plain_number(clearance_um)}, which gives {rounded(derived, 4)}; allowed: one of"
+                f" them, or {rounded(fitting_um, 4)} um beside this angle",
+                at=".contact_angle_deg",
+            )
+            return
+    if not bearing.axial_load_n:
+        return
+    if angle_deg is None and clearance_um is None:
+        yield fault(
+            "missing; an axial load needs it or a radial_clearance_um", at=".contact_angle_deg"
+        )
+    elif not free_angle(bearing):
+        key = ".contact_angle_deg" if angle_deg is not None else ".radial_clearance_um"
+        yield fault(
+            "got 0, allowed with an axial load: above 0, because balls at an angle of 0 bear no"
+            " axial load",
+            at=key,
+        )
+
+
+def _faults_of_load(bearing: Bearing) -> Iterator[PydanticCustomError]:
+    """Yield the faults of loads that have no balance, or are beyond the static capacity."""
+    axial = bearing.axial_load_n
+    radial = bearing.radial_load_n
+    bodies = raceways(bearing)
+    if axial and radial:
+        slope = math.tan(bodies.angle) / math.cos(math.pi / bearing.balls)
+        if radial * slope >= axial:
+            yield fault(
+                f"got {plain_number(radial)}, allowed beside axial_load_n {plain_number(axial)} at"
+                f" a contact angle of {rounded(math.degrees(bodies.angle), 3)} degrees: below"
+                f" {_below(axial / slope)}; or an axial load above {_above(radial * slope)}, or"
+                " none",
+                at=".radial_load_n",
+            )
+            return
+    limit = 1e9 * STATIC_GPA
+    pressure = bodies.pressure(bodies.largest_load(axial, radial))
+    if pressure <= limit:
+        return
+    share = bodies.allowed_share(axial, radial, limit)
+    key = "axial_load_n" if axial else "radial_load_n"
+    load = axial or radial
+    beside = ""
+    if axial and radial:
+        beside = f" beside radial_load_n {_below(share * radial)}"
+    elif radial:
+        beside = " beside axial_load_n 0"
+    yield fault(
+        f"got {plain_number(load)}, allowed: at most {_below(share * load)}{beside}: the largest"
+        f" Hertz pressure would be {rounded(1e-9 * pressure, 3)} GPa, and the static capacity ends"
+        f" at {STATIC_GPA} GPa",
+        at=f".{key}",
+    )
+
+
+def _below(limit: float) -> str:
+    """Write a limit with four digits, rounded down."""
+    digit = 10.0 ** (math.floor(math.log10(limit)) - 3)
+    return f"{math.floor(limit / digit * (1 + ROUNDING)) * digit:.10g}"
+
+
+def _above(limit: float) -> str:
+    """Write a limit with four digits, rounded up."""
+    digit = 10.0 ** (math.floor(math.log10(limit)) - 3)
+    return f"{math.ceil(limit / digit * (1 - ROUNDING)) * digit:.10g}"
+
+
+# ---- surfaces
+
+
+def faults_of_surfaces(
+    bearing: Bearing, numerics: BearingNumerics
+) -> Iterator[PydanticCustomError]:
+    """Yield the faults of surfaces that do not fit their circumference in nodes."""
+    pitch = bearing.pitch_diameter_mm
+    projected = bearing.ball_diameter_mm * math.cos(raceways(bearing).angle)
+    diameters = {
+        "balls": bearing.ball_diameter_mm,
+        "inner": pitch - projected,
+        "outer": pitch + projected,
+    }
+    for name, diameter in diameters.items():
+        surface = getattr(bearing.surfaces, name)
+        if surface is not None:
+            yield from _faults_of_surface(
+                surface=surface,
+                length_um=1e3 * math.pi * diameter,
+                width_um=1e3 * bearing.ball_diameter_mm,
+                spacing_um=numerics.spacing_um or FINEST_UM,
+                at=("bearing", "surfaces", name),
+            )
+
+
+def _faults_of_surface(
+    surface: BallSurface, length_um: float, width_um: float, spacing_um: float, at: Key
+) -> Iterator[PydanticCustomError]:
+    """Yield the faults of one surface; faults of a place lie within the diameter of a ball."""
+    if not MIN_NODES <= length_um / spacing_um < MAX_NODES:
+        yield fault(
+            f"got a circumference of {rounded(length_um, 4)} um, allowed: {MIN_NODES} to"
+            f" {rounded(MAX_NODES)} nodes of {spacing_um:g} um",
+            at=at,
+        )
+        return
+    highest = max(surface.waviness or {0: 0.0})
+    most = round(length_um / spacing_um) // WAVE_NODES
+    if highest > most:
+        yield fault(
+            f"got the order {highest}, allowed: up to {most}, waves of at least {WAVE_NODES} nodes",
+            at=(*at, "waviness"),
+        )
+    try:
+        refuse_misplaced(surface.faults or [], length_um, width_um, spacing_um, (*at, "faults"))
+    except PydanticCustomError as error:
+        yield error

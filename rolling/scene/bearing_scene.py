@@ -1,0 +1,278 @@
+"""Scene of a bearing: its sections, its sweep, and its quantities in SI."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
+
+from pydantic import (
+    BeforeValidator,
+    Field,
+    ValidationInfo,
+    WithJsonSchema,
+    field_validator,
+)
+
+from rolling.scene import bearing_rules
+from rolling.scene import sweep as sweeps
+from rolling.scene.bearing_load import Raceways, RingSection, ring_section
+from rolling.scene.bearing_sections import (
+    Bearing,
+    BearingNumerics,
+    BearingSound,
+    HousingPlate,
+    Ring,
+)
+from rolling.scene.messages import faults_together
+from rolling.scene.surfaces import BallHeightFile
+from rolling.scene.swept import DEFAULT_NAME, PATTERN, SceneName, SweptScene
+
+
+class BearingQuantities(SweptScene):
+    """Sections of the scene of a bearing, and its quantities in SI."""
+
+    name: SceneName = Field(default=DEFAULT_NAME, pattern=PATTERN)
+    title: str | None = None
+    description: str | None = None
+    bearing: Bearing
+    plate: HousingPlate | None = None
+    numerics: BearingNumerics = Field(default_factory=BearingNumerics, validate_default=True)
+    sound: BearingSound = Field(default_factory=BearingSound)
+
+    @property
+    def height_paths(self) -> dict[str, Path]:
+        """Files of heights by the section that reads them."""
+        surfaces = self.bearing.surfaces
+        return {
+            f"bearing.surfaces.{name}": self._folder / surface.path
+            for name in ("balls", "inner", "outer")
+            if isinstance(surface := getattr(surfaces, name), BallHeightFile)
+        }
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether balls and raceways are perfectly smooth."""
+        surfaces = self.bearing.surfaces
+        for surface in (surfaces.balls, surfaces.inner, surfaces.outer):
+            if surface is not None and (surface.kind != "smooth" or surface.has_form):
+                return False
+            if surface is not None and surface.faults:
+                return False
+        return True
+
+    # ---- geometry
+
+    @property
+    def ball_radius(self) -> float:
+        """Radius of the balls [m]."""
+        return 5e-4 * self.bearing.ball_diameter_mm
+
+    @property
+    def pitch_radius(self) -> float:
+        """Radius of the circle of the balls' centres [m]."""
+        return 5e-4 * self.bearing.pitch_diameter_mm
+
+    @property
+    def raceways(self) -> Raceways:
+        """Balls between their raceways, at the angle at which they touch."""
+        return bearing_rules.raceways(self.bearing)
+
+    @property
+    def contact_angle(self) -> float:
+        """Contact angle [rad] at which the balls touch; 0 under a purely radial load."""
+        return self.raceways.angle
+
+    @property
+    def free_contact_angle(self) -> float:
+        """Contact angle [rad] of a bearing that is pushed axially without load."""
+        return bearing_rules.free_angle(self.bearing)
+
+    @property
+    def radial_clearance(self) -> float:
+        """Radial internal clearance [m] of the bearing without load."""
+        return bearing_rules.free_clearance(self.bearing)
+
+    @property
+    def groove_radii(self) -> dict[Ring, float]:
+        """Radius of the groove [m] of each ring, across the track."""
+        diameter = 2 * self.ball_radius
+        return {
+            "inner": self.bearing.conformity_inner * diameter,
+            "outer": self.bearing.conformity_outer * diameter,
+        }
+
+    @property
+    def circumferences(self) -> dict[str, float]:
+        """Length of a turn [m] of balls, inner and outer raceway at their contacts."""
+        projected = self.ball_radius * math.cos(self.contact_angle)
+        return {
+            "balls": 2 * math.pi * self.ball_radius,
+            "inner": 2 * math.pi * (self.pitch_radius - projected),
+            "outer": 2 * math.pi * (self.pitch_radius + projected),
+        }
+
+    @property
+    def bore(self) -> float:
+        """Bore of the inner ring [m]."""
+        return self._boundary("bore_mm", bearing_rules.usual_bore_mm)
+
+    @property
+    def outside_diameter(self) -> float:
+        """Outside diameter of the outer ring [m]."""
+        return self._boundary("outside_diameter_mm", bearing_rules.usual_outside_mm)
+
+    @property
+    def width(self) -> float:
+        """Width of both rings [m]."""
+        return self._boundary("width_mm", bearing_rules.usual_width_mm)
+
+    def _boundary(self, key: str, usual: Callable[[Bearing], float]) -> float:
+        """Return a boundary dimension [m], by default that of a usual bearing with such balls."""
+        given = getattr(self.bearing, key)
+        return 1e-3 * (usual(self.bearing) if given is None else given)
+
+    @property
+    def ring_section(self) -> RingSection:
+        """Cross-section of the ring that vibrates."""
+        return ring_section(
+            surface_radius=(self.outside_diameter if self.moving_ring == "outer" else self.bore)
+            / 2,
+            pitch_radius=self.pitch_radius,
+            ball_radius=self.ball_radius,
+            groove_radius=self.groove_radii[self.moving_ring],
+            width=self.width,
+        )
+
+    # ---- material, masses, loads and speed
+
+    @property
+    def contact_modulus(self) -> float:
+        """Contact modulus E* [Pa] of ball and raceway."""
+        return self.raceways.contact_modulus
+
+    @property
+    def ball_mass(self) -> float:
+        """Mass of a ball [kg]."""
+        return self.bearing.density_kg_m3 * 4 / 3 * math.pi * self.ball_radius**3
+
+    @property
+    def moving_ring(self) -> Ring:
+        """Ring that does not turn, and vibrates."""
+        return "outer" if self.bearing.turning == "inner" else "inner"
+
+    @property
+    def ring_mass(self) -> float:
+        """Mass of the ring that vibrates [kg], by default from its dimensions."""
+        if self.bearing.ring_mass_kg is not None:
+            return self.bearing.ring_mass_kg
+        section = self.ring_section
+        return self.bearing.density_kg_m3 * section.area * 2 * math.pi * section.radius
+
+    @property
+    def axial_load(self) -> float:
+        """Axial load [N]."""
+        return self.bearing.axial_load_n
+
+    @property
+    def radial_load(self) -> float:
+        """Radial load [N]."""
+        return self.bearing.radial_load_n
+
+    @property
+    def turns_hz(self) -> float:
+        """Turns of the turning ring per second [Hz]."""
+        return self.bearing.speed_rpm / 60
+
+    @property
+    def spacing(self) -> float | None:
+        """Node spacing [m], None where it is automatic."""
+        given = self.numerics.spacing_um
+        return None if given is None else 1e-6 * given
+
+    @property
+    def window_length(self) -> float:
+        """Length of track [m] that is marched for each kind of contact."""
+        return 1e-3 * self.numerics.window_mm
+
+    @property
+    def duration(self) -> float:
+        """Time [s] that is computed."""
+        return self.sound.duration_s
+
+
+def _sweep(value: Any) -> dict[str, Any]:
+    """Return a sweep of a bearing with its lists as tuples, or refuse it."""
+    return sweeps.check_lists(value, BearingQuantities)
+
+
+class BearingScene(BearingQuantities):
+    """Scene of a bearing that turns: its geometry, surfaces, loads and speed.
+
+    Scenes are equal when all their values are equal, wherever they were read from.
+
+    Attributes
+    ----------
+    name : str
+        Name, used for the folder of the results
+    title : str, optional
+        Title of the page, any text
+    description : str, optional
+        Subject of the scene
+    bearing : Bearing
+        Geometry, loads, speed and surfaces
+    plate : HousingPlate, optional
+        Plate of the housing, whose sound is heard. Default: none, so the vibration is heard.
+    numerics : BearingNumerics
+        Resolution and accuracy of the rough contacts
+    sound : BearingSound
+        Record of the vibration, and listener of the plate
+    sweep : dict
+        Lists of values by dotted key, or values by label. All combinations are run.
+
+    Raises
+    ------
+    SceneError
+        Some values are missing, unknown or not allowed, in the scene or in a run of its sweep.
+
+    Examples
+    --------
+    >>> import math, rolling
+    >>> scene = rolling.BearingScene(
+    ...     bearing=rolling.Bearing(named="6204", speed_rpm=1800, axial_load_n=70)
+    ... )
+    >>> f"{math.degrees(scene.contact_angle):.1f} degrees, {scene.turns_hz:g} turns/s"
+    '11.4 degrees, 30 turns/s'
+    """
+
+    sweep: Annotated[
+        dict[str, Any],
+        BeforeValidator(_sweep),
+        WithJsonSchema({"type": "object"}),
+    ] = Field(default={})
+
+    # `check` describes the bearing before it is run. Its module stands above this one, so
+    # `rolling/__init__.py` binds it.
+    check: ClassVar[Callable[..., Any]]
+
+    @field_validator("numerics")
+    @classmethod
+    def _check_surfaces(cls, numerics: BearingNumerics, info: ValidationInfo) -> BearingNumerics:
+        bearing = info.data.get("bearing")
+        if bearing is not None:
+            found = list(bearing_rules.faults_of_surfaces(bearing, numerics))
+            if found:
+                raise faults_together(found)
+        return numerics
+
+    def __repr__(self) -> str:
+        bearing = self.bearing
+        size = f"{bearing.balls} balls of {bearing.ball_diameter_mm:g} mm"
+        if bearing.named is not None:
+            size = f"{bearing.named}, {size}"
+        loads = f"{bearing.axial_load_n:g} N axial, {bearing.radial_load_n:g} N radial"
+        text = f"{self.name}: {size}, {loads}, {bearing.speed_rpm:g} rpm"
+        if self.sweep:
+            text += f", sweep of {', '.join(self.sweep)}"
+        return f"BearingScene({text})"

@@ -1,0 +1,246 @@
+"""Bearing, its surfaces, the plate of its housing, sound and numerics: the sections of a bearing.
+
+Units stand in the names of keys, and the properties of `BearingScene` are SI.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from rolling.scene import bearing_rules, library
+from rolling.scene.messages import fault, faults_together
+from rolling.scene.models import Section
+from rolling.scene.sections import DENSITY, YOUNG, Material, Plate, Tolerance
+from rolling.scene.surfaces import BallHeightFile, BallSurface, GaussianBall, SmoothBall
+
+RacewaySurface = GaussianBall | SmoothBall | BallHeightFile
+Ring = Literal["inner", "outer"]
+MAX_RPM = 1e6  # the turbines of dentists reach half of it
+
+
+def _as_text(name: Any) -> Any:
+    """Return a name of digits, such as 6204, as text."""
+    return str(name) if isinstance(name, int) and not isinstance(name, bool) else name
+
+
+Named = Annotated[str, BeforeValidator(_as_text), library.listed("bearings")]
+
+
+class BearingSurfaces(Section):
+    """Surfaces of balls and raceways.
+
+    Attributes
+    ----------
+    balls : section, optional
+        Surface around each ball. Balls differ by their random heights. Default: smooth.
+    inner : section, optional
+        Surface around the raceway of the inner ring. Default: smooth.
+    outer : section, optional
+        Surface around the raceway of the outer ring. Default: smooth.
+    fault_ball : int
+        Number of the ball that carries the single faults of `balls`, from 0
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.BearingSurfaces(balls={"kind": "graded", "grade": "G10"}).balls.grade
+    'G10'
+    """
+
+    SECTION: ClassVar[str] = "bearing.surfaces"
+
+    balls: BallSurface | None = Field(default=None, discriminator="kind")
+    inner: RacewaySurface | None = Field(default=None, discriminator="kind")
+    outer: RacewaySurface | None = Field(default=None, discriminator="kind")
+    fault_ball: int = Field(default=0, ge=0)
+
+
+class Bearing(Section):
+    """Ball bearing of one row.
+
+    Attributes
+    ----------
+    named : str, optional
+        Bearing by name. It gives boundary dimensions, balls, pitch circle, conformities and
+        clearance; values beside it win.
+    bore_mm : float, optional
+        Bore of the inner ring [mm]. Default: from pitch circle and balls, as in usual bearings.
+    outside_diameter_mm : float, optional
+        Outside diameter of the outer ring [mm]. Default: from pitch circle and balls.
+    width_mm : float, optional
+        Width of both rings [mm]. Default: from the balls.
+    balls : int
+        Number of balls
+    ball_diameter_mm : float
+        Diameter of the balls [mm]
+    pitch_diameter_mm : float
+        Diameter of the circle of the balls' centres [mm]
+    contact_angle_deg : float, optional
+        Contact angle without load [degrees], from a plane across the axis. Default: from the radial
+        clearance. Under a purely radial load balls touch at an angle of 0.
+    radial_clearance_um : float, optional
+        Radial internal clearance [um]. Default: from the contact angle.
+    conformity_inner : float
+        Radius of the inner groove over the ball's diameter [-]
+    conformity_outer : float
+        Radius of the outer groove over the ball's diameter [-]
+    material : str
+        Material of rings and balls by name. It gives Young's modulus, Poisson's ratio and density;
+        values beside it win.
+    youngs_modulus_gpa : float
+        Young's modulus of rings and balls [GPa]
+    poissons_ratio : float
+        Poisson's ratio of rings and balls [-]
+    density_kg_m3 : float
+        Density of rings and balls [kg/m3]
+    turning : str
+        Ring that turns; the other one vibrates.
+    speed_rpm : float
+        Speed of the turning ring [1/min]
+    axial_load_n : float
+        Axial load [N]. It needs a contact angle above 0.
+    radial_load_n : float
+        Radial load [N]
+    ring_mass_kg : float, optional
+        Mass of the ring that vibrates [kg], with what is fixed to it. Default: from its dimensions.
+    contact_loss_factor : float
+        Loss factor of the contact stiffness [-] at the resonances of the ring
+    ball_inertia : bool
+        Whether balls move with their mass, and with their centrifugal force. Otherwise they have
+        none, which holds up to some 10 kHz.
+    surfaces : BearingSurfaces
+        Surfaces of balls and raceways
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.Bearing(named="6204", speed_rpm=1800, axial_load_n=70).ball_diameter_mm
+    7.938
+    """
+
+    NAMED: ClassVar[str] = "bearing"
+
+    named: Named | None = None
+    bore_mm: float | None = Field(default=None, gt=0)
+    outside_diameter_mm: float | None = Field(default=None, gt=0)
+    width_mm: float | None = Field(default=None, gt=0)
+    balls: int = Field(ge=3, le=bearing_rules.MAX_BALLS)
+    ball_diameter_mm: float = Field(gt=0)
+    pitch_diameter_mm: float = Field(gt=0)
+    contact_angle_deg: float | None = Field(default=None, ge=0, le=bearing_rules.MAX_ANGLE_DEG)
+    radial_clearance_um: float | None = Field(default=None, ge=0)
+    conformity_inner: float = Field(default=0.52, gt=0.5, le=0.6)
+    conformity_outer: float = Field(default=0.53, gt=0.5, le=0.6)
+    material: Material = "steel-100cr6"
+    youngs_modulus_gpa: float = Field(ge=YOUNG.least, le=YOUNG.most)
+    poissons_ratio: float = Field(ge=0, le=0.5)
+    density_kg_m3: float = Field(ge=DENSITY.least, le=DENSITY.most)
+    turning: Ring = "inner"
+    speed_rpm: float = Field(gt=0, le=MAX_RPM)
+    axial_load_n: float = Field(default=0.0, ge=0)
+    radial_load_n: float = Field(default=0.0, ge=0)
+    ring_mass_kg: float | None = Field(default=None, gt=0)
+    contact_loss_factor: float = Field(default=0.02, ge=0, le=1)
+    ball_inertia: bool = False
+    surfaces: BearingSurfaces = Field(default_factory=BearingSurfaces)
+
+    @model_validator(mode="after")
+    def _can_be_assembled(self) -> Self:
+        """Refuse all that does not fit together in one message."""
+        found = list(bearing_rules.faults_of_bearing(self))
+        if found:
+            raise faults_together(found)
+        return self
+
+
+class HousingPlate(Plate):
+    """Plate of the housing, which the ring shakes and which is heard.
+
+    Attributes
+    ----------
+    contact_mm : pair of float, optional
+        Point (x, y) [mm] from a corner at which the radial force of the ring acts. Default: 0.43 of
+        the length, 0.37 of the width.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> size = {"length_mm": 300, "width_mm": 200, "thickness_mm": 5}
+    >>> rolling.HousingPlate(material="steel-s235", **size).edges_mm
+    (300.0, 200.0)
+    """
+
+    SECTION: ClassVar[str] = "plate"
+
+    @model_validator(mode="after")
+    def _has_edges(self) -> Self:
+        """Refuse a plate without edges, and keys of a plate on which a sphere rolls."""
+        for key in ("length_mm", "width_mm", "density_kg_m3"):
+            if getattr(self, key) is None:
+                raise fault("missing; the plate of a housing has edges and a mass", at=f".{key}")
+        for key in (
+            "plasticity",
+            "yield_strength_gpa",
+            "contact_path",
+            "contact_end_mm",
+            "contact_loss_factor",
+        ):
+            if getattr(self, key) is not None:
+                raise fault("only goes with a sphere that rolls on the plate", at=f".{key}")
+        return self
+
+
+class BearingSound(Section):
+    """Record of the vibration, and listener of the plate.
+
+    Attributes
+    ----------
+    duration_s : float
+        Time that is computed [s]
+    listen_s : float, optional
+        Length [s] of the record to listen to. Default: 5 s, or the duration if it is longer.
+    distance_m : float
+        Distance of the listener from the plate of the housing [m]
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.BearingSound(duration_s=2).distance_m
+    1.0
+    """
+
+    SECTION: ClassVar[str] = "sound"
+
+    duration_s: float = Field(default=1.0, gt=0, le=60)
+    listen_s: float | None = Field(default=None, ge=0.1, le=120)
+    distance_m: float = Field(default=1.0, gt=0)
+
+
+class BearingNumerics(Section):
+    """Resolution and accuracy of the rough contacts.
+
+    Attributes
+    ----------
+    spacing_um : float, optional
+        Node spacing [um] of balls and raceways. Default: some nodes in the shortest correlation
+        length, and in the narrow side of the lightest contact.
+    window_mm : float
+        Length of track [mm] that is marched for each kind of contact, beyond which the roughness
+        continues with the same statistics
+    tolerance : float or "auto"
+        Allowed violation of the contact conditions, over the maximum deflection [-]
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.BearingNumerics(spacing_um=1).window_mm
+    16.0
+    """
+
+    SECTION: ClassVar[str] = "numerics"
+
+    spacing_um: float | None = Field(default=None, gt=0)
+    window_mm: float = Field(default=16.0, gt=0)
+    tolerance: Tolerance = "auto"

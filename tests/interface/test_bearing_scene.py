@@ -1,0 +1,241 @@
+"""Scenes of bearings: reading, named bearings, the free contact angle, and what is refused."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ruamel.yaml import YAML
+from scene_text import BEARINGS, SCENES
+
+import rolling
+from rolling import closed_forms
+from rolling.scene.bearing_file import bearing_schema, is_bearing_file, loads_bearing
+from rolling.scene.file import dump
+from rolling.scene.messages import SceneError
+
+TEXT = """\
+name: trial
+bearing:
+  balls: 8
+  ball_diameter_mm: 7.938
+  pitch_diameter_mm: 33.5
+  contact_angle_deg: 12
+  conformity_inner: 0.515
+  conformity_outer: 0.525
+  speed_rpm: 1800
+  axial_load_n: 70
+  ring_mass_kg: 0.06
+"""
+
+
+def faults(*overrides: str, text: str = TEXT) -> list[str]:
+    with pytest.raises(SceneError) as error:
+        loads_bearing(text, overrides, "b.yaml")
+    return error.value.faults
+
+
+def bearing(*overrides: str) -> rolling.BearingScene:
+    return loads_bearing(TEXT, overrides, "b.yaml")
+
+
+# ---- reading
+
+
+@pytest.mark.parametrize("path", BEARINGS, ids=lambda path: path.stem)
+def test_scene_is_the_same_after_writing(path: Path) -> None:
+    scene = rolling.read_bearing(path)
+    assert loads_bearing(dump(scene)) == scene
+    assert rolling.BearingScene.from_dict(scene.to_dict()) == scene
+    root = bearing_schema()
+    for data in (YAML(typ="safe").load(path.read_text()), scene.to_dict()):
+        assert set(data) <= set(root["properties"])
+        assert set(data["bearing"]) <= set(root["$defs"]["Bearing"]["properties"])
+
+
+def test_each_reader_refuses_the_other_kind() -> None:
+    with pytest.raises(SceneError, match=r"yaml:\d+: bearing: .*read_bearing"):
+        rolling.read_scene(BEARINGS[0])
+    with pytest.raises(SceneError, match=r"yaml:\d+: sphere: .*read_scene"):
+        rolling.read_bearing(SCENES[0])
+    assert is_bearing_file("bearing-6204") and not is_bearing_file("quickstart")
+    assert not is_bearing_file("no-such-file.yaml")
+
+
+def test_a_sweep_has_runs_with_their_values() -> None:
+    grades = "sweep.bearing.surfaces.balls.grade=[G5, G100]"
+    scene = bearing("bearing.surfaces.balls={kind: graded, grade: G10}", grades)
+    runs = scene.runs()
+    assert [run.scene.bearing.surfaces.balls.grade for run in runs] == ["G5", "G100"]
+    assert [*runs[0].values] == ["bearing.surfaces.balls.grade"]
+    text = faults("bearing.surfaces.balls={kind: graded, grade: G10}", grades.replace("5", "7"))
+    assert len(text) == 1 and "G7" in text[0] and "nearest: G5" in text[0]
+
+
+def test_every_key_is_described() -> None:
+    root = bearing_schema()
+    for section in root["$defs"].values():
+        for name, key in section["properties"].items():
+            assert key.get("description"), name
+
+
+# ---- named bearings
+
+
+@pytest.mark.parametrize("name", ["6204", "608", "6305"])
+def test_a_named_bearing_can_be_assembled_and_loaded_to_its_catalogue_rating(name: str) -> None:
+    """The static load rating of ISO 76 is that of a pressure of 4.2 GPa."""
+    scene = rolling.BearingScene(bearing={"named": name, "speed_rpm": 1800, "axial_load_n": 20})
+    made = scene.bearing
+    assert made.bore_mm is not None and made.outside_diameter_mm is not None
+    middle = (made.bore_mm + made.outside_diameter_mm) / 2
+    assert made.pitch_diameter_mm == pytest.approx(middle, rel=0.01)
+    rating = {"6204": 6550, "608": 1370, "6305": 11600}[name]
+    loaded = scene.with_(axial_load_n=0, radial_load_n=rating)
+    pressure = loaded.raceways.pressure(loaded.raceways.largest_load(0, rating))
+    assert 3.4e9 < pressure < 4.2e9
+
+
+def test_values_beside_a_name_win_and_another_name_brings_its_own() -> None:
+    scene = rolling.BearingScene(bearing={"named": 6204, "speed_rpm": 1800, "axial_load_n": 20})
+    assert scene.with_(contact_angle_deg=15).bearing.radial_clearance_um is None
+    other = scene.with_(ball_diameter_mm=3.5).with_(named="608")
+    assert other.bearing.pitch_diameter_mm == 15 and other.bearing.ball_diameter_mm == 3.5
+    both = scene.with_(sweep={"bearing.named": [6204, 608]}).runs()
+    assert [run.scene.bearing.pitch_diameter_mm for run in both] == [33.5, 15]
+    text = faults("bearing.named=6203")
+    assert "6204, 608, 6305" in text[0] and "nearest: 6204" in text[0]
+
+
+# ---- geometry
+
+
+@pytest.mark.parametrize("angle_deg", [0.5, 12.0, 40.0])
+def test_angle_and_clearance_follow_from_each_other(angle_deg: float) -> None:
+    """cos(angle) = 1 - P_d/(2 (r_i + r_o - D))"""
+    scene = bearing(f"bearing.contact_angle_deg={angle_deg}")
+    distance = (0.515 + 0.525 - 1) * 7.938e-3
+    cosine = 1 - scene.radial_clearance / (2 * distance)
+    assert math.acos(cosine) == pytest.approx(math.radians(angle_deg), rel=1e-6)
+    clearance = f"bearing.radial_clearance_um={scene.radial_clearance * 1e6!r}"
+    other = bearing(clearance, "bearing.contact_angle_deg=")
+    assert other.contact_angle == pytest.approx(scene.contact_angle, rel=1e-6)
+    assert bearing(clearance, f"bearing.contact_angle_deg={angle_deg}").bearing == (
+        scene.with_({"bearing.radial_clearance_um": scene.radial_clearance * 1e6}).bearing
+    )
+
+
+def test_a_contradiction_is_refused_with_the_value_that_fits() -> None:
+    (text,) = faults("bearing.radial_clearance_um=20")
+    assert "14.42" in text and "13.88" in text
+    assert bearing("bearing.radial_clearance_um=13.88").contact_angle > 0
+
+
+def test_a_purely_radial_load_needs_no_angle() -> None:
+    radial = ("bearing.axial_load_n=0", "bearing.radial_load_n=100")
+    scene = bearing(*radial, "bearing.contact_angle_deg=0", "bearing.radial_clearance_um=10")
+    assert scene.contact_angle == 0 and scene.raceways.clearance == pytest.approx(10e-6)
+    assert bearing(*radial).contact_angle == 0
+    assert "above 0" in faults("bearing.contact_angle_deg=0")[0]
+    assert "missing" in faults("bearing.contact_angle_deg=")[0]
+    assert "missing" in faults("bearing.axial_load_n=0")[0]
+
+
+# ---- loads
+
+
+@pytest.mark.parametrize(("balls", "share"), [(8, 4.35), (20, 4.37)])
+def test_the_largest_load_is_stribecks(balls: int, share: float) -> None:
+    scene = bearing("bearing.axial_load_n=0", "bearing.radial_load_n=100")
+    scene = scene.with_(balls=balls, pitch_diameter_mm=60, contact_angle_deg=0)
+    largest = scene.raceways.largest_load(0, 100)
+    assert largest == pytest.approx(share * 100 / balls, rel=2e-3)
+
+
+def test_the_stiffness_is_that_of_both_contacts_in_series() -> None:
+    bodies = bearing().raceways
+    approach = 0.0
+    for ring in ("inner", "outer"):
+        equivalent, _, _ = closed_forms.hertz_ellipse(*bodies.contact_radii(ring))
+        approach += closed_forms.hertz_approach(40.0, equivalent, bodies.contact_modulus)
+    assert bodies.stiffness * approach**1.5 == pytest.approx(40.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "loads",
+    [
+        {"axial_load_n": 1e6},
+        {"axial_load_n": 0, "radial_load_n": 1e5},
+        {"axial_load_n": 1e5, "radial_load_n": 2e5},
+    ],
+)
+def test_a_load_beyond_the_static_capacity_is_refused_with_one_that_fits(
+    loads: dict[str, float],
+) -> None:
+    (text,) = faults(*(f"bearing.{key}={load}" for key, load in loads.items()))
+    fitting = float(text.partition("at most ")[2].partition(" ")[0].strip(":"))
+    allowed = fitting / next(load for load in loads.values() if load)
+    scene = bearing(*(f"bearing.{key}={0.999 * allowed * load}" for key, load in loads.items()))
+    bodies = scene.raceways
+    pressure = bodies.pressure(bodies.largest_load(scene.axial_load, scene.radial_load))
+    assert pressure == pytest.approx(4.2e9, rel=2e-3)
+
+
+def test_an_axial_load_holds_all_balls_or_is_refused() -> None:
+    """Beyond F_r tan(angle) = F_a cos(pi/Z) there is no balance in some place of the cage."""
+    most = 70 / math.tan(math.radians(12)) * math.cos(math.pi / 8)
+    assert bearing(f"bearing.radial_load_n={0.999 * most}").radial_load < most
+    (text,) = faults(f"bearing.radial_load_n={1.001 * most}")
+    assert f"{most:.4g}"[:3] in text
+
+
+# ---- refusals
+
+
+def test_all_faults_stand_in_one_message() -> None:
+    text = faults(
+        "bearing.balls=14",
+        "bearing.bore_mm=26",
+        "bearing.outside_diameter_mm=41",
+        "bearing.contact_angle_deg=0",
+        "bearing.turning=both",
+        "bearing.conformity_inner=0.5",
+        "bearing.sped_rpm=3",
+        "bearing.surfaces.fault_ball=20",
+    )
+    for words in ("at most 13", "25.56", "41.44", "above 0", "inner", "greater than 0.5"):
+        assert any(words in line for line in text), (words, text)
+    assert any("nearest: bearing.speed_rpm" in line for line in text)
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("bearing.conformity_outer=0.61", "0.6"),
+        ("bearing.balls=2", "3"),
+        ("bearing.balls=8.5", "whole number"),
+        ("bearing.speed_rpm=.nan", ".nan"),
+        ("bearing.speed_rpm=0", "greater than 0"),
+        ("bearing.pitch_diameter_mm=9", "above 20.75"),
+        ("bearing.surfaces.inner={kind: graded, grade: G5}", "gaussian, smooth, file"),
+        ("bearing.surfaces.outer={kind: smooth, waviness: {1: 0.1}}", "from 2 on"),
+        ("bearing.surfaces.outer={kind: smooth, waviness: {99999: 0.1}}", "up to 6"),
+        ("plate={material: steel-s235}", "missing"),
+        ("sound.duration_s=-1", "greater than 0"),
+    ],
+)
+def test_bad_input_gets_a_clear_message(override: str, words: str) -> None:
+    text = faults(override)[0]
+    assert text.startswith("--set: ") and words in text
+
+
+def test_faults_of_a_surface_lie_on_it() -> None:
+    pit: dict[str, Any] = {"kind": "pit", "at_mm": [10, 0], "size_um": 80, "depth_um": 3}
+    surfaces = {"outer": {"kind": "smooth", "faults": [pit]}}
+    scene = bearing().with_({"bearing.surfaces": surfaces})
+    assert scene.circumferences["outer"] == pytest.approx(math.pi * 41.2645e-3, rel=1e-5)
+    with pytest.raises(SceneError, match=r"surfaces.outer.faults\[0\].at_mm: got \[200, 0\]"):
+        surfaces["outer"]["faults"][0]["at_mm"] = [200, 0]
+        bearing().with_({"bearing.surfaces": surfaces})
