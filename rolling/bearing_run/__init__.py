@@ -1,1 +1,1 @@
-"""Bearings that turn: their rough contacts, solving, results, figures and page."""
+"""Bearings that turn: motion of the ring, sound of the housing, results, figures and page."""

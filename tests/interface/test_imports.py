@@ -24,7 +24,7 @@ FLOORS = {
         ("marches",),
         ("results",),
         ("figures", "run"),
-        ("plot", "report"),
+        ("bearing_contacts", "plot", "report"),
         ("bearing_run", "choice", "commands", "studies", "surface_command"),
         ("cli", "interface"),
     ),
@@ -116,9 +116,9 @@ def test_every_room_has_one_floor(package: str) -> None:
 
 
 def test_the_house_is_small() -> None:
-    """A stranger keeps ten floors, sixteen rooms and one meaning of a class name in mind."""
+    """A stranger keeps ten floors, seventeen rooms and one meaning of a class name in mind."""
     folders = [path for path in (ROOT / "rolling").iterdir() if (path / "__init__.py").is_file()]
-    assert max(map(len, FLOORS.values())) <= 10 and len(folders) <= 16
+    assert max(map(len, FLOORS.values())) <= 10 and len(folders) <= 17
     names = [
         node.name
         for package in FLOORS

@@ -12,17 +12,17 @@ import pytest
 import rolling
 from acoustics.arrays import Array
 from rolling.bearing import waves
-from rolling.bearing_run.contacts import (
+from rolling.bearing_contacts.contacts import (
     RoughContact,
     contact_loads,
     march_numbers,
     rough_contact,
 )
-from rolling.bearing_run.faults import FaultStretch, fault_stretches
-from rolling.bearing_run.joined_tracks import bearing_tracks, rough_rows
-from rolling.bearing_run.plan import plan_contacts
-from rolling.bearing_run.solving import Marches, solved_stages
-from rolling.bearing_run.turns import continued_turn
+from rolling.bearing_contacts.faults import FaultStretch, fault_stretches
+from rolling.bearing_contacts.joined_tracks import bearing_tracks, rough_rows
+from rolling.bearing_contacts.plan import plan_contacts
+from rolling.bearing_contacts.solving import Marches, solved_stages
+from rolling.bearing_contacts.turns import continued_turn
 from rolling.scene.laws import Roughness, SurfaceFault
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import SmoothBall

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling.bearing_run.joined_tracks import bearing_tracks
-from rolling.bearing_run.plan import ContactPlan, plan_contacts, stages_of
-from rolling.bearing_run.solving import CONTACTS, solved_stages
+from rolling.bearing_contacts.joined_tracks import bearing_tracks
+from rolling.bearing_contacts.plan import ContactPlan, plan_contacts, stages_of
+from rolling.bearing_contacts.solving import CONTACTS, solved_stages
 from rolling.marches.piece import Piece
 from rolling.run import executor, worker
 from rolling.scene.surfaces import GaussianBall

@@ -13,10 +13,10 @@ import numpy as np
 
 from acoustics.numbers import rounded
 from rolling.bearing import waves
-from rolling.bearing_run.contacts import RoughContact
-from rolling.bearing_run.joined_tracks import rough_rows
-from rolling.bearing_run.plan import RINGS, ContactPlan, contact_of, law_of
-from rolling.bearing_run.solving import ContactMarch, Marches
+from rolling.bearing_contacts.contacts import RoughContact
+from rolling.bearing_contacts.joined_tracks import rough_rows
+from rolling.bearing_contacts.plan import RINGS, ContactPlan, contact_of, law_of
+from rolling.bearing_contacts.solving import ContactMarch, Marches
 from rolling.check.doubt import Doubt, Severity, sized
 from rolling.marches.piece import contact_identity
 from rolling.scene.surfaces import BallHeightFile

@@ -16,7 +16,7 @@ import numpy as np
 
 from acoustics.arrays import Array, short_repr
 from rolling.bearing.geometry import RacewayContact
-from rolling.bearing_run.contacts import (
+from rolling.bearing_contacts.contacts import (
     HIGHEST,
     ROOM,
     MarchNumbers,

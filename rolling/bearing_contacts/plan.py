@@ -15,14 +15,14 @@ from pathlib import Path
 from acoustics.arrays import short_repr
 from rolling.bearing import waves
 from rolling.bearing.geometry import BearingGeometry, RacewayContact
-from rolling.bearing_run.contacts import (
+from rolling.bearing_contacts.contacts import (
     MarchNumbers,
     RoughContact,
     contact_loads,
     march_numbers,
     rough_contact,
 )
-from rolling.bearing_run.faults import FaultStretch, fault_stretches
+from rolling.bearing_contacts.faults import FaultStretch, fault_stretches
 from rolling.scene.laws import Roughness
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import BallHeightFile, BallSurface

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from acoustics.arrays import Array
 from rolling.bearing import waves
 from rolling.bearing.tracks import BearingTracks, BodyTrack, smooth_track
-from rolling.bearing_run.contacts import RoughContact
-from rolling.bearing_run.faults import FaultStretch, added_at_angle
-from rolling.bearing_run.plan import (
+from rolling.bearing_contacts.contacts import RoughContact
+from rolling.bearing_contacts.faults import FaultStretch, added_at_angle
+from rolling.bearing_contacts.plan import (
+    RINGS,
     ContactPlan,
     contact_of,
     kinds_of_contact,
     radius_of,
 )
-from rolling.bearing_run.solving import ContactMarch, Marches
-from rolling.bearing_run.turns import continued_turn
+from rolling.bearing_contacts.solving import ContactMarch, Marches
+from rolling.bearing_contacts.turns import continued_turn
 from rolling.marches.piece import contact_identity
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import BallHeightFile, BallSurface, GradedBall
@@ -32,7 +34,9 @@ _ROUGHNESS = 1
 _PLACE = 2
 
 
-def bearing_tracks(plan: ContactPlan, marches: Marches | None = None) -> BearingTracks:
+def bearing_tracks(
+    plan: ContactPlan, marches: Marches | None = None, draw: int = 0
+) -> BearingTracks:
     """Return the tracks of a bearing from the marches of its contacts that are there.
 
     Without a march of a contact its roughness enters by the linear response. At a load that is not
@@ -44,14 +48,22 @@ def bearing_tracks(plan: ContactPlan, marches: Marches | None = None) -> Bearing
         Contacts of the bearing.
     marches : dict, optional
         Marches by contact identity, as of `solved_stages`. Default: none.
+    draw : int
+        Number of a specimen of equal statistics: others than 0 have other random heights from the
+        same marches, other forms of graded balls, and begin at other angles. Default 0.
 
     Returns
     -------
     BearingTracks
     """
     known = marches or {}
-    rings = {ring: _ring_track(plan, ring, known) for ring in ("inner", "outer")}
-    balls = [_ball_tracks(plan, ball, known) for ball in range(plan.geometry.balls)]
+    solved = _Solved(
+        plan=plan,
+        rows={name: rough_rows(contact, known) for name, contact in plan.rough.items()},
+        changes=[_fault_change(stretch, known) for stretch in plan.faults],
+    )
+    rings = {ring: _ring_track(solved, ring, draw) for ring in RINGS}
+    balls = [_ball_tracks(solved, ball, draw) for ball in range(plan.geometry.balls)]
     return BearingTracks(
         inner=rings["inner"],
         outer=rings["outer"],
@@ -60,75 +72,89 @@ def bearing_tracks(plan: ContactPlan, marches: Marches | None = None) -> Bearing
     )
 
 
-def _ring_track(plan: ContactPlan, ring: str, marches: Marches) -> BodyTrack:
-    """Return the track around a raceway."""
-    surface = plan.surfaces[ring]
+@dataclass(frozen=True)
+class _Solved:
+    """Contacts of a bearing with what their marches give, which all balls share.
+
+    rows : dict. Changes of the approach by roughness [m], (loads, steps), by kind of contact.
+    changes : list. Changes of the approach by each fault [m], (loads, steps); None without a march.
+    """
+
+    plan: ContactPlan
+    rows: dict[str, Array]
+    changes: list[Array | None]
+
+
+def _ring_track(solved: _Solved, ring: str, draw: int) -> BodyTrack:
+    """Return the track around a raceway, which begins as it is marched in the first specimen."""
+    surface = solved.plan.surfaces[ring]
     if surface is None:
         return smooth_track()
-    seed = getattr(surface, "seed", 0)
-    (track,) = _body_tracks(plan, ring, surface, marches, seed=(seed, _ROUGHNESS))
-    return track
+    seed = (getattr(surface, "seed", 0), _ROUGHNESS, draw)
+    (track,) = _body_tracks(solved, ring, surface, seed=seed, keep_rows=draw == 0)
+    if draw == 0:
+        return track
+    return _turned(track, np.random.default_rng((*seed, _PLACE)).uniform())
 
 
-def _ball_tracks(plan: ContactPlan, ball: int, marches: Marches) -> Sequence[BodyTrack]:
+def _ball_tracks(solved: _Solved, ball: int, draw: int) -> list[BodyTrack]:
     """Return the tracks around a ball on the inner and on the outer raceway.
 
     Balls share their marches. Each has heights and form of its own, and begins at another angle.
+    No ball begins as it is marched, because a raceway of equal seed may do so.
     """
+    plan = solved.plan
     surface = plan.surfaces["balls"]
     if surface is None:
         return [smooth_track(), smooth_track()]
-    seed = getattr(surface, "seed", 0)
+    own_seed = getattr(surface, "seed", 0)
+    number = draw * plan.geometry.balls + ball
     if isinstance(surface, GradedBall):
-        surface = surface.model_copy(update={"seed": seed + ball})
+        surface = surface.model_copy(update={"seed": own_seed + number})
     if surface.faults and ball != plan.fault_ball:
         surface = surface.model_copy(update={"faults": None})
-    tracks = _body_tracks(plan, "balls", surface, marches, seed=(seed, _ROUGHNESS, ball))
-    share = np.random.default_rng((seed, _PLACE, ball)).uniform() if ball else 0.0
-    turned = []
-    for track in tracks:
-        begin = round(share * track.points)
-        turned.append(BodyTrack(track.loads_n, np.roll(track.approach_m, begin, axis=1)))
-    return turned
+    seed = (own_seed, _ROUGHNESS, draw, ball)
+    tracks = _body_tracks(solved, "balls", surface, seed=seed, keep_rows=False)
+    if number == 0:
+        return tracks
+    share = np.random.default_rng((*seed, _PLACE)).uniform()
+    return [_turned(track, share) for track in tracks]
+
+
+def _turned(track: BodyTrack, share: float) -> BodyTrack:
+    """Return a track that begins a share of a turn earlier."""
+    begin = round(share * track.points)
+    return BodyTrack(track.loads_n, np.roll(track.approach_m, begin, axis=1))
 
 
 def _body_tracks(
-    plan: ContactPlan,
-    body: str,
-    surface: BallSurface,
-    marches: Marches,
-    *,
-    seed: tuple[int, ...],
+    solved: _Solved, body: str, surface: BallSurface, *, seed: tuple[int, ...], keep_rows: bool
 ) -> list[BodyTrack]:
     """Return the tracks of a body, one for each kind of contact that it meets."""
+    plan = solved.plan
     names = kinds_of_contact(body)
     radius = radius_of(plan.geometry, body)
     loads = np.array(plan.loads_n)
-    rough = [plan.rough[name] for name in names if name in plan.rough]
-    stretches = [
-        [stretch for stretch in plan.faults if stretch.name == name and surface.faults]
-        for name in names
-    ]
-    if rough:
-        rows = np.concatenate([rough_rows(contact, marches) for contact in rough])
-        points = round(2 * np.pi * radius / rough[0].scene.step)
+    parts = [np.zeros((len(loads), LEAST_POINTS))] * len(names)
+    if names[0] in solved.rows:
+        rows = np.concatenate([solved.rows[name] for name in names])
+        points = round(2 * np.pi * radius / plan.rough[names[0]].scene.step)
         number = int(np.random.SeedSequence(seed).generate_state(1)[0])
-        # A ball and a raceway of equal seeds have other heights.
-        turn = continued_turn(rows, points, number, keep_rows=body != "balls")
-        parts = np.split(turn, len(names))
-    else:
-        parts = [np.zeros((len(loads), LEAST_POINTS))] * len(names)
+        parts = np.split(continued_turn(rows, points, number, keep_rows), len(names))
     tracks = []
-    for name, part, own_stretches in zip(names, parts, stretches, strict=True):
+    for name, part in zip(names, parts, strict=True):
         track = BodyTrack(loads, part)
-        finest = min([stretch.with_fault.step for stretch in own_stretches], default=np.inf)
-        if 2 * np.pi * radius / finest > track.points:
-            track = track.resampled(int(np.ceil(2 * np.pi * radius / finest)))
+        faults = []
+        if surface.faults:
+            pairs = zip(plan.faults, solved.changes, strict=True)
+            faults = [(stretch, change) for stretch, change in pairs if stretch.name == name]
+        for stretch, _ in faults:
+            points = int(np.ceil(2 * np.pi * radius / stretch.with_fault.step))
+            track = track.resampled(max(points, track.points))
         for form in _forms(plan, name, surface, radius, track.points):
             track = track.plus(BodyTrack(loads, form))
         values = track.approach_m
-        for stretch in own_stretches:
-            change = _fault_change(stretch, marches)
+        for stretch, change in faults:
             if change is not None:
                 values = added_at_angle(values, stretch.places_m, change, stretch.angle, radius)
         tracks.append(BodyTrack(loads, values))
@@ -177,12 +203,14 @@ def without_first_order(heights: Array) -> Array:
 
 def rough_rows(contact: RoughContact, marches: Marches) -> Array:
     """Return the changes of the approach at all loads of a rough contact [m], (loads, steps)."""
-    linear = contact.linear_rows(contact.loads_n)
     marched = {}
     for load, scene in contact.scenes.items():
         march = _march_of(scene, marches)
         if march is not None:
             marched[load] = march.approach_m - march.approach_m.mean()
+    if len(marched) == len(contact.loads_n):
+        return np.array(list(marched.values()))
+    linear = contact.linear_rows(contact.loads_n)
     if not marched:
         return linear
     by_load = dict(zip(contact.loads_n, linear, strict=True))
