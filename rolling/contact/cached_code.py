@@ -96,8 +96,9 @@ def digest_of_sources() -> str:
     """Return the digest of the modules of kernels, which begin with an underscore."""
     digest = hashlib.sha256()
     rooms = Path(__file__).parents[1]
-    for path in sorted([*rooms.glob("contact/_*.py"), *rooms.glob("dynamics/_*.py")]):
-        digest.update(path.read_bytes())
+    for room in ("bearing", "contact", "dynamics"):
+        for path in sorted(rooms.glob(f"{room}/_*.py")):
+            digest.update(path.read_bytes())
     return digest.hexdigest()
 
 

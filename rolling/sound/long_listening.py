@@ -16,7 +16,6 @@ from rolling.scene.scene import Scene
 from rolling.sound import contact_sound, vibration_sound
 from rolling.terminal import progress
 
-_TAPS = 20  # samples of sound that a decimating filter reaches to either side
 _FINER = 4  # points of a release per sample of sound, so that a spline between them is exact
 _MAX_POINTS = 2**18  # at once
 
@@ -83,7 +82,7 @@ def listen_to_vibration(scene: Scene, law: ForceLaw, seconds: float, seed: int) 
     """
     rate = wav.SAMPLE_RATE_HZ
     motion = LongMotion(scene, law, seconds, rate, seed)
-    decimator = Decimator(motion.steps_per_sample)
+    decimator = resampling.Decimator(motion.steps_per_sample)
     samples = []
     falls = scene.rolling.drop_mm is not None  # its record begins in silence
     with progress.Bar(seconds, "listening") as bar:
@@ -140,7 +139,7 @@ def _in_time(scene: Scene, rows: ContinuedRows, spacing: float, seconds: float) 
     rate = wav.SAMPLE_RATE_HZ
     motion = scene.motion
     factor = contact_sound.oversampling(motion, seconds, spacing)
-    decimator = Decimator(factor)
+    decimator = resampling.Decimator(factor)
     samples = []
     count = _MAX_POINTS // factor * factor
     total = round(seconds * rate) * factor
@@ -179,37 +178,3 @@ def _numbers(
         "highest_frequency_hz": fastest / (2 * step),
         "lowest_frequency_hz": fastest / solved,
     }
-
-
-class Decimator:
-    """Low-pass filter from `factor` values per sample to one, in parts that join without a seam.
-
-    It passes 20 kHz of a rate of 48 kHz, and stops by 100 dB beyond 28 kHz, which folds to 20 kHz.
-    """
-
-    def __init__(self, factor: int) -> None:
-        from scipy import signal  # slow to import, for long records only
-
-        self._factor = factor
-        reach = _TAPS * factor
-        window = "kaiser", signal.kaiser_beta(100)
-        self._filter = signal.firwin(2 * reach + 1, 1 / max(factor, 1.01), window=window)
-        self._past = np.zeros(2 * reach)
-        self._skip = _TAPS
-        self._upfirdn = signal.upfirdn
-
-    def add(self, values: Array) -> Array:
-        """Take the next values, whole samples of them; return the samples that are complete."""
-        if self._factor == 1:
-            return values
-        both = np.concatenate((self._past, values))
-        self._past = both[len(values) :]
-        whole = self._upfirdn(self._filter, both, down=self._factor)
-        samples = whole[2 * _TAPS : 2 * _TAPS + len(values) // self._factor]
-        skipped = self._skip
-        self._skip = max(self._skip - len(samples), 0)
-        return np.asarray(samples[skipped:])
-
-    def end(self) -> Array:
-        """Return the samples that are left after the last values."""
-        return self.add(np.zeros(_TAPS * self._factor)) if self._factor > 1 else np.zeros(0)

@@ -10,12 +10,13 @@ from finished import VIBRATING, marched
 from helpers import hertz_law
 from long_listening_study import compare
 
+from acoustics import resampling
 from acoustics.uncertainty import kurtosis
 from rolling.dynamics import long_motion
 from rolling.dynamics.long_motion import LongLaw, LongMotion
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
-from rolling.sound.long_listening import Decimator, listen_to_vibration, with_speed
+from rolling.sound.long_listening import listen_to_vibration, with_speed
 
 RATE = 48000
 
@@ -139,7 +140,7 @@ def test_a_decimator_passes_hearing_and_stops_beyond_it(factor: int) -> None:
         tone = np.sin(2 * np.pi * frequency * times)
         if frequency > RATE * factor / 2:
             continue
-        decimator = Decimator(factor)
+        decimator = resampling.Decimator(factor)
         parts = np.split(tone, [7 * factor, 900 * factor])
         heard = np.concatenate([*(decimator.add(part) for part in parts), decimator.end()])
         expected = gain * tone[::factor]

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from math import radians
+from math import pi, radians
+
+import numpy as np
 
 from rolling.bearing.geometry import BearingGeometry, assemble
+from rolling.bearing.kinematics import kinematics_of
+from rolling.bearing.model import BearingModel
 from rolling.contact.closed_forms import contact_modulus
 
 STEEL = contact_modulus(210e9, 0.3, 210e9, 0.3)
@@ -38,3 +42,27 @@ def angular(balls: int = 17) -> BearingGeometry:
 def miniature(balls: int = 7) -> BearingGeometry:
     """Return a miniature bearing, like a 608."""
     return bearing(balls=balls, ball_mm=3.969, pitch_mm=15.0, angle_deg=15.0, inner=0.52)
+
+
+def model(geometry: BearingGeometry | None = None, **changes) -> BearingModel:
+    """Return a bearing that turns, by default under an axial load of 70 N at 1,800 rpm.
+
+    `turning` and `turns_hz` are those of `kinematics_of`.
+    """
+    shape = geometry or bearing()
+    speeds = kinematics_of(shape, changes.pop("turning", "inner"), changes.pop("turns_hz", 30.0))
+    ball_mass = 7800 * 4 / 3 * pi * shape.ball_radius_m**3
+    given = {"ring_mass_kg": 0.06, "ball_mass_kg": ball_mass, "axial_load_n": 70.0}
+    given |= {"radial_load_n": 0.0} | changes
+    return BearingModel(geometry=shape, kinematics=speeds, **given)
+
+
+def line(signal: np.ndarray, frequency_hz: float, rate_hz: float = 48000.0) -> complex:
+    """Return the complex amplitude of a line of a record, by a Hann window and least squares.
+
+    The record is long against the distance of its lines.
+    """
+    time = np.arange(len(signal)) / rate_hz
+    window = np.hanning(len(signal))
+    tone = np.exp(-2j * np.pi * frequency_hz * time)
+    return complex(2 * np.sum(window * tone * signal) / np.sum(window))

@@ -1,0 +1,332 @@
+"""Compiled time steps of the ring that moves on the balls of a bearing, and of balls with mass.
+
+A contact bears the force Q = s^(3/2) at the approach f(s), a broken line over s = Q^(2/3): the
+compliance K^(-2/3) times s, plus the tracks, which are straight between the nodes of s and constant
+beyond them. Its energy is the integral of Q df, so each piece of a line gives 2/5 of its slope
+times the rise of s^(5/2).
+
+Contact c of a ball whose contact line is n, and which is displaced by b outwards along it, has the
+approach `along[c]` (n . u) + `beside[c]` b - `gaps[c]` at the displacement u of the ring. A ball
+without mass has one contact, both raceways in series, and no b. A ball with mass has one contact
+with the inner raceway and one with the outer.
+
+A step drifts to its middle, meets the forces there, and drifts on (leapfrog):
+
+    u += h/2 v,   M (v1 - v0) / h = load - sum Q along n - C v,   u += h/2 v
+
+The viscous matrix is C = S (sum k n n^T) S with the stiffness k of each ball. S is made so that
+the mean of C gives each resonance its loss factor. A ball with mass has a viscous force against
+its motion beside the place to which the ring would lead it without mass.
+"""
+
+# mypy: disable-error-code="no-untyped-def"
+from math import cos, floor, pi, sin, sqrt
+from typing import NamedTuple
+
+from acoustics.arrays import Array
+from rolling.contact.compiling import inlined, njit
+
+# Minimum slope of the approach over s, as a share of that of the smooth contact, so that the force
+# rises with the approach whatever tracks add up to.
+MIN_SLOPE = 0.2
+
+
+class TrackTables(NamedTuple):
+    """Tracks of all bodies at the same loads, as the kernels read them.
+
+    A row is a place of the turn, a column a load. `nodes` are the values of s of the loads, after a
+    zero.
+    """
+
+    nodes: Array  # (1 + k,)
+    inner: Array  # (places, k)
+    outer: Array
+    balls_on_inner: Array  # (balls, places, k)
+    balls_on_outer: Array
+
+
+class RingBodies(NamedTuple):
+    """Ring, balls and contacts as a time step moves them."""
+
+    step: float  # [s]
+    ring_mass: float  # [kg]
+    ball_mass: float  # [kg]
+    load: Array  # (3,) [N] on the ring
+    centrifugal: float  # [N] on a ball, along its contact line
+    radial: float  # part of a contact line along the radius, with its sign
+    axial: float  # part along the axis
+    along: Array  # (contacts,)
+    beside: Array  # (contacts,)
+    gaps: Array  # (contacts,) [m]
+    compliances: Array  # (contacts,) [m/N^(2/3)]
+    spread: Array  # S, (3, 3) [s^(1/2)]
+    ball_time: float  # [s] viscosity over stiffness of a ball with mass
+    cage_hz: float
+    inner_hz: float
+    outer_hz: float
+    spin_hz: float
+    fade_start: float  # [s] at which the tracks begin to grow
+    fade_end: float  # [s] from which on they are whole
+
+
+class RingState(NamedTuple):
+    """State between two steps, and the middle of the last step; kernels change the arrays."""
+
+    ring: Array  # (3,) [m]
+    ring_velocity: Array  # (3,) [m/s]
+    balls: Array  # (balls,) [m] outwards along the contact lines
+    ball_velocity: Array  # (balls,) [m/s]
+    last_ring: Array  # (3,) [m]
+    last_balls: Array  # (balls,) [m]
+    lines: Array  # (balls, 3) contact lines
+    last_lines: Array
+    laws: Array  # (balls, contacts, 1 + k) approach [m] at the nodes
+    last_laws: Array
+
+
+class RingSums(NamedTuple):
+    """Energies [J] and counts of the steps so far, each an array (1,) that kernels change."""
+
+    steps: Array
+    first_energy: Array
+    last_energy: Array
+    contact_energy: Array  # of the last step
+    load_work: Array
+    track_work: Array
+    loss: Array
+    lowest: Array  # contact energy
+    highest: Array
+    apart: Array  # balls without a load on the ring, summed over steps
+    free: Array  # steps in which no ball has a load on the ring
+
+
+@inlined()
+def add_track(turns, share, track, law):
+    """Add the track at a place [turns] to the approach at the nodes, by cubics through points."""
+    count = track.shape[0]
+    t = (turns - floor(turns)) * count
+    i = min(int(t), count - 1)
+    t -= i
+    before = i - 1 if i > 0 else count - 1
+    after = i + 1 if i + 1 < count else 0
+    beyond = after + 1 if after + 1 < count else 0
+    w0 = 0.5 * share * t * (t * (2.0 - t) - 1.0)
+    w1 = 0.5 * share * (t * t * (3.0 * t - 5.0) + 2.0)
+    w2 = 0.5 * share * t * (t * (4.0 - 3.0 * t) + 1.0)
+    w3 = 0.5 * share * t * t * (t - 1.0)
+    for k in range(track.shape[1]):
+        value = w0 * track[before, k] + w1 * track[i, k]
+        law[1 + k] += value + w2 * track[after, k] + w3 * track[beyond, k]
+
+
+@inlined()
+def close_law(compliance, nodes, law):
+    """Add the smooth contact to the tracks at the nodes, and keep the approach rising."""
+    law[0] = law[1]
+    for k in range(1, nodes.shape[0]):
+        law[k] += compliance * nodes[k]
+        least = law[k - 1] + MIN_SLOPE * compliance * (nodes[k] - nodes[k - 1])
+        law[k] = max(law[k], least)
+
+
+@inlined()
+def contact_at(approach, compliance, nodes, law):
+    """Return force [N], stiffness [N/m] and energy [J] of a contact at an approach [m]."""
+    if approach <= law[0]:
+        return 0.0, 0.0, 0.0
+    last = nodes.shape[0] - 1
+    energy = 0.0
+    p = 0
+    low = 0.0  # s^(5/2) at node p
+    slope = compliance
+    while p < last:
+        slope = (law[p + 1] - law[p]) / (nodes[p + 1] - nodes[p])
+        if approach < law[p + 1]:
+            break
+        high = nodes[p + 1] * nodes[p + 1] * sqrt(nodes[p + 1])
+        energy += 0.4 * slope * (high - low)
+        low = high
+        slope = compliance
+        p += 1
+    s = nodes[p] + (approach - law[p]) / slope
+    root = sqrt(s)
+    energy += 0.4 * slope * (s * s * root - low)
+    return s * root, 1.5 * root / slope, energy
+
+
+@inlined()
+def set_laws(time, share, bodies, tables, lines, laws):
+    """Set the contact lines of all balls, and the approaches of their contacts at the nodes."""
+    count = lines.shape[0]
+    outer_contact = laws.shape[1] - 1  # the only one of a ball without mass
+    spin = bodies.spin_hz * time
+    for j in range(count):
+        cage = bodies.cage_hz * time + j / count
+        lines[j, 0] = bodies.radial * cos(2.0 * pi * cage)
+        lines[j, 1] = bodies.radial * sin(2.0 * pi * cage)
+        lines[j, 2] = bodies.axial
+        laws[j] = 0.0
+        add_track(cage - bodies.inner_hz * time, share, tables.inner, laws[j, 0])
+        add_track(spin, share, tables.balls_on_inner[j], laws[j, 0])
+        add_track(cage - bodies.outer_hz * time, share, tables.outer, laws[j, outer_contact])
+        add_track(spin + 0.5, share, tables.balls_on_outer[j], laws[j, outer_contact])
+        for c in range(laws.shape[1]):
+            close_law(bodies.compliances[c], tables.nodes, laws[j, c])
+
+
+@inlined()
+def approach_of(line, ring, ball, c, bodies):
+    """Return the approach [m] of contact c of a ball."""
+    closer = line[0] * ring[0] + line[1] * ring[1] + line[2] * ring[2]
+    return bodies.along[c] * closer + bodies.beside[c] * ball - bodies.gaps[c]
+
+
+@inlined()
+def energy_of(ring, balls, lines, laws, bodies, tables):
+    """Return the energy [J] of all contacts."""
+    total = 0.0
+    for j in range(lines.shape[0]):
+        for c in range(laws.shape[1]):
+            approach = approach_of(lines[j], ring, balls[j], c, bodies)
+            total += contact_at(approach, bodies.compliances[c], tables.nodes, laws[j, c])[2]
+    return total
+
+
+@inlined()
+def share_at(time, bodies):
+    """Return the share of the tracks and of the centrifugal force at a time of the run-in."""
+    if time >= bodies.fade_end:
+        return 1.0
+    if time <= bodies.fade_start:
+        return 0.0
+    past = (time - bodies.fade_start) / (bodies.fade_end - bodies.fade_start)
+    return sin(0.5 * pi * past) ** 2
+
+
+@njit(cache=True)
+def take_steps(first, bodies, tables, state, sums, drag, velocity, record):
+    """Take a step for each row of `record`, and set it to what the middle of the step has.
+
+    `first` [s] is the time of the first middle. A row has the displacement of the ring, its
+    velocity, the force of balls and viscosity on it, three numbers each, and the load of each ball
+    on it. The arrays `drag` and `velocity` (3,) are scratch.
+    """
+    step = bodies.step
+    heavy = bodies.ball_mass > 0.0
+    balls = state.lines.shape[0]
+    ring = state.ring
+    for i in range(record.shape[0]):
+        time = first + i * step
+        share = share_at(time, bodies)
+        for x in range(3):
+            ring[x] += 0.5 * step * state.ring_velocity[x]
+        for j in range(balls):
+            state.balls[j] += 0.5 * step * state.ball_velocity[j]
+        for j in range(balls):
+            state.last_lines[j] = state.lines[j]
+            state.last_laws[j] = state.laws[j]
+        set_laws(time, share, bodies, tables, state.lines, state.laws)
+
+        row = record[i]
+        row[:] = 0.0
+        drag[:] = 0.0
+        energy = 0.0
+        loaded = 0
+        kinetic = 0.0
+        for j in range(balls):
+            line = state.lines[j]
+            closing = 0.0
+            for x in range(3):
+                closing += line[x] * state.ring_velocity[x]
+            pull = 0.0  # force on the ball outwards
+            inverse = 0.0  # compliance of the ball's contacts in series
+            parted = False
+            sides = 0.0
+            coupling = 0.0
+            for c in range(bodies.along.shape[0]):
+                approach = approach_of(line, ring, state.balls[j], c, bodies)
+                force, stiffness, stored = contact_at(
+                    approach, bodies.compliances[c], tables.nodes, state.laws[j, c]
+                )
+                energy += stored
+                row[9 + j] += bodies.along[c] * force
+                pull -= bodies.beside[c] * force
+                if stiffness > 0.0:
+                    inverse += 1.0 / stiffness
+                else:
+                    parted = True
+                sides += bodies.beside[c] * bodies.beside[c] * stiffness
+                coupling += bodies.beside[c] * bodies.along[c] * stiffness
+            for x in range(3):
+                row[6 + x] -= row[9 + j] * line[x]
+            if row[9 + j] > 0.0:
+                loaded += 1
+            if not parted:
+                set_drag(line, 1.0 / inverse, bodies.spread, state.ring_velocity, drag)
+            if heavy:
+                pull += share * bodies.centrifugal
+                against = 0.0
+                if sides > 0.0:
+                    slip = state.ball_velocity[j] + coupling / sides * closing
+                    against = bodies.ball_time * sides * slip
+                    for x in range(3):
+                        drag[x] += against * coupling / sides * line[x]
+                gain = step * (pull - against) / bodies.ball_mass
+                mean = state.ball_velocity[j] + 0.5 * gain
+                kinetic += 0.5 * bodies.ball_mass * mean * mean
+                sums.loss[0] += step * against * mean
+                moved = state.balls[j] - state.last_balls[j]
+                if sums.steps[0] > 0.0:
+                    sums.load_work[0] += share * bodies.centrifugal * moved
+                state.ball_velocity[j] += gain
+        for x in range(3):
+            row[6 + x] -= drag[x]
+            gain = step * (bodies.load[x] + row[6 + x]) / bodies.ring_mass
+            velocity[x] = state.ring_velocity[x] + 0.5 * gain
+            kinetic += 0.5 * bodies.ring_mass * velocity[x] * velocity[x]
+            sums.loss[0] += step * drag[x] * velocity[x]
+            if sums.steps[0] > 0.0:
+                sums.load_work[0] += bodies.load[x] * (ring[x] - state.last_ring[x])
+            row[x] = ring[x]
+            row[3 + x] = velocity[x]
+            state.ring_velocity[x] += gain
+        if sums.steps[0] > 0.0:
+            here_by_last_law = energy_of(
+                ring, state.balls, state.last_lines, state.last_laws, bodies, tables
+            )
+            there_by_new_law = energy_of(
+                state.last_ring, state.last_balls, state.lines, state.laws, bodies, tables
+            )
+            change_here = energy - here_by_last_law
+            change_there = there_by_new_law - sums.contact_energy[0]
+            sums.track_work[0] += 0.5 * (change_here + change_there)
+        else:
+            sums.first_energy[0] = energy + kinetic
+            sums.lowest[0] = energy
+            sums.highest[0] = energy
+        sums.steps[0] += 1.0
+        sums.last_energy[0] = energy + kinetic
+        sums.contact_energy[0] = energy
+        sums.lowest[0] = min(sums.lowest[0], energy)
+        sums.highest[0] = max(sums.highest[0], energy)
+        sums.apart[0] += balls - loaded
+        if loaded == 0:
+            sums.free[0] += 1.0
+        for x in range(3):
+            state.last_ring[x] = ring[x]
+            ring[x] += 0.5 * step * state.ring_velocity[x]
+        for j in range(balls):
+            state.last_balls[j] = state.balls[j]
+            state.balls[j] += 0.5 * step * state.ball_velocity[j]
+
+
+@inlined()
+def set_drag(line, stiffness, spread, velocity, drag):
+    """Add k (S n) (S n) . v to the viscous force on the ring."""
+    rate = 0.0
+    for x in range(3):
+        for y in range(3):
+            rate += spread[x, y] * line[y] * velocity[x]
+    for x in range(3):
+        for y in range(3):
+            drag[x] += stiffness * rate * spread[x, y] * line[y]

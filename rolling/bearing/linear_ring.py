@@ -1,0 +1,126 @@
+"""Ring of a bearing as a linear chain: its mean stiffness, resonances, damping and mobility."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from acoustics.arrays import Array, short_repr
+from rolling.bearing.model import BearingModel
+
+_SOFT = 1e-9  # of the largest stiffness: nothing holds the ring in such a direction
+Complexes = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class LinearRing:
+    """Rigid ring on the mean stiffness of its balls.
+
+    Directions x and y are radial, z is axial. At each resonance the contacts' loss factor is given:
+    the viscous matrix has the modes of the stiffness, and the damping loss factor M omega_n each.
+    """
+
+    __repr__ = short_repr
+
+    mass_kg: float
+    stiffness_n_m: Array  # (3, 3)
+    loss_factor: float
+
+    @cached_property
+    def _modes(self) -> tuple[Array, Array]:
+        """Squares of the angular frequencies (3,), and directions (3, 3) in columns."""
+        squares, directions = np.linalg.eigh(self.stiffness_n_m / self.mass_kg)
+        held = squares > _SOFT * squares[-1]
+        return np.where(held, squares, 0.0), directions
+
+    @property
+    def resonances_hz(self) -> Array:
+        """Resonances [Hz], (3,) ascending; zero in a direction in which nothing holds the ring."""
+        return np.asarray(np.sqrt(self._modes[0]) / (2 * pi))
+
+    @property
+    def radial_hz(self) -> float:
+        """Resonance [Hz] of a ring that moves along x only, the direction of the radial load."""
+        return float(np.sqrt(max(self.stiffness_n_m[0, 0], 0.0) / self.mass_kg)) / (2 * pi)
+
+    @property
+    def axial_hz(self) -> float:
+        """Resonance [Hz] of a ring that moves along its axis only."""
+        return float(np.sqrt(max(self.stiffness_n_m[2, 2], 0.0) / self.mass_kg)) / (2 * pi)
+
+    @property
+    def slowest_decay_s(self) -> float:
+        """Longest time [s] in which a free vibration falls to 1/e; infinite without losses."""
+        held = self._modes[0][self._modes[0] > 0]
+        if self.loss_factor <= 0:
+            return np.inf
+        return float(2 / (self.loss_factor * np.sqrt(held[0])))
+
+    @property
+    def damping_n_s_m(self) -> Array:
+        """Viscous matrix [N s/m], (3, 3)."""
+        squares, directions = self._modes
+        return np.asarray(
+            self.mass_kg * self.loss_factor * (directions * np.sqrt(squares)) @ directions.T
+        )
+
+    @property
+    def spread(self) -> Array:
+        """Matrix S [s^(1/2)], (3, 3): the viscous matrix is S times the stiffness times S."""
+        squares, directions = self._modes
+        factors = np.zeros(3)
+        held = squares > 0
+        factors[held] = np.sqrt(self.loss_factor) * squares[held] ** (-1 / 4)
+        return np.asarray((directions * factors) @ directions.T)
+
+    def dynamic_stiffness(self, frequency_hz: Array) -> Complexes:
+        """Return force over displacement [N/m] at frequencies, (n, 3, 3)."""
+        omega = 2 * pi * np.asarray(frequency_hz, dtype=float)[:, None, None]
+        inertia = self.mass_kg * omega**2 * np.eye(3)
+        return np.asarray(self.stiffness_n_m - inertia + 1j * omega * self.damping_n_s_m)
+
+    def mobility(self, frequency_hz: Array) -> Complexes:
+        """Return velocity over force [m/s/N] at frequencies above zero, (n, 3, 3)."""
+        omega = 2 * pi * np.asarray(frequency_hz, dtype=float)[:, None, None]
+        return np.asarray(1j * omega * np.linalg.inv(self.dynamic_stiffness(frequency_hz)))
+
+    def blocked_force(self, displacement_m: Array, rate_hz: float) -> Array:
+        """Return the force of the balls [N] on the ring if it were held, (n, 3), from its motion.
+
+        It would move the linear ring as the ring of the motion moves. `displacement_m` (n, 3) is
+        about the mean, and is taken as a closed record.
+        """
+        count = len(displacement_m)
+        frequency = np.asarray(np.fft.rfftfreq(count, 1 / rate_hz), dtype=float)
+        lines = np.fft.rfft(displacement_m, axis=0)
+        forces = self.dynamic_stiffness(frequency) @ lines[:, :, None]
+        return np.asarray(np.fft.irfft(forces[:, :, 0], count, axis=0), dtype=float)
+
+    def force_on_plate(
+        self, frequency_hz: Array, blocked_n: Complexes, plate_mobility: Complexes
+    ) -> Complexes:
+        """Return the radial force [N] that drives a housing plate, at frequencies above zero, (n,).
+
+        The ring sits in the plate and moves with it along x. The balls push both with the blocked
+        force (n,), the ring takes i omega M v and the contacts take K v / (i omega) + C v of it.
+        `plate_mobility` (n,) [m/s/N] is that of the plate at its seat. The other directions of the
+        ring follow the balls as if it were held along x, because their coupling is small.
+        """
+        omega = 2 * pi * np.asarray(frequency_hz, dtype=float)
+        ring = 1j * omega * self.mass_kg + self.damping_n_s_m[0, 0]
+        contacts = self.stiffness_n_m[0, 0] / (1j * omega)
+        return np.asarray(blocked_n / (1 + plate_mobility * (ring + contacts)))
+
+
+def linear_ring(bearing: BearingModel) -> LinearRing:
+    """Return the linear ring of a bearing, with the mean stiffness over places of the cage."""
+    stiffness = np.mean([state.stiffness_n_m for state in bearing.balances()], axis=0)
+    return LinearRing(
+        mass_kg=bearing.ring_mass_kg,
+        stiffness_n_m=(stiffness + stiffness.T) / 2,
+        loss_factor=bearing.contact_loss_factor,
+    )

@@ -1,0 +1,356 @@
+"""Motion in time of the ring that does not turn, on the nonlinear contacts of all balls.
+
+The ring is rigid and does not tilt. Balls without mass serve up to a third of the frequency at
+which a ball bounces between its raceways, sqrt((k_i + k_o) / m) / (2 pi), some 30 kHz in small
+bearings at their loads. With mass, a ball moves along its contact line, and the part along that
+line of its centrifugal force acts on it.
+"""
+
+from dataclasses import dataclass
+from math import ceil, pi, sqrt
+
+import numpy as np
+
+from acoustics import resampling
+from acoustics.arrays import Array, short_repr
+from rolling.bearing import _ring_kernels
+from rolling.bearing._ring_kernels import RingBodies, RingState, RingSums, TrackTables
+from rolling.bearing.geometry import contact_lines
+from rolling.bearing.linear_ring import linear_ring
+from rolling.bearing.model import BearingModel
+from rolling.bearing.static_load import StaticBalance
+from rolling.bearing.tracks import BearingTracks, BodyTrack
+from rolling.terminal import progress
+
+PER_PERIOD = 40  # minimum number of steps in a period of the fastest resonance
+TRACK_HZ = 384e3  # rate of steps up to which they follow a track from point to point
+FINER = 4  # points of a slow track for each given one, so that cubics between them are exact
+MIN_POINTS = 4  # of a track, for a cubic
+DECAYS = 7  # decay times of the slowest resonance in the run-in, during which the tracks grow
+SHORTEST_RUN_IN_S = 0.02
+LONGEST_RUN_IN_S = 2.0
+MAX_STEP_HZ = 50e6  # rate of steps of a ring that is too light to be moved
+_LARGEST_RECORD = 2**22  # numbers of steps times columns at once
+
+
+@dataclass(frozen=True)
+class RingMotion:
+    """Motion of the ring at n equally spaced times, and the balance of its energies."""
+
+    __repr__ = short_repr
+
+    time_s: Array  # (n,)
+    displacement_m: Array  # (n, 3) x, y radial and z axial, about the mean
+    velocity_m_s: Array  # (n, 3)
+    acceleration_m_s2: Array  # (n, 3)
+    ball_load_n: Array  # (n, balls) of each ball on the ring
+    ball_angle: Array  # (n,) [rad] of ball 0, from the middle of the load zone
+    ring_force_n: Array  # (n, 3) of all balls on the ring
+    mean_displacement_m: Array  # (3,)
+    rate_hz: int
+    step_s: float
+    run_in_s: float
+    energy_error: float  # over the energy that moves: losses plus range of the contacts' energy
+    lost_contact_share: float  # share of time in which a ball has no load, mean over the balls
+    free_share: float  # share of time in which no ball has a load
+
+
+def move_ring(
+    bearing: BearingModel,
+    tracks: BearingTracks,
+    duration_s: float,
+    rate_hz: int = 48000,
+    per_period: int = PER_PERIOD,
+) -> RingMotion:
+    """Move the ring of a bearing over the tracks of its bodies.
+
+    Parameters
+    ----------
+    bearing : BearingModel
+    tracks : BearingTracks
+        A track for each ball on each raceway, and one for each raceway.
+    duration_s : float, s
+        Duration of the record, after a run-in from rest in which the tracks grow.
+    rate_hz : int, Hz
+        Rate of the record. Steps in time are finer, and a filter leads from one to the other.
+    per_period : int
+        Minimum number of steps in a period of the fastest resonance.
+
+    Returns
+    -------
+    RingMotion
+
+    Raises
+    ------
+    ValueError
+        If tracks are missing, or the loads have no balance, or balls with mass would push the ring
+        off its balls, or the ring is so light that its resonance would need more than 50 million
+        steps a second.
+    """
+    if len(tracks.balls_on_inner) != bearing.geometry.balls:
+        raise ValueError(
+            f"tracks: got {len(tracks.balls_on_inner)} balls, allowed: {bearing.geometry.balls}"
+        )
+    balances = bearing.balances()
+    _refuse_fast_balls(bearing)
+    samples = max(1, round(duration_s * rate_hz))
+    factor = _steps_per_sample(bearing, balances, tracks, rate_hz, per_period)
+    step = 1 / (rate_hz * factor)
+    ring = linear_ring(bearing)
+    run_in = min(max(DECAYS * ring.slowest_decay_s, SHORTEST_RUN_IN_S), LONGEST_RUN_IN_S)
+    run_in = ceil(run_in * rate_hz) / rate_hz
+    bodies = _bodies(bearing, balances, ring.spread, step, run_in)
+    run = _Run(bodies=bodies, tables=_tables(bearing, tracks, step))
+    state = _start(bearing, bodies, run.tables)
+
+    longest = max(1, _LARGEST_RECORD // (factor * (9 + bearing.geometry.balls)))
+    reach = resampling.DECIMATOR_REACH
+    decimator = resampling.Decimator(factor)
+    with progress.Bar(run_in + duration_s, "moving the ring") as bar:
+        before = round(run_in * rate_hz) - 2 * reach
+        for first, count in _parts(-round(run_in * rate_hz), before, longest):
+            run.advance(state, first * factor, count * factor)
+            bar.update(count / rate_hz)
+        run.begin_balance()
+        parts = []
+        for first, count in _parts(-2 * reach, samples + 3 * reach, longest):
+            parts.append(decimator.add(run.advance(state, first * factor, count * factor)))
+            bar.update(count / rate_hz)
+    record = np.concatenate(parts)[2 * reach :]
+    time = np.arange(samples) / rate_hz
+    mean = record[:, :3].mean(axis=0)
+    return RingMotion(
+        time_s=time,
+        displacement_m=record[:, :3] - mean,
+        velocity_m_s=record[:, 3:6],
+        acceleration_m_s2=(bearing.load + record[:, 6:9]) / bearing.ring_mass_kg,
+        ball_load_n=record[:, 9:],
+        ball_angle=2 * pi * bearing.kinematics.cage_hz * time,
+        ring_force_n=record[:, 6:9],
+        mean_displacement_m=mean,
+        rate_hz=rate_hz,
+        step_s=step,
+        run_in_s=run_in,
+        energy_error=run.energy_error(),
+        lost_contact_share=float(run.sums.apart[0] / run.sums.steps[0]) / bearing.geometry.balls,
+        free_share=float(run.sums.free[0] / run.sums.steps[0]),
+    )
+
+
+@dataclass
+class _Run:
+    """Steps of a motion, and their energies."""
+
+    bodies: RingBodies
+    tables: TrackTables
+
+    def __post_init__(self) -> None:
+        self.begin_balance()
+
+    def begin_balance(self) -> None:
+        """Count energies from the next step on."""
+        self.sums = RingSums(*np.zeros((len(RingSums._fields), 1)))
+
+    def advance(self, state: RingState, first: int, steps: int) -> Array:
+        """Take steps, of which the first has its middle at `first` steps; return their rows."""
+        record = np.empty((steps, 9 + len(state.balls)))
+        _ring_kernels.take_steps(
+            first * self.bodies.step,
+            self.bodies,
+            self.tables,
+            state,
+            self.sums,
+            np.empty(3),
+            np.empty(3),
+            record,
+        )
+        return record
+
+    def energy_error(self) -> float:
+        """Return what the balance of energies lacks, over the energy that moves."""
+        sums = self.sums
+        change = sums.last_energy[0] - sums.first_energy[0]
+        missing = change + sums.loss[0] - sums.load_work[0] - sums.track_work[0]
+        moved = abs(sums.loss[0]) + sums.highest[0] - sums.lowest[0]
+        if moved <= 0:
+            return 0.0
+        return float(abs(missing) / moved)
+
+
+def _refuse_fast_balls(bearing: BearingModel) -> None:
+    """Raise ValueError where the centrifugal forces of balls with mass exceed the axial load.
+
+    At a fixed contact angle an outer ring that moves would leave its balls.
+    """
+    geometry = bearing.geometry
+    if not bearing.ball_inertia or bearing.kinematics.moving == "inner":
+        return
+    pushed = geometry.balls * bearing.centrifugal_n * float(np.sin(geometry.contact_angle))
+    if pushed >= bearing.axial_load_n and pushed > 0:
+        raise ValueError(
+            f"axial_load_n: got {bearing.axial_load_n:g}, allowed: more than {pushed:.4g}, with"
+            " which the centrifugal force of the balls pushes the outer ring along its axis; the"
+            " contact angle is fixed"
+        )
+
+
+def _parts(first: int, samples: int, longest: int) -> list[tuple[int, int]]:
+    """Return the first sample and the number of samples of each part of a stretch."""
+    parts = []
+    done = 0
+    while done < samples:
+        count = min(longest, samples - done)
+        parts.append((first + done, count))
+        done += count
+    return parts
+
+
+def _steps_per_sample(
+    bearing: BearingModel,
+    balances: list[StaticBalance],
+    tracks: BearingTracks,
+    rate_hz: int,
+    per_period: int,
+) -> int:
+    """Return the number of steps per sample that resolve resonances and tracks."""
+    stiffest = max(float(np.linalg.norm(state.stiffness_n_m, 2)) for state in balances)
+    fastest = sqrt(stiffest / bearing.ring_mass_kg)
+    if bearing.ball_inertia:
+        fastest = max(fastest, 2 * pi * bounce_hz(bearing, balances))
+    needed = per_period * fastest / (2 * pi)
+    if needed > MAX_STEP_HZ:
+        raise ValueError(
+            f"ring_mass_kg: got {bearing.ring_mass_kg:g}, allowed: a mass whose resonance is below"
+            f" {MAX_STEP_HZ / per_period:g} Hz, and not {fastest / (2 * pi):.3g} Hz"
+        )
+    points_hz = 0.0
+    for track, turns_hz in _turning_tracks(bearing, tracks):
+        points_hz = max(points_hz, track.points * turns_hz)
+    return ceil(max(needed, min(points_hz, TRACK_HZ), 2 * rate_hz) / rate_hz)
+
+
+def bounce_hz(bearing: BearingModel, balances: list[StaticBalance] | None = None) -> float:
+    """Return the highest frequency [Hz] at which a ball with mass bounces between its raceways."""
+    states = balances or bearing.balances()
+    load = max(float(state.ball_load_n.max()) for state in states) + bearing.centrifugal_n
+    stiffness = 0.0
+    for contact in (bearing.geometry.inner, bearing.geometry.outer):
+        stiffness += 1.5 * contact.stiffness_n_m15 ** (2 / 3) * load ** (1 / 3)
+    return sqrt(stiffness / bearing.ball_mass_kg) / (2 * pi)
+
+
+def _turning_tracks(bearing: BearingModel, tracks: BearingTracks) -> list[tuple[BodyTrack, float]]:
+    """Return all tracks with the turns per second of their bodies under a contact."""
+    speeds = bearing.kinematics
+    pairs = [
+        (tracks.inner, abs(speeds.inner_hz - speeds.cage_hz)),
+        (tracks.outer, abs(speeds.outer_hz - speeds.cage_hz)),
+    ]
+    for track in (*tracks.balls_on_inner, *tracks.balls_on_outer):
+        pairs.append((track, speeds.ball_spin_hz))
+    return pairs
+
+
+def _tables(bearing: BearingModel, tracks: BearingTracks, step: float) -> TrackTables:
+    """Return the tracks at all loads of all of them, at points that suit the steps."""
+    pairs = _turning_tracks(bearing, tracks)
+    loads = pairs[0][0].loads_n
+    for track, _ in pairs:
+        loads = np.union1d(loads, track.loads_n)
+
+    def table(track: BodyTrack, points: int) -> Array:
+        """Return a track at the loads, (points, loads)."""
+        return np.ascontiguousarray(track.resampled(points).at_loads(loads).T)
+
+    def points_of(given: int, turns_hz: float) -> int:
+        """Return the number of points of a turn: not more than steps, nor many times the given."""
+        if given <= MIN_POINTS:  # a smooth track
+            return MIN_POINTS
+        return max(MIN_POINTS, min(FINER * given, ceil(1 / (turns_hz * step))))
+
+    ball_tracks = (*tracks.balls_on_inner, *tracks.balls_on_outer)
+    ball_points = points_of(max(t.points for t in ball_tracks), bearing.kinematics.ball_spin_hz)
+    return TrackTables(
+        nodes=np.concatenate(([0.0], loads ** (2 / 3))),
+        inner=table(tracks.inner, points_of(tracks.inner.points, pairs[0][1])),
+        outer=table(tracks.outer, points_of(tracks.outer.points, pairs[1][1])),
+        balls_on_inner=np.stack([table(track, ball_points) for track in tracks.balls_on_inner]),
+        balls_on_outer=np.stack([table(track, ball_points) for track in tracks.balls_on_outer]),
+    )
+
+
+def _bodies(
+    bearing: BearingModel,
+    balances: list[StaticBalance],
+    spread: Array,
+    step: float,
+    run_in: float,
+) -> RingBodies:
+    """Return what the time steps read of a bearing."""
+    geometry = bearing.geometry
+    speeds = bearing.kinematics
+    direction = 1.0 if speeds.moving == "inner" else -1.0
+    inner = geometry.inner.stiffness_n_m15 ** (-2 / 3)
+    outer = geometry.outer.stiffness_n_m15 ** (-2 / 3)
+    bodies = RingBodies(
+        step=step,
+        ring_mass=bearing.ring_mass_kg,
+        ball_mass=0.0,
+        load=bearing.load,
+        centrifugal=0.0,
+        radial=direction * float(np.cos(geometry.contact_angle)),
+        axial=float(np.sin(geometry.contact_angle)),
+        along=np.ones(1),
+        beside=np.zeros(1),
+        gaps=np.array([bearing.gap_m]),
+        compliances=np.array([inner + outer]),
+        spread=spread,
+        ball_time=0.0,
+        cage_hz=speeds.cage_hz,
+        inner_hz=speeds.inner_hz,
+        outer_hz=speeds.outer_hz,
+        spin_hz=speeds.ball_spin_hz,
+        fade_start=-run_in,
+        fade_end=-run_in / 2,
+    )
+    if not bearing.ball_inertia:
+        return bodies
+    along = np.array([0.0, 1.0]) if speeds.moving == "outer" else np.array([1.0, 0.0])
+    bounce = 2 * pi * bounce_hz(bearing, balances)
+    return bodies._replace(
+        ball_mass=bearing.ball_mass_kg,
+        centrifugal=bearing.centrifugal_n,
+        along=along,
+        beside=np.array([-1.0, 1.0]),
+        gaps=np.array([bearing.gap_m, 0.0]),
+        compliances=np.array([inner, outer]),
+        ball_time=bearing.contact_loss_factor / bounce,
+    )
+
+
+def _start(bearing: BearingModel, bodies: RingBodies, tables: TrackTables) -> RingState:
+    """Return the ring at rest in its static balance at the start of the run-in."""
+    count = bearing.geometry.balls
+    cage_angle = 2 * pi * bearing.kinematics.cage_hz * bodies.fade_start
+    balance = bearing.balance(cage_angle)
+    ring = balance.displacement_m.copy()
+    balls = np.zeros(count)
+    if bodies.ball_mass > 0:
+        angles = bearing.geometry.ball_angles(cage_angle)
+        lines = contact_lines(angles, bearing.geometry.contact_angle, bearing.kinematics.moving)
+        on_outer = bodies.compliances[1] * balance.ball_load_n ** (2 / 3)
+        balls = on_outer - bodies.along[1] * (lines @ ring)
+    contacts = len(bodies.along)
+    nodes = len(tables.nodes)
+    return RingState(
+        ring=ring,
+        ring_velocity=np.zeros(3),
+        balls=balls,
+        ball_velocity=np.zeros(count),
+        last_ring=ring.copy(),
+        last_balls=balls.copy(),
+        lines=np.zeros((count, 3)),
+        last_lines=np.zeros((count, 3)),
+        laws=np.zeros((count, contacts, nodes)),
+        last_laws=np.zeros((count, contacts, nodes)),
+    )

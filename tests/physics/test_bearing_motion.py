@@ -1,0 +1,322 @@
+"""The ring of a bearing moves as linear theory, statics and energy say, on every geometry."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import cos, pi, sin
+
+import numpy as np
+import pytest
+from bearings import angular, bearing, miniature, model
+
+from rolling.bearing.linear_ring import linear_ring
+from rolling.bearing.model import BearingModel
+from rolling.bearing.motion import RingMotion, move_ring
+from rolling.bearing.tracks import BearingTracks, BodyTrack, smooth_tracks, with_waves
+
+A = 1e-9  # [m] amplitude of waves, far below the approach
+SLOW_HZ = 5.0  # turns per second, with which all lines lie far below the resonances
+BEARINGS = {
+    "6204": {"geometry": bearing(), "axial_load_n": 70.0},
+    "7210": {"geometry": angular(balls=9), "axial_load_n": 400.0},
+}
+
+
+def amplitudes(motion: RingMotion, lines_hz: list[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the amplitudes of lines (lines, 3) by least squares, and the rms of what is left."""
+    phase = 2 * pi * motion.time_s[:, None] * np.array(lines_hz)
+    waves = np.concatenate((np.cos(phase), np.sin(phase)), axis=1)
+    coefficients = np.linalg.lstsq(waves, motion.displacement_m, rcond=None)[0]
+    left = motion.displacement_m - waves @ coefficients
+    count = len(lines_hz)
+    return np.hypot(coefficients[:count], coefficients[count:]), left.std(axis=0)
+
+
+@pytest.mark.law("Bearing: waves of a raceway move the ring at the lines of their orders only.")
+@pytest.mark.parametrize("name", BEARINGS)
+@pytest.mark.parametrize(
+    ("turning", "ring"), [("inner", "inner"), ("inner", "outer"), ("outer", "inner")]
+)
+def test_waves_of_a_raceway(name: str, turning: str, ring: str) -> None:
+    """Of order n = q Z axial at q times the ball pass, A / sin(alpha); of q Z +- 1 radial.
+
+    A radial line lies at the ball pass plus or minus the turns of the raceway, A / cos(alpha).
+    Other orders move nothing. Linear theory holds within 1 % so far below the resonances.
+    """
+    case = model(turning=turning, turns_hz=SLOW_HZ, **BEARINGS[name])
+    balls = case.geometry.balls
+    speeds = case.kinematics
+    passes, turns = speeds.ball_pass_outer_hz, speeds.outer_hz
+    if ring == "inner":
+        passes, turns = speeds.ball_pass_inner_hz, speeds.inner_hz
+    axial = A / sin(case.geometry.contact_angle)
+    radial = A / cos(case.geometry.contact_angle)
+    silent = [2, 3, balls - 2, balls + 2, balls + 3, 2 * balls - 2]
+    # On a raceway at rest q Z - 1 and q Z + 1 share a line, so they have a run each.
+    for group in ([(1, 0), (1, -1), (2, 1)], [(2, 0), (2, -1), (1, 1)]):
+        orders = [q * balls + beside for q, beside in group]
+        tracks = with_waves(
+            smooth_tracks(case.geometry), **{ring: dict.fromkeys((*orders, *silent), A)}
+        )
+        expected: dict[float, np.ndarray] = {}
+        for q, beside in group:
+            frequency = q * passes + beside * turns
+            moved = [radial, radial, 0.0] if beside else [0.0, 0.0, axial]
+            expected[frequency] = expected.get(frequency, np.zeros(3)) + moved
+        motion = move_ring(case, tracks, 0.4)
+        found, left = amplitudes(motion, list(expected))
+        wanted = np.array(list(expected.values()))
+        np.testing.assert_allclose(found, wanted, rtol=0.01, atol=0.01 * A)
+        assert max(left) < 0.01 * axial
+
+
+@pytest.mark.law("Bearing: waves of even order of a ball move the ring, odd ones do not.")
+@pytest.mark.parametrize("name", BEARINGS)
+def test_waves_of_a_ball(name: str) -> None:
+    """Axial at n f_b, 2 A / (Z sin(alpha)); radial at n f_b +- f_c, 2 A / (Z cos(alpha)) each."""
+    case = model(turns_hz=SLOW_HZ, **BEARINGS[name])
+    speeds = case.kinematics
+    balls = case.geometry.balls
+    angle = case.geometry.contact_angle
+    waves = dict.fromkeys((2, 3, 4, 5, 6, 7), A)
+    tracks = with_waves(smooth_tracks(case.geometry), balls={balls - 2: waves})
+    motion = move_ring(case, tracks, 0.5)
+    even = [n * speeds.ball_spin_hz for n in (2, 4, 6)]
+    lines = [*even]
+    lines += [f + speeds.cage_hz for f in even] + [f - speeds.cage_hz for f in even]
+    found, left = amplitudes(motion, lines)
+    np.testing.assert_allclose(found[:3, 2], 2 * A / (balls * sin(angle)), rtol=0.03)
+    np.testing.assert_allclose(found[3:, :2], 2 * A / (balls * cos(angle)), rtol=0.03)
+    assert np.max(found[:3, :2]) < 0.01 * A and np.max(found[3:, 2]) < 0.01 * A / sin(angle)
+    assert max(left) < 0.02 * A / sin(angle)
+
+
+@pytest.mark.law("Bearing: perfectly smooth under an axial load, it is silent.")
+@pytest.mark.parametrize("inertia", [False, True])
+def test_a_smooth_bearing_is_silent(inertia: bool) -> None:
+    for case in (model(ball_inertia=inertia), model(angular(), axial_load_n=300.0)):
+        motion = move_ring(case, smooth_tracks(case.geometry), 0.02)
+        quiet = 1e-9 if case.ball_inertia else 1e-13  # centrifugal force leaves its run-in
+        assert np.abs(motion.velocity_m_s).max() < quiet
+        assert motion.lost_contact_share == 0
+
+
+@pytest.mark.law("Bearing: under a radial load its stiffness varies with the balls' passing.")
+@pytest.mark.parametrize(
+    ("geometry", "loads"),
+    [
+        (bearing(angle_deg=0.0), {"axial_load_n": 0.0, "radial_load_n": 500.0, "gap_m": 4e-6}),
+        (angular(balls=11), {"axial_load_n": 400.0, "radial_load_n": 300.0}),
+    ],
+    ids=["radial with clearance", "combined"],
+)
+def test_varying_compliance_follows_the_static_balance(geometry, loads) -> None:
+    """A slow ring goes through the balances of the cage's places, and moves at Z f_c.
+
+    The waviest part of the way, a ball's entry into the load zone, excites its resonance by less
+    than 2 % of the way.
+    """
+    case = model(geometry, turns_hz=1.0, **loads)
+    motion = move_ring(case, smooth_tracks(geometry), 0.5)
+    places = np.linspace(0, len(motion.time_s) - 1, 40).astype(int)
+    balances = [case.balance(motion.ball_angle[place]) for place in places]
+    still = np.array([state.displacement_m for state in balances])
+    moved = (motion.displacement_m + motion.mean_displacement_m)[places]
+    way = np.ptp(still, axis=0).max()
+    np.testing.assert_allclose(moved, still, atol=0.02 * way)
+    still_loads = np.array([state.ball_load_n for state in balances])
+    np.testing.assert_allclose(
+        motion.ball_load_n[places], still_loads, atol=0.01 * still_loads.max()
+    )
+    period = 1 / (case.geometry.balls * case.kinematics.cage_hz)
+    later = round(period * motion.rate_hz)
+    repeated = motion.displacement_m[later:, 0] - motion.displacement_m[:-later, 0]
+    assert np.abs(repeated).max() < 0.02 * way
+
+
+def valley(tracks: BearingTracks, depth_m: float, share: float) -> BearingTracks:
+    """Return tracks with a valley in the outer raceway over a share of its turn."""
+    points = 20000
+    place = np.arange(points) / points
+    bottom = np.where(np.abs(place - 0.3) < share / 2, depth_m, 0.0)
+    edge = round(0.1 * share * points)
+    bottom = np.convolve(bottom, np.hanning(edge) / np.hanning(edge).sum(), mode="same")
+    deep = BodyTrack(loads_n=np.ones(1), approach_m=bottom[None])
+    return replace(tracks, outer=tracks.outer.plus(deep))
+
+
+def test_a_ball_in_a_deep_valley_loses_its_contact() -> None:
+    """The other balls then bear the axial load, as a bearing of them would.
+
+    The valley is ten times as deep as the approach, and the cage is so slow that the ring follows.
+    """
+    case = model(turns_hz=0.5)
+    tracks = valley(smooth_tracks(case.geometry), 10e-6, 0.02)
+    time = 0.3 / case.kinematics.cage_hz  # ball 0 is in the valley then
+    motion = move_ring(case, tracks, time)
+    assert motion.ball_load_n[-1, 0] == pytest.approx(0.0, abs=1e-6)
+    assert sin(case.geometry.contact_angle) * motion.ball_load_n[-1].sum() == pytest.approx(
+        70.0, rel=1e-3
+    )
+    opposite = motion.ball_load_n[-1, 4]
+    beside = motion.ball_load_n[-1, [1, 7]]
+    assert opposite < 42.0 < beside.min()  # moments of the loads about the axis balance
+    assert 0 < motion.lost_contact_share < 0.1
+
+
+def rough_tracks(case: BearingModel, rms_m: float, seed: int = 1) -> BearingTracks:
+    """Return tracks of random heights down to waves of 100 um, which shrink with the load."""
+    random = np.random.default_rng(seed)
+    geometry = case.geometry
+
+    def rough(radius_m: float) -> BodyTrack:
+        points = int(2 * pi * radius_m / 20e-6)
+        lines = np.fft.rfft(random.standard_normal(points))
+        waves = np.arange(len(lines)) / (2 * pi * radius_m)
+        lines *= np.exp(-((waves * 100e-6) ** 2))
+        height = np.fft.irfft(lines, points)
+        shrunk = np.array([1.0, 0.9, 0.7])[:, None]
+        track = shrunk * rms_m / height.std() * (height - height.mean())
+        return BodyTrack(loads_n=np.array([2.0, 20.0, 200.0]), approach_m=track)
+
+    balls = tuple(rough(geometry.ball_radius_m) for _ in range(geometry.balls))
+    return BearingTracks(
+        inner=rough(geometry.inner.radius_m),
+        outer=rough(geometry.outer.radius_m),
+        balls_on_inner=balls,
+        balls_on_outer=balls,
+    )
+
+
+HARD = {
+    "rough": ({}, 20e-9),
+    "rough as the approach": ({}, 1e-6),
+    "3 balls": ({"geometry": bearing(balls=3)}, 50e-9),
+    "clearance": (
+        {
+            "geometry": bearing(angle_deg=0.0),
+            "axial_load_n": 0.0,
+            "radial_load_n": 5.0,
+            "gap_m": 5e-6,
+        },
+        50e-9,
+    ),
+    "40 degrees": ({"geometry": angular(), "axial_load_n": 300.0, "radial_load_n": 200.0}, 50e-9),
+    "light ring": ({"ring_mass_kg": 1e-3}, 20e-9),
+    "fast": ({"turns_hz": 500.0}, 20e-9),
+    "without losses": ({"contact_loss_factor": 0.0}, 20e-9),
+}
+
+
+@pytest.mark.law("Bearing: the work of loads and turning tracks is what the ring stores and loses.")
+@pytest.mark.parametrize("name", HARD)
+def test_energy_is_balanced(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Steps of a fortieth of a period lose track of 2e-3 of the energy that moves at most.
+
+    The largest share is that of a ring that hits its balls again and again.
+    """
+    monkeypatch.setattr("rolling.bearing.motion.LONGEST_RUN_IN_S", 0.05)
+    changes, rms = HARD[name]
+    case = model(**changes)
+    motion = move_ring(case, rough_tracks(case, rms), 0.1)
+    assert motion.energy_error < 2e-3
+    assert np.isfinite(motion.velocity_m_s).all()
+
+
+def test_finer_steps_balance_the_energy_better() -> None:
+    """The error of ball and ring falls with the square of the step, where balls hit raceways."""
+    case = model(ball_inertia=True)
+    tracks = valley(smooth_tracks(case.geometry), 10e-6, 0.005)
+    coarse = move_ring(case, tracks, 0.1, per_period=20).energy_error
+    fine = move_ring(case, tracks, 0.1, per_period=80).energy_error
+    assert coarse < 0.03
+    assert fine < coarse / 8
+
+
+def test_a_turning_outer_ring_is_the_exchanged_frame() -> None:
+    """Names of the raceways exchanged, the ring moves the other way, and by as much.
+
+    The axial way keeps its sign.
+    """
+    case = model(turning="outer", axial_load_n=70.0, radial_load_n=50.0)
+    tracks = rough_tracks(case, 50e-9)
+    balls = tuple(track.resampled(2048) for track in tracks.balls_on_inner)
+    turned = tuple(
+        BodyTrack(loads_n=track.loads_n, approach_m=np.roll(track.approach_m, 1024, axis=1))
+        for track in balls
+    )
+    tracks = replace(tracks, balls_on_inner=balls, balls_on_outer=balls)
+    speeds = case.kinematics
+    exchanged = replace(
+        case,
+        geometry=replace(case.geometry, inner=case.geometry.outer, outer=case.geometry.inner),
+        kinematics=replace(
+            speeds, turning="inner", inner_hz=speeds.outer_hz, outer_hz=speeds.inner_hz
+        ),
+    )
+    other = BearingTracks(
+        inner=tracks.outer,
+        outer=tracks.inner,
+        balls_on_inner=turned,
+        balls_on_outer=turned,
+    )
+    moved = move_ring(case, tracks, 0.1)
+    mirrored = move_ring(exchanged, other, 0.1)
+    size = np.abs(moved.velocity_m_s).max()
+    expected = moved.velocity_m_s * [-1.0, -1.0, 1.0]
+    np.testing.assert_allclose(mirrored.velocity_m_s, expected, atol=1e-6 * size)
+
+
+def bands(motion: RingMotion) -> np.ndarray:
+    """Return mean squares of the velocity, (bands, 3), in the three bands of ISO 15242."""
+    window = np.hanning(len(motion.time_s))[:, None]
+    power = np.abs(np.fft.rfft(motion.velocity_m_s * window, axis=0)) ** 2
+    frequency = np.fft.rfftfreq(len(window), 1 / motion.rate_hz)
+    edges = ((50, 300), (300, 1800), (1800, 10000))
+    return np.array([power[(frequency >= a) & (frequency < b)].sum(axis=0) for a, b in edges])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["6204", "608"])
+def test_balls_without_mass_serve_the_three_bands(name: str) -> None:
+    """Balls with mass bounce at 34 kHz and above, so they change the bands by less than 1 dB."""
+    case = model()
+    if name == "608":
+        case = model(miniature(), ring_mass_kg=5e-3, axial_load_n=20.0)
+    tracks = rough_tracks(case, 20e-9)
+    light = bands(move_ring(case, tracks, 1.0))
+    heavy = bands(move_ring(replace(case, ball_inertia=True), tracks, 1.0))
+    assert np.abs(10 * np.log10(heavy / light)).max() < 1.0
+
+
+def test_waves_at_a_resonance_move_the_ring_by_its_quality() -> None:
+    """The amplitude is that of the linear theory over the loss factor, within its 2 % of steps."""
+    loss = 0.05
+    case = model(contact_loss_factor=loss, turns_hz=1.0)
+    ring = linear_ring(case)
+    turns = ring.axial_hz / case.kinematics.ball_pass_inner_hz
+    case = model(contact_loss_factor=loss, turns_hz=turns)
+    tracks = with_waves(smooth_tracks(case.geometry), inner={case.geometry.balls: 0.1 * A})
+    motion = move_ring(case, tracks, 0.1)
+    found, _ = amplitudes(motion, [ring.axial_hz])
+    expected = 0.1 * A / sin(case.geometry.contact_angle) / loss
+    assert found[0, 2] == pytest.approx(expected, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"ring_mass_kg": 1e-9}, "ring_mass_kg"),
+        ({"ball_inertia": True, "turns_hz": 1000.0}, "centrifugal"),
+        ({"radial_load_n": 400.0}, "axial_load_n"),
+    ],
+)
+def test_a_ring_that_cannot_be_moved_is_refused(changes, message: str) -> None:
+    case = model(**changes)
+    with pytest.raises(ValueError, match=message):
+        move_ring(case, smooth_tracks(case.geometry), 0.1)
+
+
+def test_tracks_of_another_number_of_balls_are_refused() -> None:
+    with pytest.raises(ValueError, match="got 8 balls, allowed: 7"):
+        move_ring(model(miniature()), smooth_tracks(bearing()), 0.1)
