@@ -11,6 +11,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from rolling.contact import closed_forms
+from rolling.scene.bearing_scene import BearingQuantities
 
 Ring = Literal["inner", "outer"]
 
@@ -52,7 +53,7 @@ class BearingGeometry:
 
     @property
     def radial_clearance_m(self) -> float:
-        """Radial clearance P_d [m]: cos(alpha) = 1 - P_d / (2 (r_i + r_o - D))."""
+        """Radial clearance P_d [m] of the angle: cos(alpha) = 1 - P_d / (2 (r_i + r_o - D))."""
         return 2 * self.groove_distance_m * (1 - cos(self.contact_angle))
 
     @property
@@ -133,6 +134,19 @@ def assemble(
         contact_angle=contact_angle,
         inner=_contact(pitch_radius - reach, inner_curvature, inner_across, contact_modulus),
         outer=_contact(pitch_radius + reach, outer_curvature, outer_across, contact_modulus),
+    )
+
+
+def bearing_geometry(scene: BearingQuantities) -> BearingGeometry:
+    """Return the geometry of the bearing of a scene, at the angle at which its balls touch."""
+    return assemble(
+        balls=scene.bearing.balls,
+        ball_diameter_m=2 * scene.ball_radius,
+        pitch_diameter_m=2 * scene.pitch_radius,
+        contact_angle=scene.contact_angle,
+        conformity_inner=scene.bearing.conformity_inner,
+        conformity_outer=scene.bearing.conformity_outer,
+        contact_modulus=scene.contact_modulus,
     )
 
 

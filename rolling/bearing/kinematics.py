@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from math import cos, pi
 
-from rolling.bearing.geometry import BearingGeometry, Ring
+from rolling.bearing.geometry import BearingGeometry, Ring, bearing_geometry
+from rolling.scene.bearing_scene import BearingQuantities
 
 
 @dataclass(frozen=True)
@@ -68,15 +69,25 @@ def kinematics_of(geometry: BearingGeometry, turning: Ring, turns_hz: float) -> 
     )
 
 
-def lines_of(kinematics: Kinematics) -> dict[str, float]:
+def kinematics(scene: BearingQuantities) -> Kinematics:
+    """Return the speeds of the bearing of a scene."""
+    return kinematics_of(bearing_geometry(scene), scene.bearing.turning, scene.turns_hz)
+
+
+def lines(scene: BearingQuantities) -> dict[str, float]:
+    """Return the lines of the bearing of a scene by their names [Hz]."""
+    return lines_of(kinematics(scene))
+
+
+def lines_of(speeds: Kinematics) -> dict[str, float]:
     """Return the lines of a bearing by their names [Hz], as figures mark them."""
     return {
-        "cage": kinematics.cage_hz,
-        "turn": kinematics.turning_hz,
-        "ball spin": kinematics.ball_spin_hz,
-        "2 x ball spin": 2 * kinematics.ball_spin_hz,
-        "BPFO": kinematics.ball_pass_outer_hz,
-        "BPFI": kinematics.ball_pass_inner_hz,
+        "cage": speeds.cage_hz,
+        "turn": speeds.turning_hz,
+        "ball spin": speeds.ball_spin_hz,
+        "2 x ball spin": 2 * speeds.ball_spin_hz,
+        "BPFO": speeds.ball_pass_outer_hz,
+        "BPFI": speeds.ball_pass_inner_hz,
     }
 
 

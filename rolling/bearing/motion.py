@@ -30,6 +30,7 @@ DECAYS = 7  # decay times of the slowest resonance in the run-in, during which t
 SHORTEST_RUN_IN_S = 0.02
 LONGEST_RUN_IN_S = 2.0
 MAX_STEP_HZ = 50e6  # rate of steps of a ring that is too light to be moved
+_ROUNDING = 1e-11  # of the contacts' energy
 _LARGEST_RECORD = 2**22  # numbers of steps times columns at once
 
 
@@ -172,7 +173,7 @@ class _Run:
         change = sums.last_energy[0] - sums.first_energy[0]
         missing = change + sums.loss[0] - sums.load_work[0] - sums.track_work[0]
         moved = abs(sums.loss[0]) + sums.highest[0] - sums.lowest[0]
-        if moved <= 0:
+        if moved <= _ROUNDING * sums.highest[0]:  # nothing moves
             return 0.0
         return float(abs(missing) / moved)
 

@@ -99,6 +99,7 @@ def test_a_smooth_bearing_is_silent(inertia: bool) -> None:
         quiet = 1e-9 if case.ball_inertia else 1e-13  # centrifugal force leaves its run-in
         assert np.abs(motion.velocity_m_s).max() < quiet
         assert motion.lost_contact_share == 0
+        assert motion.energy_error < 1e-6
 
 
 @pytest.mark.law("Bearing: under a radial load its stiffness varies with the balls' passing.")

@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 from bearings import STEEL, angular, bearing, miniature
 
+import rolling
 from rolling.bearing.geometry import (
     BearingGeometry,
     angle_under_load,
     contact_lines,
     ring_bending_hz,
 )
-from rolling.bearing.kinematics import kinematics_of
+from rolling.bearing.kinematics import kinematics_of, lines
+from rolling.bearing.model import bearing_model
 from rolling.bearing.static_load import least_axial_load, sjovall, static_balance
 from rolling.contact import closed_forms
 
@@ -200,3 +202,22 @@ def test_ring_bending_is_that_of_a_thin_ring() -> None:
     expected = 2 * 3 / np.sqrt(5) * np.sqrt(210e9 * inertia / (mass * radius**4)) / (2 * pi)
     found = ring_bending_hz(youngs_modulus=210e9, density=7800, radius_m=radius, thickness_m=height)
     assert found == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_scene_has_the_same_geometry() -> None:
+    """Its own circumferences and loads agree; without an axial load the clearance is open."""
+    pushed = rolling.BearingScene(
+        bearing=rolling.Bearing(named="6204", speed_rpm=1800, axial_load_n=70)
+    )
+    model = bearing_model(pushed)
+    for ring in ("inner", "outer"):
+        contact = getattr(model.geometry, ring)
+        assert 2 * pi * contact.radius_m == pytest.approx(pushed.circumferences[ring], rel=1e-12)
+    assert model.geometry.radial_clearance_m == pytest.approx(pushed.radial_clearance, rel=1e-9)
+    assert model.gap_m == 0
+    assert lines(pushed)["turn"] == 30
+    hung = pushed.with_(axial_load_n=0, radial_load_n=300)
+    model = bearing_model(hung)
+    assert model.geometry.contact_angle == 0
+    assert model.gap_m == pytest.approx(pushed.radial_clearance / 2, rel=1e-12)
+    assert model.balance().ball_load_n.max() > 300 / 8
