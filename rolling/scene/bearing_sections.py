@@ -160,6 +160,26 @@ class HousingPlate(Plate):
 
     Attributes
     ----------
+    hardness_gpa : float or "none", optional
+        Hardness [GPa] that a material brings. It has no effect, because nothing rolls on the plate.
+    yield_strength_gpa : optional
+        Only goes with a sphere that rolls on the plate.
+    plasticity : optional
+        Only goes with a sphere that rolls on the plate.
+    contact_path : optional
+        Only goes with a sphere that rolls on the plate.
+    contact_end_mm : optional
+        Only goes with a sphere that rolls on the plate.
+    contact_loss_factor : optional
+        Only goes with a sphere that rolls on the plate.
+    density_kg_m3 : float
+        Density [kg/m3]
+    thickness_mm : float
+        Thickness [mm]
+    length_mm : float
+        Length [mm] along x
+    width_mm : float
+        Width [mm] along y
     contact_mm : pair of float, optional
         Point (x, y) [mm] from a corner at which the radial force of the ring acts. Default: 0.43 of
         the length, 0.37 of the width.
