@@ -9,7 +9,10 @@ from typing import TYPE_CHECKING
 from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import rounded
-from rolling.scene.bearing_load import Raceways, angle_of, clearance_of, groove_distance
+from rolling.bearing.geometry import BearingGeometry, assemble
+from rolling.bearing.static_load import least_axial_load, static_balance
+from rolling.bearing.waves import hertz_pressure
+from rolling.scene.bearing_lengths import angle_of, clearance_of, groove_distance
 from rolling.scene.laws import refuse_misplaced
 from rolling.scene.messages import Key, fault, plain_number
 from rolling.scene.surfaces import WAVE_NODES, BallSurface
@@ -27,6 +30,7 @@ BALL_SHARE = 0.3  # diameter of a ball over outside diameter less bore
 WIDTH_OVER_BALL = 1.7
 LEAST_BORE = 0.3  # of the inner groove, where the balls are large for their circle
 FINEST_UM = 0.5  # spacing that holds all waves where numerics.spacing_um is automatic
+_STEPS = 50  # of a bisection, which halves its range each time
 ROUNDING = 1e-12  # of binary numbers
 SAME_ANGLE_DEG = 0.1  # difference that the rounding of angle or clearance makes
 
@@ -46,24 +50,27 @@ def free_clearance(bearing: Bearing) -> float:
     return clearance_of(free_angle(bearing), _distance(bearing))
 
 
-def raceways(bearing: Bearing) -> Raceways:
-    """Return the balls between their raceways.
+def geometry_of(bearing: Bearing) -> BearingGeometry:
+    """Return the geometry of a bearing.
 
-    Under an axial load the balls touch at the contact angle and no clearance is open. Under a
-    purely radial load they touch in the middle of the grooves.
+    Under an axial load the balls touch at the free contact angle. Under a purely radial load they
+    touch in the middle of the grooves.
     """
-    is_pushed = bearing.axial_load_n > 0
     compliance = 2 * (1 - bearing.poissons_ratio**2) / (1e9 * bearing.youngs_modulus_gpa)
-    return Raceways(
+    return assemble(
         balls=bearing.balls,
-        ball_diameter=1e-3 * bearing.ball_diameter_mm,
-        pitch_diameter=1e-3 * bearing.pitch_diameter_mm,
+        ball_diameter_m=1e-3 * bearing.ball_diameter_mm,
+        pitch_diameter_m=1e-3 * bearing.pitch_diameter_mm,
+        contact_angle=free_angle(bearing) if bearing.axial_load_n > 0 else 0.0,
         conformity_inner=bearing.conformity_inner,
         conformity_outer=bearing.conformity_outer,
-        angle=free_angle(bearing) if is_pushed else 0.0,
-        clearance=0.0 if is_pushed else free_clearance(bearing),
         contact_modulus=1 / compliance,
     )
+
+
+def gap_of(bearing: Bearing) -> float:
+    """Return the gap [m] of each ball with the ring centred, which an axial load closes."""
+    return 0.0 if bearing.axial_load_n > 0 else free_clearance(bearing) / 2
 
 
 def usual_bore_mm(bearing: Bearing) -> float:
@@ -205,23 +212,21 @@ def _faults_of_load(bearing: Bearing) -> Iterator[PydanticCustomError]:
     """Yield the faults of loads that have no balance, or are beyond the static capacity."""
     axial = bearing.axial_load_n
     radial = bearing.radial_load_n
-    bodies = raceways(bearing)
-    if axial and radial:
-        slope = math.tan(bodies.angle) / math.cos(math.pi / bearing.balls)
-        if radial * slope >= axial:
-            yield fault(
-                f"got {plain_number(radial)}, allowed beside axial_load_n {plain_number(axial)} at"
-                f" a contact angle of {rounded(math.degrees(bodies.angle), 3)} degrees: below"
-                f" {_below(axial / slope)}; or an axial load above {_above(radial * slope)}, or"
-                " none",
-                at=".radial_load_n",
-            )
-            return
+    geometry = geometry_of(bearing)
+    least = least_axial_load(geometry, radial) if axial else 0.0
+    if axial and axial <= least:
+        yield fault(
+            f"got {plain_number(radial)}, allowed beside axial_load_n {plain_number(axial)} at a"
+            f" contact angle of {rounded(math.degrees(geometry.contact_angle), 3)} degrees: below"
+            f" {_below(radial * axial / least)}; or an axial load above {_above(least)}, or none",
+            at=".radial_load_n",
+        )
+        return
     limit = 1e9 * STATIC_GPA
-    pressure = bodies.pressure(bodies.largest_load(axial, radial))
+    pressure = largest_pressure(bearing, geometry)
     if pressure <= limit:
         return
-    share = bodies.allowed_share(axial, radial, limit)
+    share = _allowed_share(bearing, geometry, limit)
     key = "axial_load_n" if axial else "radial_load_n"
     load = axial or radial
     beside = ""
@@ -235,6 +240,38 @@ def _faults_of_load(bearing: Bearing) -> Iterator[PydanticCustomError]:
         f" at {STATIC_GPA} GPa",
         at=f".{key}",
     )
+
+
+def largest_pressure(bearing: Bearing, geometry: BearingGeometry, share: float = 1.0) -> float:
+    """Return the largest Hertz pressure [Pa] of a ball under a share of both loads.
+
+    One ball is in the middle of the load zone.
+    """
+    balance = static_balance(
+        geometry,
+        axial_load_n=share * bearing.axial_load_n,
+        radial_load_n=share * bearing.radial_load_n,
+        gap_m=gap_of(bearing),
+    )
+    load = float(balance.ball_load_n.max())
+    return max(hertz_pressure(contact, load) for contact in (geometry.inner, geometry.outer))
+
+
+def _allowed_share(bearing: Bearing, geometry: BearingGeometry, limit: float) -> float:
+    """Return the share of both loads at which the largest pressure is at a limit [Pa]."""
+    low = (limit / largest_pressure(bearing, geometry)) ** 3
+    if not gap_of(bearing):
+        return low
+    # With a gap fewer balls bear a smaller load, so that a larger share of them is on one.
+    high = 1.0
+    low /= bearing.balls
+    for _ in range(_STEPS):
+        share = math.sqrt(low * high)
+        if largest_pressure(bearing, geometry, share) < limit:
+            low = share
+        else:
+            high = share
+    return low
 
 
 def _below(limit: float) -> str:
@@ -257,7 +294,7 @@ def faults_of_surfaces(
 ) -> Iterator[PydanticCustomError]:
     """Yield the faults of surfaces that do not fit their circumference in nodes."""
     pitch = bearing.pitch_diameter_mm
-    projected = bearing.ball_diameter_mm * math.cos(raceways(bearing).angle)
+    projected = bearing.ball_diameter_mm * math.cos(geometry_of(bearing).contact_angle)
     diameters = {
         "balls": bearing.ball_diameter_mm,
         "inner": pitch - projected,

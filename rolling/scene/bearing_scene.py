@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import (
     BeforeValidator,
@@ -15,9 +16,12 @@ from pydantic import (
     field_validator,
 )
 
+from rolling.bearing.geometry import BearingGeometry, ring_bending_hz
+from rolling.bearing.kinematics import Kinematics, kinematics_of
+from rolling.bearing.model import BearingModel
 from rolling.scene import bearing_rules
 from rolling.scene import sweep as sweeps
-from rolling.scene.bearing_load import Raceways, RingSection, ring_section
+from rolling.scene.bearing_lengths import RingSection, ring_section
 from rolling.scene.bearing_sections import (
     Bearing,
     BearingNumerics,
@@ -74,15 +78,15 @@ class BearingQuantities(SweptScene):
         """Radius of the circle of the balls' centres [m]."""
         return 5e-4 * self.bearing.pitch_diameter_mm
 
-    @property
-    def raceways(self) -> Raceways:
-        """Balls between their raceways, at the angle at which they touch."""
-        return bearing_rules.raceways(self.bearing)
+    @cached_property
+    def geometry(self) -> BearingGeometry:
+        """Geometry at the contact angle at which the balls touch."""
+        return bearing_rules.geometry_of(self.bearing)
 
     @property
     def contact_angle(self) -> float:
         """Contact angle [rad] at which the balls touch; 0 under a purely radial load."""
-        return self.raceways.angle
+        return self.geometry.contact_angle
 
     @property
     def free_contact_angle(self) -> float:
@@ -93,6 +97,11 @@ class BearingQuantities(SweptScene):
     def radial_clearance(self) -> float:
         """Radial internal clearance [m] of the bearing without load."""
         return bearing_rules.free_clearance(self.bearing)
+
+    @property
+    def gap(self) -> float:
+        """Gap [m] of each ball with the ring centred; an axial load closes it."""
+        return bearing_rules.gap_of(self.bearing)
 
     @property
     def groove_radii(self) -> dict[Ring, float]:
@@ -106,12 +115,12 @@ class BearingQuantities(SweptScene):
     @property
     def circumferences(self) -> dict[str, float]:
         """Length of a turn [m] of balls, inner and outer raceway at their contacts."""
-        projected = self.ball_radius * math.cos(self.contact_angle)
-        return {
-            "balls": 2 * math.pi * self.ball_radius,
-            "inner": 2 * math.pi * (self.pitch_radius - projected),
-            "outer": 2 * math.pi * (self.pitch_radius + projected),
+        radii = {
+            "balls": self.ball_radius,
+            "inner": self.geometry.inner.radius_m,
+            "outer": self.geometry.outer.radius_m,
         }
+        return {name: 2 * math.pi * radius for name, radius in radii.items()}
 
     @property
     def bore(self) -> float:
@@ -150,7 +159,8 @@ class BearingQuantities(SweptScene):
     @property
     def contact_modulus(self) -> float:
         """Contact modulus E* [Pa] of ball and raceway."""
-        return self.raceways.contact_modulus
+        bearing = self.bearing
+        return 0.5e9 * bearing.youngs_modulus_gpa / (1 - bearing.poissons_ratio**2)
 
     @property
     def ball_mass(self) -> float:
@@ -184,6 +194,37 @@ class BearingQuantities(SweptScene):
     def turns_hz(self) -> float:
         """Turns of the turning ring per second [Hz]."""
         return self.bearing.speed_rpm / 60
+
+    @cached_property
+    def kinematics(self) -> Kinematics:
+        """Speeds of rings, cage and balls."""
+        return kinematics_of(self.geometry, self.bearing.turning, self.turns_hz)
+
+    @cached_property
+    def model(self) -> BearingModel:
+        """Model of the bearing whose ring moves."""
+        return BearingModel(
+            geometry=self.geometry,
+            kinematics=self.kinematics,
+            ring_mass_kg=self.ring_mass,
+            ball_mass_kg=self.ball_mass,
+            axial_load_n=self.axial_load,
+            radial_load_n=self.radial_load,
+            gap_m=self.gap,
+            contact_loss_factor=self.bearing.contact_loss_factor,
+            ball_inertia=self.bearing.ball_inertia,
+        )
+
+    @property
+    def ring_bending_hz(self) -> float:
+        """First bending mode [Hz] of the ring that vibrates, up to which it is rigid."""
+        section = self.ring_section
+        return ring_bending_hz(
+            youngs_modulus=1e9 * self.bearing.youngs_modulus_gpa,
+            density=self.bearing.density_kg_m3,
+            radius_m=section.radius,
+            thickness_m=section.thickness,
+        )
 
     @property
     def spacing(self) -> float | None:
@@ -265,6 +306,12 @@ class BearingScene(BearingQuantities):
             if found:
                 raise faults_together(found)
         return numerics
+
+    def __copy__(self) -> Self:
+        copied = super().__copy__()
+        for name in ("geometry", "kinematics", "model"):  # a copy may be given other values
+            copied.__dict__.pop(name, None)
+        return copied
 
     def __repr__(self) -> str:
         bearing = self.bearing

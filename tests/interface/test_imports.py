@@ -18,8 +18,9 @@ ROOT = Path(__file__).parents[2]
 FLOORS = {
     "rolling": (
         ("_own_acoustics", "contact", "terminal"),
+        ("bearing",),
         ("scene",),
-        ("bearing", "dynamics", "surface"),
+        ("dynamics", "surface"),
         ("check", "sound"),
         ("marches",),
         ("results",),
@@ -116,9 +117,9 @@ def test_every_room_has_one_floor(package: str) -> None:
 
 
 def test_the_house_is_small() -> None:
-    """A stranger keeps ten floors, seventeen rooms and one meaning of a class name in mind."""
+    """A stranger keeps eleven floors, seventeen rooms and one meaning of a class name in mind."""
     folders = [path for path in (ROOT / "rolling").iterdir() if (path / "__init__.py").is_file()]
-    assert max(map(len, FLOORS.values())) <= 10 and len(folders) <= 17
+    assert max(map(len, FLOORS.values())) <= 11 and len(folders) <= 17
     names = [
         node.name
         for package in FLOORS
