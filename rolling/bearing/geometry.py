@@ -11,7 +11,6 @@ import numpy as np
 
 from acoustics.arrays import Array
 from rolling.contact import closed_forms
-from rolling.scene.bearing_scene import BearingQuantities
 
 Ring = Literal["inner", "outer"]
 
@@ -134,19 +133,6 @@ def assemble(
         contact_angle=contact_angle,
         inner=_contact(pitch_radius - reach, inner_curvature, inner_across, contact_modulus),
         outer=_contact(pitch_radius + reach, outer_curvature, outer_across, contact_modulus),
-    )
-
-
-def bearing_geometry(scene: BearingQuantities) -> BearingGeometry:
-    """Return the geometry of the bearing of a scene, at the angle at which its balls touch."""
-    return assemble(
-        balls=scene.bearing.balls,
-        ball_diameter_m=2 * scene.ball_radius,
-        pitch_diameter_m=2 * scene.pitch_radius,
-        contact_angle=scene.contact_angle,
-        conformity_inner=scene.bearing.conformity_inner,
-        conformity_outer=scene.bearing.conformity_outer,
-        contact_modulus=scene.contact_modulus,
     )
 
 

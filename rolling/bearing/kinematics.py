@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from math import cos, pi
 
-from rolling.bearing.geometry import BearingGeometry, Ring, bearing_geometry
-from rolling.scene.bearing_scene import BearingQuantities
+from rolling.bearing.geometry import BearingGeometry, Ring
 
 
 @dataclass(frozen=True)
@@ -67,16 +66,6 @@ def kinematics_of(geometry: BearingGeometry, turning: Ring, turns_hz: float) -> 
         ball_spin_hz=spin,
         rolling_speed_m_s=2 * pi * geometry.ball_radius_m * spin,
     )
-
-
-def kinematics(scene: BearingQuantities) -> Kinematics:
-    """Return the speeds of the bearing of a scene."""
-    return kinematics_of(bearing_geometry(scene), scene.bearing.turning, scene.turns_hz)
-
-
-def lines(scene: BearingQuantities) -> dict[str, float]:
-    """Return the lines of the bearing of a scene by their names [Hz]."""
-    return lines_of(kinematics(scene))
 
 
 def lines_of(speeds: Kinematics) -> dict[str, float]:

@@ -4,10 +4,9 @@ from dataclasses import dataclass
 from math import pi
 
 from acoustics.arrays import Array
-from rolling.bearing.geometry import BearingGeometry, bearing_geometry
-from rolling.bearing.kinematics import Kinematics, centrifugal_force, kinematics
+from rolling.bearing.geometry import BearingGeometry
+from rolling.bearing.kinematics import Kinematics, centrifugal_force
 from rolling.bearing.static_load import StaticBalance, load_vector, static_balance
-from rolling.scene.bearing_scene import BearingQuantities
 
 
 @dataclass(frozen=True)
@@ -49,24 +48,3 @@ class BearingModel:
         """Return the balances at places of the cage from one ball to the next."""
         spacing = 2 * pi / self.geometry.balls
         return [self.balance(spacing * place / places) for place in range(places)]
-
-
-def bearing_model(scene: BearingQuantities) -> BearingModel:
-    """Return the model of the bearing of a scene.
-
-    Without an axial load the balls touch at the contact angle 0, and the clearance is open.
-    """
-    gap = 0.0
-    if scene.axial_load == 0:
-        gap = scene.radial_clearance / 2
-    return BearingModel(
-        geometry=bearing_geometry(scene),
-        kinematics=kinematics(scene),
-        ring_mass_kg=scene.ring_mass,
-        ball_mass_kg=scene.ball_mass,
-        axial_load_n=scene.axial_load,
-        radial_load_n=scene.radial_load,
-        gap_m=gap,
-        contact_loss_factor=scene.bearing.contact_loss_factor,
-        ball_inertia=scene.bearing.ball_inertia,
-    )

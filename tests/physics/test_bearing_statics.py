@@ -15,8 +15,7 @@ from rolling.bearing.geometry import (
     contact_lines,
     ring_bending_hz,
 )
-from rolling.bearing.kinematics import kinematics_of, lines
-from rolling.bearing.model import bearing_model
+from rolling.bearing.kinematics import kinematics_of, lines_of
 from rolling.bearing.static_load import least_axial_load, sjovall, static_balance
 from rolling.contact import closed_forms
 
@@ -209,15 +208,15 @@ def test_a_scene_has_the_same_geometry() -> None:
     pushed = rolling.BearingScene(
         bearing=rolling.Bearing(named="6204", speed_rpm=1800, axial_load_n=70)
     )
-    model = bearing_model(pushed)
+    model = pushed.model
     for ring in ("inner", "outer"):
         contact = getattr(model.geometry, ring)
         assert 2 * pi * contact.radius_m == pytest.approx(pushed.circumferences[ring], rel=1e-12)
     assert model.geometry.radial_clearance_m == pytest.approx(pushed.radial_clearance, rel=1e-9)
     assert model.gap_m == 0
-    assert lines(pushed)["turn"] == 30
+    assert lines_of(pushed.kinematics)["turn"] == 30
     hung = pushed.with_(axial_load_n=0, radial_load_n=300)
-    model = bearing_model(hung)
+    model = hung.model
     assert model.geometry.contact_angle == 0
     assert model.gap_m == pytest.approx(pushed.radial_clearance / 2, rel=1e-12)
     assert model.balance().ball_load_n.max() > 300 / 8
