@@ -88,32 +88,13 @@ class LinearRing:
         omega = 2 * pi * np.asarray(frequency_hz, dtype=float)[:, None, None]
         return np.asarray(1j * omega * np.linalg.inv(self.dynamic_stiffness(frequency_hz)))
 
-    def blocked_force(self, displacement_m: Array, rate_hz: float) -> Array:
-        """Return the force of the balls [N] on the ring if it were held, (n, 3), from its motion.
+    def radial_mobility(self, frequency_hz: Array) -> Complexes:
+        """Return the mobility along x [m/s/N], the direction of the radial load, (n,)."""
+        return np.asarray(self.mobility(frequency_hz)[:, 0, 0])
 
-        It would move the linear ring as the ring of the motion moves. `displacement_m` (n, 3) is
-        about the mean, and is taken as a closed record.
-        """
-        count = len(displacement_m)
-        frequency = np.asarray(np.fft.rfftfreq(count, 1 / rate_hz), dtype=float)
-        lines = np.fft.rfft(displacement_m, axis=0)
-        forces = self.dynamic_stiffness(frequency) @ lines[:, :, None]
-        return np.asarray(np.fft.irfft(forces[:, :, 0], count, axis=0), dtype=float)
-
-    def force_on_plate(
-        self, frequency_hz: Array, blocked_n: Complexes, plate_mobility: Complexes
-    ) -> Complexes:
-        """Return the radial force [N] that drives a housing plate, at frequencies above zero, (n,).
-
-        The ring sits in the plate and moves with it along x. The balls push both with the blocked
-        force (n,), the ring takes i omega M v and the contacts take K v / (i omega) + C v of it.
-        `plate_mobility` (n,) [m/s/N] is that of the plate at its seat. The other directions of the
-        ring follow the balls as if it were held along x, because their coupling is small.
-        """
-        omega = 2 * pi * np.asarray(frequency_hz, dtype=float)
-        ring = 1j * omega * self.mass_kg + self.damping_n_s_m[0, 0]
-        contacts = self.stiffness_n_m[0, 0] / (1j * omega)
-        return np.asarray(blocked_n / (1 + plate_mobility * (ring + contacts)))
+    def axial_mobility(self, frequency_hz: Array) -> Complexes:
+        """Return the mobility along the axis [m/s/N], (n,)."""
+        return np.asarray(self.mobility(frequency_hz)[:, 2, 2])
 
 
 def linear_ring(bearing: BearingModel) -> LinearRing:

@@ -290,18 +290,134 @@ def test_balls_without_mass_serve_the_three_bands(name: str) -> None:
     assert np.abs(10 * np.log10(heavy / light)).max() < 1.0
 
 
-def test_waves_at_a_resonance_move_the_ring_by_its_quality() -> None:
-    """The amplitude is that of the linear theory over the loss factor, within its 2 % of steps."""
+@pytest.mark.law("Bearing: small waves move the ring as a mass on the mean stiffness.")
+@pytest.mark.parametrize("ratio", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("name", BEARINGS)
+def test_mobility_is_that_of_the_linear_ring(name: str, ratio: float) -> None:
+    """Waves A of order Z push with K A / sin(alpha), below, at and above the axial resonance."""
     loss = 0.05
-    case = model(contact_loss_factor=loss, turns_hz=1.0)
+    case = model(contact_loss_factor=loss, turns_hz=1.0, **BEARINGS[name])
     ring = linear_ring(case)
-    turns = ring.axial_hz / case.kinematics.ball_pass_inner_hz
-    case = model(contact_loss_factor=loss, turns_hz=turns)
+    turns = ratio * ring.axial_hz / case.kinematics.ball_pass_inner_hz
+    case = model(contact_loss_factor=loss, turns_hz=turns, **BEARINGS[name])
     tracks = with_waves(smooth_tracks(case.geometry), inner={case.geometry.balls: 0.1 * A})
     motion = move_ring(case, tracks, 0.1)
-    found, _ = amplitudes(motion, [ring.axial_hz])
-    expected = 0.1 * A / sin(case.geometry.contact_angle) / loss
-    assert found[0, 2] == pytest.approx(expected, rel=0.02)
+    frequency = ratio * ring.axial_hz
+    found, _ = amplitudes(motion, [frequency])
+    force = ring.stiffness_n_m[2, 2] * 0.1 * A / sin(case.geometry.contact_angle)
+    velocity = force * np.abs(ring.axial_mobility(np.array([frequency])))[0]
+    assert 2 * pi * frequency * found[0, 2] == pytest.approx(velocity, rel=0.02)
+    if ratio == 1.0:
+        quality = velocity * ring.mass_kg * 2 * pi * frequency / force
+        assert quality == pytest.approx(1 / loss, rel=1e-6)
+
+
+@pytest.mark.law("Bearing: the motion is that of an independent solution of its equations.")
+def test_motion_agrees_with_another_solver() -> None:
+    """Waves above the approach and a radial load; balls lose contact, and nothing is lost.
+
+    The comparison begins with a recorded state, whose filter passes 20 kHz to 1e-4.
+    """
+    from scipy.integrate import solve_ivp
+
+    case = model(contact_loss_factor=0.0, radial_load_n=150.0)
+    geometry = case.geometry
+    tracks = with_waves(smooth_tracks(geometry), inner={9: 3e-6}, outer={12: 2e-6})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rolling.bearing.motion.LONGEST_RUN_IN_S", 0.05)
+        motion = move_ring(case, tracks, 0.01, per_period=160)
+    speeds = case.kinematics
+    places = 2 * pi * np.arange(geometry.balls) / geometry.balls
+
+    def rates(time: float, state: np.ndarray) -> np.ndarray:
+        angle = places + 2 * pi * speeds.cage_hz * time
+        lines = -cos(geometry.contact_angle) * np.stack((np.cos(angle), np.sin(angle)))
+        height = 3e-6 * np.cos(9 * (angle - 2 * pi * speeds.inner_hz * time))
+        height += 2e-6 * np.cos(12 * angle)
+        approach = state[:2] @ lines + sin(geometry.contact_angle) * state[2] + height
+        load = geometry.series_stiffness * np.maximum(approach, 0.0) ** 1.5
+        force = np.append(lines @ load, sin(geometry.contact_angle) * load.sum())
+        return np.append(state[3:], (case.load - force) / case.ring_mass_kg)
+
+    start = np.append(motion.displacement_m[0] + motion.mean_displacement_m, motion.velocity_m_s[0])
+    solution = solve_ivp(
+        rates,
+        (0.0, motion.time_s[-1]),
+        start,
+        method="DOP853",
+        t_eval=motion.time_s,
+        rtol=1e-9,
+        atol=1e-13,
+    )
+    expected = solution.y[3:].T
+    assert motion.ball_load_n.min() < 1.0  # a contact is lost
+    size = np.abs(expected).max()
+    np.testing.assert_allclose(motion.velocity_m_s, expected, atol=0.02 * size)
+
+
+@pytest.mark.law("Bearing: a ball with mass moves between its raceways as a mass on two springs.")
+@pytest.mark.parametrize(
+    ("turning", "order", "frequency_hz"),
+    [("inner", 10, 10e3), ("inner", 11, 10e3), ("outer", 11, 10e3), ("outer", 10, 3e3)],
+)
+def test_balls_with_mass_follow_linear_theory(
+    turning: str, order: int, frequency_hz: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same waves on all balls move the ring along its axis; two equations give how far.
+
+    The centrifugal force makes the load on the inner raceway smaller than that on the outer.
+    """
+    monkeypatch.setattr("rolling.bearing.motion.LONGEST_RUN_IN_S", 0.03)
+    geometry = bearing(angle_deg=25.0)
+    one_turn = model(geometry, turning=turning, turns_hz=1.0).kinematics.ball_spin_hz
+    case = model(
+        geometry,
+        turning=turning,
+        turns_hz=frequency_hz / order / one_turn,
+        axial_load_n=2000.0,
+        ball_inertia=True,
+        contact_loss_factor=0.1,
+    )
+    waves = {ball: {order: A} for ball in range(geometry.balls)}
+    motion = move_ring(case, with_waves(smooth_tracks(geometry), balls=waves), 0.02)
+    found, _ = amplitudes(motion, [frequency_hz])
+
+    sine = sin(geometry.contact_angle)
+    loads = {case.kinematics.moving: 2000.0 / geometry.balls / sine}
+    if turning == "inner":
+        loads["inner"] = loads["outer"] - case.centrifugal_n
+    else:
+        loads["outer"] = loads["inner"] + case.centrifugal_n
+    stiffness = {
+        ring: 1.5 * contact.stiffness_n_m15 ** (2 / 3) * loads[ring] ** (1 / 3)
+        for ring, contact in (("inner", geometry.inner), ("outer", geometry.outer))
+    }
+    heights = {"inner": A, "outer": A * (-1) ** order}
+    # Unknowns: the way of the ring along its axis, and of each ball outwards.
+    ways = {"inner": np.array([0.0, -1.0]), "outer": np.array([0.0, 1.0])}
+    ways[case.kinematics.moving] += [sine, 0.0]
+    masses = np.diag([case.ring_mass_kg / geometry.balls, case.ball_mass_kg])
+    matrix = -masses * (2 * pi * frequency_hz) ** 2
+    push = np.zeros(2)
+    for ring, way in ways.items():
+        matrix = matrix + stiffness[ring] * np.outer(way, way)
+        push -= stiffness[ring] * heights[ring] * way
+    expected = abs(np.linalg.solve(matrix, push)[0])
+    largest = 2 * A / sine
+    assert found[0, 2] == pytest.approx(expected, rel=0.02, abs=2e-3 * largest)
+
+
+def test_centrifugal_force_relieves_the_inner_raceway() -> None:
+    case = model(turns_hz=150.0, ball_inertia=True, axial_load_n=100.0)
+    geometry = case.geometry
+    motion = move_ring(case, smooth_tracks(geometry), 0.02)
+    load = 100.0 / geometry.balls / sin(geometry.contact_angle)
+    relieved = load - case.centrifugal_n
+    approach = (load / geometry.outer.stiffness_n_m15) ** (2 / 3)
+    approach += (relieved / geometry.inner.stiffness_n_m15) ** (2 / 3)
+    expected = approach / sin(geometry.contact_angle)
+    assert motion.mean_displacement_m[2] == pytest.approx(expected, rel=1e-4)
+    assert relieved < 0.99 * load
 
 
 @pytest.mark.parametrize(
