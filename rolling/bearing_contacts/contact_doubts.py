@@ -21,9 +21,10 @@ from rolling.check.doubt import Doubt, Severity, sized
 from rolling.marches.piece import contact_identity
 from rolling.scene.surfaces import BallHeightFile
 
-# Level of the approach by both surfaces marched alone over that of their sum, per rms roughness of
-# both over the smooth approach [dB].
-SUPERPOSITION_DB = 2.0
+# Error of the level of the approach where both surfaces are marched alone [dB], over the root of
+# their rms roughness over the smooth approach. It was read from 16 contacts of a 6204, and held on
+# eight others (608, 6305, 7210; 2 to 60 N; Ra 0.02 to 0.4 um; exponential and skewed).
+SUPERPOSITION_DB = 1.2
 SOFTER = 0.03  # change of the mean stiffness beside Hertz's, from which on it is a doubt
 
 
@@ -131,7 +132,7 @@ def _superposition(plan: ContactPlan) -> Iterator[Doubt]:
         approach = waves.hertz_approach(contact_of(plan.geometry, ring), middle)
         worst = max(worst, math.hypot(ball_law.rq_m, ring_law.rq_m) / approach)
     if worst:
-        decibels = SUPERPOSITION_DB * worst
+        decibels = SUPERPOSITION_DB * math.sqrt(worst)
         yield sized(
             "superposition",
             f"rough balls and raceways are marched one by one, which leaves {rounded(decibels)} dB,"

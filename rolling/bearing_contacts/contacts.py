@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
@@ -147,12 +148,13 @@ def contact_loads(
 
 @dataclass(frozen=True)
 class MarchNumbers:
-    """Grid of a march: spacing, width, length and step."""
+    """Grid of a march: spacing, width, length and step; tolerance of the solver."""
 
     spacing_um: float
     width_um: float
     distance_mm: float
     step_nodes: float
+    tolerance: float | Literal["auto"] = "auto"
 
 
 def march_numbers(
@@ -164,6 +166,7 @@ def march_numbers(
     turn_m: float,
     window_mm: float,
     spacing_um: float | None = None,
+    tolerance: float | Literal["auto"] = "auto",
 ) -> MarchNumbers:
     """Return the grid on which a contact is marched.
 
@@ -183,6 +186,8 @@ def march_numbers(
         Wanted length of the closed track.
     spacing_um : float, optional, um
         Distance of nodes. Default: as the contact and the surface need it.
+    tolerance : float or "auto"
+        Tolerance of the solver. Default: as the roughness needs it.
     """
     lightest = waves.semi_axes(contact, min(loads_n)).along
     if spacing_um is None:
@@ -205,6 +210,7 @@ def march_numbers(
         width_um=width_nodes * spacing_um,
         distance_mm=steps * step_nodes * spacing_um * 1e-3,
         step_nodes=step_nodes,
+        tolerance=tolerance,
     )
 
 
@@ -263,6 +269,9 @@ def contact_scene(
     SceneError
         A value is not allowed.
     """
+    tolerance = numbers.tolerance
+    if tolerance == "auto":
+        tolerance = _tolerance(contact, law, load_n)
     surface: dict[str, object] = {"kind": "smooth"}
     if law is not None:
         fields = Roughness.model_fields
@@ -288,7 +297,7 @@ def contact_scene(
             },
             "numerics": {
                 "step_nodes": numbers.step_nodes,
-                "tolerance": _tolerance(contact, law, load_n),
+                "tolerance": tolerance,
             },
         }
     )

@@ -11,10 +11,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 from acoustics.arrays import short_repr
 from rolling.bearing import waves
-from rolling.bearing.geometry import BearingGeometry, RacewayContact
+from rolling.bearing.geometry import BearingGeometry, RacewayContact, assemble
+from rolling.bearing.kinematics import kinematics_of
 from rolling.bearing_contacts.contacts import (
     MarchNumbers,
     RoughContact,
@@ -23,6 +25,7 @@ from rolling.bearing_contacts.contacts import (
     rough_contact,
 )
 from rolling.bearing_contacts.faults import FaultStretch, fault_stretches
+from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.laws import Roughness
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import BallHeightFile, BallSurface
@@ -67,6 +70,51 @@ class ContactPlan:
         return [first, rest]
 
 
+def contact_plan(scene: BearingScene) -> ContactPlan:
+    """Return the contacts that the scene of a bearing needs.
+
+    Parameters
+    ----------
+    scene : BearingScene
+        A scene without a sweep.
+
+    Raises
+    ------
+    SceneError
+        A contact cannot be made with these values.
+    """
+    bearing = scene.bearing
+    geometry = assemble(
+        balls=bearing.balls,
+        ball_diameter_m=2 * scene.ball_radius,
+        pitch_diameter_m=2 * scene.pitch_radius,
+        contact_angle=scene.contact_angle,
+        conformity_inner=bearing.conformity_inner,
+        conformity_outer=bearing.conformity_outer,
+        contact_modulus=scene.contact_modulus,
+    )
+    speeds = kinematics_of(geometry, bearing.turning, scene.turns_hz)
+    gap = 0.0 if scene.axial_load else scene.radial_clearance / 2
+    surfaces = bearing.surfaces
+    return plan_contacts(
+        geometry,
+        {"inner": surfaces.inner, "outer": surfaces.outer, "balls": surfaces.balls},
+        axial_load_n=scene.axial_load,
+        radial_load_n=scene.radial_load,
+        speed_m_s=speeds.rolling_speed_m_s,
+        body={
+            "youngs_modulus_gpa": bearing.youngs_modulus_gpa,
+            "poissons_ratio": bearing.poissons_ratio,
+        },
+        window_mm=scene.numerics.window_mm,
+        spacing_um=scene.numerics.spacing_um,
+        tolerance=scene.numerics.tolerance,
+        gap_m=gap,
+        fault_ball=surfaces.fault_ball,
+        folder=scene.folder,
+    )
+
+
 def stages_of(plans: Sequence[ContactPlan]) -> list[list[Scene]]:
     """Return the stages of several bearings together, such as the runs of a sweep."""
     stages = [plan.stages for plan in plans]
@@ -102,6 +150,7 @@ def plan_contacts(
     body: dict[str, float | str],
     window_mm: float,
     spacing_um: float | None = None,
+    tolerance: float | Literal["auto"] = "auto",
     gap_m: float = 0.0,
     fault_ball: int = 0,
     folder: Path = Path(),
@@ -123,6 +172,8 @@ def plan_contacts(
         Length of the closed track that is marched, a turn at most.
     spacing_um : float, optional, um
         Distance of its nodes. Default: as contact and surface need it.
+    tolerance : float or "auto"
+        Tolerance of the solver. Default: as the roughness needs it.
     gap_m : float, m
         Gap of each ball while the ring is centred. Default: none.
     fault_ball : int
@@ -156,6 +207,7 @@ def plan_contacts(
             turn_m=2 * math.pi * radius,
             window_mm=window_mm,
             spacing_um=spacing_um,
+            tolerance=tolerance,
         )
         for name in names:
             if law is not None:
@@ -208,6 +260,7 @@ def _shared_numbers(
     turn_m: float,
     window_mm: float,
     spacing_um: float | None,
+    tolerance: float | Literal["auto"],
 ) -> MarchNumbers:
     """Return the grid on which all contacts of a surface are marched, so that they see it alike.
 
@@ -224,6 +277,7 @@ def _shared_numbers(
         turn_m=turn_m,
         window_mm=window_mm,
         spacing_um=spacing_um,
+        tolerance=tolerance,
     )
     wide = march_numbers(
         widest,

@@ -20,12 +20,12 @@ from rolling.bearing_contacts.contacts import (
 )
 from rolling.bearing_contacts.faults import FaultStretch, fault_stretches
 from rolling.bearing_contacts.joined_tracks import bearing_tracks, rough_rows
-from rolling.bearing_contacts.plan import plan_contacts
+from rolling.bearing_contacts.plan import contact_plan, plan_contacts
 from rolling.bearing_contacts.solving import Marches, solved_stages
 from rolling.bearing_contacts.turns import continued_turn
 from rolling.scene.laws import Roughness, SurfaceFault
 from rolling.scene.scene import Scene
-from rolling.scene.surfaces import SmoothBall
+from rolling.scene.surfaces import GradedBall, SmoothBall
 from tests.support.bearings import STEEL, bearing
 
 INNER = bearing().inner
@@ -211,6 +211,39 @@ def test_a_fault_stands_at_its_place_in_the_tracks() -> None:
         for on_ring in (tracks.balls_on_inner[ball], tracks.balls_on_outer[ball]):
             assert (on_ring.approach_m.max() > 0.1e-6) == (ball == 2)
     assert not tracks.outer.approach_m.any()
+
+
+# ---- plan
+
+
+def test_the_scene_of_a_bearing_names_its_contacts() -> None:
+    """A smooth raceway needs no march, and equal bearings have equal tracks."""
+    scene = rolling.read_bearing("bearing-6204").with_({"bearing.surfaces.outer": None})
+    plan = contact_plan(scene)
+    assert list(plan.rough) == ["inner", "balls-on-inner", "balls-on-outer"]
+    assert plan.loads_n[1] == pytest.approx(70 / (8 * np.sin(scene.contact_angle)), rel=1e-3)
+
+
+def test_other_specimens_have_other_heights_of_equal_level() -> None:
+    geometry = bearing()
+    ball = GradedBall(grade="G10", seed=1)
+    plan = plan_contacts(
+        geometry,
+        {"balls": ball, "inner": None, "outer": None},
+        axial_load_n=70.0,
+        radial_load_n=0.0,
+        speed_m_s=SPEED,
+        body=BODY,
+        window_mm=4,
+        spacing_um=10,
+    )
+    tracks = [bearing_tracks(plan, draw=draw).balls_on_inner for draw in (0, 1, 0)]
+    high = [np.diff(track.approach_m[1]) for specimen in tracks for track in specimen]
+    assert np.array_equal(high[0], high[16])
+    correlations = np.corrcoef(high[:16])[np.triu_indices(16, 1)]
+    assert np.abs(correlations).max() < 0.2  # balls of both specimens differ
+    levels = 20 * np.log10(np.std(high, axis=1))
+    assert np.ptp(levels) < 1.5
 
 
 # ---- loads
