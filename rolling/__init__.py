@@ -64,12 +64,19 @@ def __getattr__(name: str) -> Any:
             import_module("rolling.terminal.files").FolderError,
             import_module("rolling.contact.solver").ContactError,
         )
+    if "bearing" in module:
+        import_module("rolling.scene.bearing_scene").BearingScene.check = _check_bearing
     if name in _SUBMODULES:
         value = import_module(f"{module}.{name}")
     else:
         value = getattr(import_module(module), name)
     globals()[name] = value
     return value
+
+
+def _check_bearing(scene: Any) -> Any:
+    """Judge all runs of the scene of a bearing, as `bearing_check.check_bearing` does."""
+    return import_module("rolling.bearing_contacts.bearing_check").check_bearing(scene)
 
 
 def __dir__() -> list[str]:

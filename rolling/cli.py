@@ -155,6 +155,10 @@ def _run(given: argparse.Namespace) -> int:
 
 def _check(given: argparse.Namespace) -> int:
     """Check a scene, estimate its cost, and tell by the exit code whether it runs."""
+    from rolling.scene.bearing_file import is_bearing_file
+
+    if is_bearing_file(given.scene):
+        return _check_bearing(given)
     scene = _read_scene(given)
     with progress.step(LOADING):
         from rolling.check.findings import check_scene, conclusion
@@ -172,6 +176,28 @@ def _check(given: argparse.Namespace) -> int:
     if findings.refusal.key in ("memory", "disk"):
         return BAD_INPUT
     return FAILED  # a contact has no solution, as a run would find
+
+
+def _check_bearing(given: argparse.Namespace) -> int:
+    """Check the scene of a bearing."""
+    from rolling.scene.bearing_file import read_bearing
+
+    scene = read_bearing(given.scene, given.overrides)
+    with progress.step(LOADING):
+        from rolling.bearing_contacts.bearing_check import (
+            check_bearing,
+            conclusion,
+            lines_in_short,
+        )
+    findings = check_bearing(scene)
+    if progress.is_quiet():
+        for warning in findings.warnings:
+            print(f"warning: {warning}")
+    elif progress.is_verbose():
+        print(f"{findings}\n\n{streams.folded(conclusion(findings), '')}")
+    else:
+        print("\n".join(lines_in_short(findings)))
+    return OK
 
 
 def _status(given: argparse.Namespace) -> int:

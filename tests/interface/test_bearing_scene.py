@@ -11,6 +11,7 @@ from ruamel.yaml import YAML
 from scene_text import BEARINGS, SCENES
 
 import rolling
+from rolling import cli
 from rolling.scene.bearing_file import bearing_schema, is_bearing_file, loads_bearing
 from rolling.scene.bearing_rules import largest_pressure
 from rolling.scene.file import dump
@@ -221,3 +222,43 @@ def test_faults_of_a_surface_lie_on_it() -> None:
     with pytest.raises(SceneError, match=r"surfaces.outer.faults\[0\].at_mm: got \[200, 0\]"):
         surfaces["outer"]["faults"][0]["at_mm"] = [200, 0]
         bearing().with_({"bearing.surfaces": surfaces})
+
+
+# ---- check
+
+
+def test_the_check_says_what_a_designer_asks_for(capsys: pytest.CaptureFixture[str]) -> None:
+    """Numbers of DYNAMICS: Z 8, D 7.938 mm, d_m 33.5 mm, 12 degrees, 30 Hz, 70 N."""
+    rows = {row.key: row.value for row in bearing().check()}
+    assert rows["cage"] == "11.5 Hz" and rows["BPFO"] == "92.2 Hz" and rows["BPFI"] == "148 Hz"
+    assert rows["ball spin"] == "59.9 Hz" and rows["ball_loads"] == "42.1 N each"
+    assert "63 to 77 N" not in rows["iso_15242"] or "as the standard asks" in rows["iso_15242"]
+    assert cli.main(["check", "bearing-6204"]) == 0
+    printed = capsys.readouterr().out
+    for words in ("It runs in", "BPFO 92.1 Hz", "881 MPa", "ISO 15242", "Assumed: pitch_diameter"):
+        assert words in printed
+    assert max(map(len, printed.splitlines())) <= 100
+    assert cli.main(["check", "-v", "bearing-6204"]) == 0
+    assert "5/16 inch" in capsys.readouterr().out
+
+
+def test_the_check_of_a_load_zone_and_of_an_outer_ring_that_turns() -> None:
+    turned = bearing("bearing.turning=outer", "bearing.radial_load_n=100")
+    findings = turned.check()
+    rows = {row.key: row.value for row in findings}
+    least, most = rows["ball_loads"].removesuffix(" N").split(" to ")
+    assert float(least) < 70 / 8 / math.sin(math.radians(12)) < float(most)
+    assert "outer ring turns" in rows["iso_15242"] and "100 N radial" in rows["iso_15242"]
+    assert {doubt.key for doubt in findings.doubts["trial"]} >= {"iso_15242", "smooth"}
+
+
+def test_a_bad_file_is_refused_by_the_check(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "b.yaml"
+    file.write_text(TEXT.replace("balls: 8", "balls: 14"))
+    assert cli.main(["check", str(file)]) == 2
+    assert "b.yaml:3: bearing.balls: got 14, allowed: at most 13" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["b.yaml"]
+    assert cli.main(["schema", "--bearing"]) == 0
+    assert "ball_diameter_mm" in capsys.readouterr().out

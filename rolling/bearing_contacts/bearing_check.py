@@ -1,0 +1,378 @@
+"""Check of the scene of a bearing before it is run: geometry, speeds, loads, cost and doubts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from acoustics.numbers import rounded, si
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from acoustics.traps import ignoring_underflow
+from rolling.bearing import iso_15242
+from rolling.bearing.geometry import angle_under_load
+from rolling.bearing.kinematics import lines_of
+from rolling.bearing.linear_ring import linear_ring
+from rolling.bearing.waves import hertz_pressure, semi_axes
+from rolling.bearing_contacts.plan import ContactPlan, contact_plan
+from rolling.check import cost, forecast
+from rolling.check.doubt import Doubt, Finding, Severity, sized
+from rolling.check.findings import Findings
+from rolling.scene import bearing_rules
+from rolling.scene.bearing_scene import BearingScene
+from rolling.scene.bearing_sources import assumed_keys, sources, static_load_rating_n
+from rolling.scene.identity import contact_keys, digest
+from rolling.scene.scene import Scene
+from rolling.scene.surfaces import BallHeightFile, BallSurface, GradedBall
+from rolling.scene.sweep import run_name
+from rolling.terminal.streams import folded
+
+HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
+_PLACES = 8  # of the cage, over which loads are stated
+_ANGLE_SHARE = 0.1  # change of a ball's load by the turned contact angle, from which on it is said
+_MOTION_SECONDS = 3.0  # of processor time for each second of motion, with figures and page
+
+
+@ignoring_underflow
+def check_bearing(scene: BearingScene) -> Findings:
+    """Judge all runs of the scene of a bearing before anything is computed.
+
+    Parameters
+    ----------
+    scene : BearingScene
+        Scene, with or without a sweep.
+
+    Returns
+    -------
+    Findings
+        Quantities and values of each run, and doubts about them; printed, they are a table.
+
+    Raises
+    ------
+    SceneError
+        A contact cannot be made with these values, or a height file cannot be used.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> findings = rolling.read_bearing("bearing-6204").check()
+    >>> {row.key: row.value for row in findings}["BPFO"]
+    '92.1 Hz'
+    """
+    rows: dict[str, list[Finding]] = {}
+    doubts: dict[str, list[Doubt]] = {}
+    marches: dict[str, Scene] = {}
+    seconds = 0.0
+    for values, run in scene.runs():
+        name = run_name(values) or run.name
+        plan = contact_plan(run)
+        found = [*scene_rules(run), *_cost(plan)]
+        rows[name] = [row for row in found if isinstance(row, Finding)]
+        doubts[name] = [doubt for doubt in found if isinstance(doubt, Doubt)]
+        marches |= _marches(plan)
+        seconds += _MOTION_SECONDS * run.duration
+    seconds += sum(_march_seconds(march) for march in marches.values())
+    of_all = (("time of the whole run", f"{forecast.takes(seconds)}, with files and page"),)
+    return Findings(rows, doubts, of_all, seconds=seconds)
+
+
+def scene_rules(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    """Yield rows and doubts of one run from its scene, in the order of the table."""
+    yield from _geometry(scene)
+    yield from _speeds(scene)
+    yield from _loads(scene)
+    yield from _ring(scene)
+    yield from _standard(scene)
+    yield from _surfaces(scene)
+    yield from _assumed(scene)
+
+
+# ---- geometry and speeds
+
+
+def _geometry(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    bearing = scene.bearing
+    name = f"{bearing.named}, " if bearing.named is not None else ""
+    yield Finding(
+        "bearing",
+        "bearing",
+        f"{name}{bearing.balls} balls of {bearing.ball_diameter_mm:g} mm on a circle of"
+        f" {bearing.pitch_diameter_mm:g} mm",
+    )
+    sizes = " x ".join(
+        rounded(1e3 * size, 4) for size in (scene.bore, scene.outside_diameter, scene.width)
+    )
+    yield Finding("boundary", "boundary dimensions", f"{sizes} mm")
+    yield Finding(
+        "grooves",
+        "radii of the grooves",
+        f"{bearing.conformity_inner:g} and {bearing.conformity_outer:g} ball diameters, inner and"
+        " outer",
+    )
+    clearance = f"{rounded(1e6 * scene.radial_clearance, 3)} um"
+    yield Finding("radial_clearance", "radial clearance", clearance)
+    if not scene.axial_load:
+        yield Finding("contact_angle", "contact angle", "0 under a purely radial load")
+        return
+    angle = math.degrees(scene.contact_angle)
+    turned = angle_under_load(scene.geometry, scene.axial_load)
+    text = f"{rounded(angle, 3)} degrees without load"
+    yield Finding(
+        "contact_angle",
+        "contact angle",
+        f"{text}, kept in motion; {rounded(math.degrees(turned), 3)} under the axial load alone",
+    )
+    less = 1 - math.sin(scene.contact_angle) / math.sin(turned)
+    if less > _ANGLE_SHARE:
+        yield Doubt(
+            "contact_angle",
+            f"the axial load would turn the contact angle from {rounded(angle, 3)} to"
+            f" {rounded(math.degrees(turned), 3)} degrees, where balls bear {less:.0%} less",
+            Severity.INDICATIVE,
+            advice="give bearing.contact_angle_deg the turned angle",
+        )
+
+
+def _speeds(scene: BearingScene) -> Iterator[Finding]:
+    speeds = scene.kinematics
+    yield Finding(
+        "speed",
+        "speed",
+        f"{rounded(scene.bearing.speed_rpm, 4)} rpm of the {speeds.turning} ring; the"
+        f" {speeds.moving} ring vibrates",
+    )
+    for name, frequency in lines_of(speeds).items():
+        yield Finding(name, name, si(frequency, "Hz"))
+    yield Finding("rolling_speed", "rolling speed", f"{rounded(speeds.rolling_speed_m_s, 3)} m/s")
+
+
+# ---- loads and contacts
+
+
+def ball_loads(scene: BearingScene) -> tuple[float, float]:
+    """Return the least and the largest load [N] of a ball over the places of the cage."""
+    loads = np.array([balance.ball_load_n for balance in scene.model.balances(_PLACES)])
+    return float(loads.min()), float(loads.max())
+
+
+def _loads(scene: BearingScene) -> Iterator[Finding]:
+    least, most = ball_loads(scene)
+    yield Finding("ball_loads", "loads of the balls", _range(least, most, "N"))
+    for ring in ("inner", "outer"):
+        contact = getattr(scene.geometry, ring)
+        pressure = hertz_pressure(contact, most)
+        axes = semi_axes(contact, most)
+        yield Finding(f"{ring}_pressure", f"Hertz pressure, {ring} ring", si(pressure, "Pa"))
+        yield Finding(
+            f"{ring}_semi_axes",
+            f"semi-axes of the contact, {ring} ring",
+            f"{si(axes.along, 'm')} along, {si(axes.across, 'm')} across the track",
+        )
+    share = bearing_rules.largest_pressure(scene.bearing, scene.geometry)
+    share /= 1e9 * bearing_rules.STATIC_GPA
+    text = f"{share:.0%} of {bearing_rules.STATIC_GPA} GPa"
+    rating = static_load_rating_n(scene)
+    if rating is not None:
+        text += f"; catalogues give a static load rating of {si(rating, 'N')}"
+    yield Finding("static_capacity", "largest pressure", text)
+
+
+def _range(least: float, most: float, unit: str) -> str:
+    """Write a range of numbers, or one number."""
+    if most - least < 1e-3 * most:
+        return f"{rounded(most, 3)} {unit} each"
+    return f"{rounded(least, 3)} to {rounded(most, 3)} {unit}"
+
+
+# ---- ring
+
+
+def _ring(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    mass = f"{rounded(scene.ring_mass, 3)} kg"
+    if scene.bearing.ring_mass_kg is None:
+        mass += ", from its dimensions"
+    yield Finding("ring_mass", f"mass of the {scene.moving_ring} ring", mass)
+    ring = linear_ring(scene.model)
+    text = f"{si(ring.radial_hz, 'Hz')} radial"
+    if scene.axial_load:
+        text += f", {si(ring.axial_hz, 'Hz')} axial"
+    yield Finding("ring_resonances", "resonances of the ring", text)
+    bending = scene.ring_bending_hz
+    yield Finding("ring_bending", "first bending mode of the ring", f"{si(bending, 'Hz')}, free")
+    if bending < HIGHEST_HZ:
+        yield Doubt(
+            "ring_bending",
+            f"the ring bends from {si(bending, 'Hz')} on, and is rigid here",
+            Severity.INDICATIVE,
+            advice="velocities above are those of a rigid ring",
+        )
+    yield from _balls(scene)
+
+
+def _balls(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    """Yield the resonance of a ball between its raceways, and a doubt for balls without mass."""
+    _, load = ball_loads(scene)
+    stiffness = 0.0
+    for contact in (scene.geometry.inner, scene.geometry.outer):
+        stiffness += 1.5 * contact.stiffness_n_m15 ** (2 / 3) * load ** (1 / 3)
+    frequency = math.sqrt(stiffness / scene.ball_mass) / (2 * math.pi)
+    yield Finding("ball_resonance", "resonance of a ball", si(frequency, "Hz"))
+    if scene.bearing.ball_inertia:
+        return
+    left = 1 - (HIGHEST_HZ / frequency) ** 2
+    error_db = -20 * math.log10(left) if left > 0 else math.inf
+    if error_db > 1:
+        yield sized(
+            "ball_resonance",
+            f"balls without mass hold well below their resonance at {si(frequency, 'Hz')}",
+            min(error_db, 20.0),
+            advice="bearing.ball_inertia: true moves them with their mass",
+        )
+
+
+# ---- standard, surfaces, cost, what is assumed
+
+
+def departures(scene: BearingScene) -> list[str]:
+    """Return what a scene does otherwise than ISO 15242 asks for, in words."""
+    return iso_15242.departures(
+        turning=scene.bearing.turning,
+        speed_rpm=scene.bearing.speed_rpm,
+        axial_load_n=scene.axial_load,
+        radial_load_n=scene.radial_load,
+        outer_diameter_mm=1e3 * scene.outside_diameter,
+    )
+
+
+def _standard(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    texts = departures(scene)
+    allowed = iso_15242.axial_load_range_n(1e3 * scene.outside_diameter)
+    value = "speed and load as the standard asks"
+    if allowed is not None:
+        value += f", {allowed[0]:g} to {allowed[1]:g} N"
+    if texts:
+        value = f"not met: {'; '.join(texts)}"
+        yield Doubt("iso_15242", f"the bands are not ISO 15242: {'; '.join(texts)}", Severity.NOTE)
+    yield Finding("iso_15242", "ISO 15242", value)
+
+
+def _surfaces(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    surfaces = scene.bearing.surfaces
+    for name, surface in (
+        ("balls", surfaces.balls),
+        ("inner raceway", surfaces.inner),
+        ("outer raceway", surfaces.outer),
+    ):
+        yield Finding(f"surface_{name.partition(' ')[0]}", f"surface, {name}", _words(surface))
+    if scene.is_smooth:
+        reason = "a perfectly smooth bearing is silent"
+        if scene.radial_load:
+            reason = "a perfectly smooth bearing moves by the passing of its balls alone"
+        yield Doubt("smooth", reason, Severity.NOTE)
+
+
+def _words(surface: BallSurface | None) -> str:
+    """Describe the surface of balls or of a raceway."""
+    if surface is None:
+        return "smooth"
+    parts = []
+    if isinstance(surface, GradedBall):
+        parts.append(f"{surface.grade} of ISO 3290-1, Ra {surface.law.roughness_ra_um:g} um")
+    elif isinstance(surface, BallHeightFile):
+        parts.append(f"heights from {surface.path}")
+    elif surface.law is not None:
+        parts.append(surface.law.words.replace("µ", "u"))
+    if surface.waviness:
+        parts.append(f"waves of the orders {', '.join(map(str, surface.waviness))}")
+    if surface.faults:
+        number = len(surface.faults)
+        parts.append(f"{number} single fault{'s' if number > 1 else ''}")
+    return "; ".join(parts) or "smooth"
+
+
+def _marches(plan: ContactPlan) -> dict[str, Scene]:
+    """Return the different marches of a run by their identity."""
+    listed = [march for stage in plan.stages for march in stage]
+    return {digest(contact_keys(march)): march for march in listed}
+
+
+def _march_seconds(march: Scene) -> float:
+    """Estimate the time [s] of a march on one core, with the making of its surface."""
+    return cost.expected_seconds(march) + sum(cost.surface_seconds(march))
+
+
+def _cost(plan: ContactPlan) -> Iterator[Finding]:
+    marches = _marches(plan).values()
+    seconds = sum(map(_march_seconds, marches))
+    text = "none, nothing is rough"
+    if marches:
+        text = f"{len(marches)}, {cost.computing(seconds)}"
+    yield Finding("marches", "marches of contacts", text, seconds)
+
+
+def _assumed(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    keys = assumed_keys(scene)
+    if keys:
+        yield Finding("assumed", "assumed", ", ".join(keys))
+        yield Doubt(
+            "assumed",
+            f"assumed: {', '.join(keys)}",
+            Severity.NOTE,
+            advice="give those that you know",
+        )
+    for key, source in sources(scene).items():
+        yield Finding(f"source_{key}", key, f"{getattr(scene.bearing, key):g}: {source}")
+
+
+# ---- in short
+
+
+def conclusion(findings: Findings) -> str:
+    """State in a sentence how long a scene takes, and with which verdict at best."""
+    doubts = [doubt for of_run in findings.doubts.values() for doubt in of_run]
+    worst = max((doubt.severity for doubt in doubts), default=Severity.NOTE)
+    time = f"It runs in {forecast.takes(findings.seconds)}."
+    if worst <= Severity.TRUST:
+        return f"{time} Nothing speaks against its velocities."
+    return f"{time} The verdict on its velocities will at best be {worst.word}."
+
+
+def lines_in_short(findings: Findings) -> list[str]:
+    """Return the conclusion of a check, the numbers that a designer asks for, and the doubts."""
+    lines = [folded(conclusion(findings), "")]
+    for name, rows in findings.runs.items():
+        values = {row.key: row.value for row in rows}
+        prefix = f"{name}: " if len(findings.runs) > 1 else ""
+        frequencies = ", ".join(
+            f"{line} {values[line]}" for line in ("cage", "BPFO", "BPFI", "2 x ball spin")
+        )
+        lines.append(folded(f"{prefix}{values['bearing']}: {frequencies}.", ""))
+        lines.append(
+            folded(
+                f"{prefix}Balls bear {values['ball_loads']}, Hertz pressure"
+                f" {values['inner_pressure']} inner and {values['outer_pressure']} outer. The ring"
+                f" resonates at {values['ring_resonances']}, and bends from"
+                f" {values['ring_bending'].partition(',')[0]} on.",
+                "",
+            )
+        )
+        if "not met" not in values["iso_15242"]:
+            lines.append(folded(f"{prefix}ISO 15242: {values['iso_15242']}.", ""))
+    lines += [folded(f"- {text[0].upper()}{text[1:]}.") for text in _doubts(findings)]
+    return [*lines, "-v shows all quantities."]
+
+
+def _doubts(findings: Findings) -> Sequence[str]:
+    """Return the doubts of all runs, the worst first, each once with the runs that have it."""
+    runs: dict[Doubt, list[str]] = {}
+    for name, doubts in findings.doubts.items():
+        for doubt in doubts:
+            runs.setdefault(doubt, []).append(name)
+    texts = []
+    for doubt in sorted(runs, key=lambda doubt: doubt.rank, reverse=True):
+        text = doubt.line
+        if len(runs[doubt]) < len(findings.runs):
+            text += f" ({', '.join(runs[doubt])})"
+        texts.append(text)
+    return texts

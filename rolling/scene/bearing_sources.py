@@ -1,0 +1,50 @@
+"""Where the values of a bearing come from, and which of them are assumed."""
+
+from rolling.scene import library
+from rolling.scene.bearing_scene import BearingQuantities
+
+ASSUMED = "assumed"
+# Keys whose default is a proportion of usual bearings, or a usual value.
+_DEFAULTS = (
+    "conformity_inner",
+    "conformity_outer",
+    "contact_loss_factor",
+)
+_ESTIMATES = ("bore_mm", "outside_diameter_mm", "width_mm", "ring_mass_kg")
+
+
+def sources(scene: BearingQuantities) -> dict[str, str]:
+    """Return the source of each value that the name of a bearing gave, by key."""
+    bearing = scene.bearing
+    if bearing.named is None:
+        return {}
+    table = library.data("bearings")
+    texts = {}
+    for key, pair in table["bearings"][bearing.named].items():
+        if isinstance(pair, list) and getattr(bearing, key, None) == pair[0]:
+            texts[key] = str(table["sources"][pair[1]])
+    return texts
+
+
+def static_load_rating_n(scene: BearingQuantities) -> float | None:
+    """Return the static load rating [N] of a bearing by name, None for another bearing."""
+    named = scene.bearing.named
+    if named is None:
+        return None
+    return float(library.data("bearings")["bearings"][named]["static_load_rating_n"][0])
+
+
+def assumed_keys(scene: BearingQuantities) -> list[str]:
+    """Return the keys of a bearing whose values are assumed.
+
+    A name gave them without a source, they are defaults, or they are estimated from other values.
+    """
+    bearing = scene.bearing
+    named = sources(scene)
+    keys = [key for key, source in named.items() if source.startswith(ASSUMED)]
+    fields = type(bearing).model_fields
+    for key in _DEFAULTS:
+        if key not in named and getattr(bearing, key) == fields[key].default:
+            keys.append(key)
+    keys += [key for key in _ESTIMATES if getattr(bearing, key) is None]
+    return keys
