@@ -1,0 +1,47 @@
+"""A choice between bearings states differences by band with their ±."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rolling.bearing_run.bearing_choice import BearingChoice, band_difference
+
+
+def test_a_ratio_that_all_specimens_share_is_sure_and_exact() -> None:
+    fine = np.array([1.0, 3.0, 0.5, 2.0])
+    apart = band_difference("high", fine, 2 * fine)
+    assert apart.db == pytest.approx(20 * math.log10(2))
+    assert apart.uncertainty_db == pytest.approx(0, abs=1e-9)
+    assert apart.is_sure
+
+
+def test_one_specimen_has_no_uncertainty() -> None:
+    apart = band_difference("low", np.array([1.0]), np.array([1.5]))
+    assert apart.uncertainty_db is None and not apart.is_sure
+
+
+def test_a_bearing_at_rest_has_no_difference_in_decibels() -> None:
+    assert math.isinf(band_difference("low", np.zeros(4), np.ones(4)).db)
+    assert band_difference("low", np.zeros(4), np.zeros(4)).db == 0
+
+
+@pytest.mark.law("Choice of bearings: the stated ± covers the scatter of repeated choices.")
+def test_the_uncertainty_covers_repeated_choices() -> None:
+    chance = np.random.default_rng(3)
+    within = 0
+    for _ in range(400):
+        first = 10 ** (chance.normal(0, 1.5, 6) / 20)
+        second = 10 ** (chance.normal(2, 1.5, 6) / 20)
+        apart = band_difference("high", first, second)
+        within += abs(apart.db - 2) <= apart.uncertainty_db
+    assert 0.60 < within / 400 < 0.76
+
+
+def test_sentences_name_each_band_once() -> None:
+    values = np.array([[1.0, 1.1, 0.9, 1.0], [2.0, 2.1, 1.9, 2.0], [1.0, 1.2, 0.8, 1.0]])
+    rms = {"low": values, "medium": values[::-1], "high": values}
+    choice = BearingChoice(["a", "b", "c"], rms, "", 1.0)
+    assert len(choice.sentences) == 6
+    assert len(choice.table()) == 9
+    assert str(choice).count("\n") == 6 + 3
