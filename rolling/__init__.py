@@ -14,11 +14,11 @@ Bearings
     read_bearing, BearingScene and its sections Bearing, BearingSurfaces, HousingPlate,
     BearingNumerics, BearingSound
 Runs
-    simulate, simulate_sweep, choose, sensitivities, coarsest_below, open_run, save_run, live,
-    plot (module), ContactError, SweepError, FolderError
+    simulate, simulate_sweep, choose, choose_bearings, sensitivities, coarsest_below, open_run,
+    save_run, live, plot (module), ContactError, SweepError, FolderError
 Objects that functions return
     Run, Runs, Choice, Difference, Sensitivities, Limit, ContactSound, Vibration, Channel,
-    Listening; Findings, Finding; Contact, ContactState
+    Listening; BearingChoice; Findings, Finding; Contact, ContactState
 Contact
     HalfSpace, solve_contact, WarmStart, march, RollingContact, closed_forms (module)
 """

@@ -2,6 +2,7 @@
 
 from rolling import check as check
 from rolling import plot as plot
+from rolling.bearing_run.bearing_choice import BearingChoice as BearingChoice
 from rolling.check.doubt import Doubt as Doubt
 from rolling.check.doubt import Finding as Finding
 from rolling.check.findings import Findings as Findings
@@ -21,6 +22,7 @@ from rolling.contact.state import RollingContact as RollingContact
 from rolling.interface import Runs as Runs
 from rolling.interface import SweepError as SweepError
 from rolling.interface import choose as choose
+from rolling.interface import choose_bearings as choose_bearings
 from rolling.interface import coarsest_below as coarsest_below
 from rolling.interface import live as live
 from rolling.interface import open_run as open_run

@@ -269,9 +269,12 @@ def _listen(given: argparse.Namespace) -> int:
 
 def _choose(given: argparse.Namespace) -> int:
     """Say which of some scenes is quieter."""
-    from rolling.scene import file
+    from rolling.scene import bearing_file, file
 
     _refuse_odd_choice(given)
+    of_bearings = [path for path in given.scenes if bearing_file.is_bearing_file(path)]
+    if of_bearings:
+        return _choose_bearings(given, of_bearings)
     scenes = [file.read_scene(scene, given.overrides) for scene in given.scenes]
     if given.improve:
         return _improve(scenes[0], given)
@@ -284,6 +287,33 @@ def _choose(given: argparse.Namespace) -> int:
     budget = Budget(within_db=within_db, minutes=given.minutes)
     choice = choose_scenes(scenes, given.out, budget, given.workers)
     write_choice(choice)
+    print_choice(choice)
+    return OK
+
+
+def _choose_bearings(given: argparse.Namespace, of_bearings: Sequence[Path]) -> int:
+    """Say which of some bearings moves its ring less, band by band."""
+    from rolling.scene.bearing_file import read_bearing
+
+    others = [path for path in given.scenes if path not in of_bearings]
+    if others:
+        given.parser.error(
+            f"got {of_bearings[0]}, a bearing, and {others[0]}, a sphere on a plate; allowed:"
+            " scenes of one kind"
+        )
+    if given.improve or given.below is not None:
+        option = "--improve" if given.improve else "--below"
+        given.parser.error(f"{option}: only goes with a sphere on a plate, not with a bearing")
+    scenes = [read_bearing(path, given.overrides) for path in given.scenes]
+    with progress.step(LOADING):
+        from rolling.bearing_run.choosing import choose_bearings, print_choice
+    choice = choose_bearings(
+        scenes=scenes,
+        folder=given.out,
+        within_db=given.within_db or defaults.WITHIN_DB,
+        minutes=given.minutes,
+        workers=given.workers,
+    )
     print_choice(choice)
     return OK
 

@@ -24,6 +24,7 @@ from rolling.results.runs_table import runs_table
 from rolling.run import folder as folders
 from rolling.run.solving import Values, open_runs, simulate_runs
 from rolling.scene import sweep as sweeps
+from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray
 
+    from rolling.bearing_run.bearing_choice import BearingChoice
     from rolling.choice.choice import Choice
     from rolling.choice.limit import Limit
     from rolling.choice.sensitivity import Sensitivities
@@ -46,6 +48,7 @@ __all__ = [
     "Runs",
     "SweepError",
     "choose",
+    "choose_bearings",
     "coarsest_below",
     "live",
     "open_run",
@@ -356,6 +359,64 @@ def choose(
     budget = Budget(within_db=within_db, minutes=minutes)
     with _kept_in(folder, progress) as kept:
         return choose_scenes(listed, kept, budget, workers)
+
+
+@ignoring_underflow
+def choose_bearings(
+    scenes: BearingScene | Sequence[BearingScene],
+    within_db: float = defaults.WITHIN_DB,
+    minutes: float = defaults.CHOICE_MINUTES,
+    folder: Path | str | None = None,
+    workers: int = 0,
+    progress: bool | None = None,
+) -> BearingChoice:
+    """Choose between bearings by the three bands of ISO 15242, and say how sure that is.
+
+    All bearings are heard on specimens with the same random numbers, and each difference has its
+    scatter over these pairs as a ±. Specimens are added until it is the wanted one.
+
+    Parameters
+    ----------
+    scenes : BearingScene or sequence of BearingScene
+        The bearings. One scene with a sweep has a bearing for each run, one with single faults is
+        compared with itself without them.
+    within_db, minutes, folder, workers, progress
+        As in `choose`.
+
+    Returns
+    -------
+    choice : BearingChoice
+        Differences by band, sentences, table and plot.
+
+    Raises
+    ------
+    SceneError
+        The bearings are not comparable, or one of them cannot run.
+    FolderError
+        The folder holds something else.
+    ContactError
+        A contact has no solution.
+    KeyboardInterrupt
+        Ctrl-C was pressed.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> words = ["bearing.surfaces.balls={kind: smooth, waviness: {4: 0.02}}"]
+    >>> words += ["bearing.surfaces.inner=", "bearing.surfaces.outer=", "sound.duration_s=0.1"]
+    >>> scene = rolling.read_bearing("bearing-6204", words)
+    >>> twice = scene.with_({"name": "twice", "bearing.surfaces.balls.waviness": {4: 0.04}})
+    >>> choice = rolling.choose_bearings([scene, twice], progress=False)
+    >>> round(choice.differences[0][0].db)
+    6
+    """
+    from rolling.bearing_run import choosing
+
+    listed = [scenes] if isinstance(scenes, BearingScene) else list(scenes)
+    for scene in listed:
+        instance("scenes", scene, BearingScene)
+    with _kept_in(folder, progress) as kept:
+        return choosing.choose_bearings(listed, kept, within_db, minutes, workers)
 
 
 @ignoring_underflow

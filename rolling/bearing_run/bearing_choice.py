@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.pairs import SURE, paired_mean, sureness
-from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.texts import printable
 from acoustics.traps import ignoring_underflow
+from rolling.bearing_run.band_difference import HOUSING, NAMES, BandDifference, band_difference
 from rolling.results.answer import uncertain
 from rolling.terminal.streams import columns
 
@@ -22,65 +21,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-HOUSING = "housing"  # A-weighted sound pressure of the housing plate, beside the three bands
-NAMES = {
-    **{name: f"{low:g} to {high:g} Hz" for name, (low, high) in VELOCITY_BANDS_HZ.items()},
-    HOUSING: "sound of the housing",
-}
 _OVER = 0.999  # probabilities above are not told apart
-
-
-@dataclass(frozen=True)
-class BandDifference:
-    """Difference of two bearings in one band, second less first.
-
-    band : str. low, medium, high, or housing.
-    pairs : int. Number of pairs of specimens.
-    db : float, dB. Mean difference of the levels; infinite where the first one is at rest.
-    uncertainty_db : float or None, dB. Standard uncertainty by Student's t; None for one pair.
-    sureness : float or None. Probability that the sign is right.
-    """
-
-    band: str
-    pairs: int
-    db: float
-    uncertainty_db: float | None
-    sureness: float | None
-
-    @property
-    def is_sure(self) -> bool:
-        """Whether the sign is right with 95 % probability."""
-        return self.sureness is not None and self.sureness >= SURE
-
-
-def band_difference(band: str, first: Array, second: Array) -> BandDifference:
-    """Return the difference of the levels of two bearings on the same specimens.
-
-    Parameters
-    ----------
-    band : str
-        low, medium, high or housing.
-    first, second : arrays (specimens,)
-        Root mean square of each specimen in the band, in any unit.
-    """
-    if not (np.all(first > 0) and np.all(second > 0)):
-        moves = float(np.sum(second)) - float(np.sum(first))
-        db = math.copysign(math.inf, moves) if moves else 0.0
-        return BandDifference(
-            band=band, pairs=len(first), db=db, uncertainty_db=None, sureness=None
-        )
-    of_pairs = paired_mean(20 * np.log10(second / first))
-    if not math.isfinite(of_pairs.error):
-        return BandDifference(
-            band=band, pairs=1, db=of_pairs.mean, uncertainty_db=None, sureness=None
-        )
-    return BandDifference(
-        band=band,
-        pairs=len(first),
-        db=of_pairs.mean,
-        uncertainty_db=of_pairs.uncertainty,
-        sureness=sureness(of_pairs.mean, of_pairs.error, of_pairs.freedom),
-    )
 
 
 @ignoring_underflow
@@ -143,6 +84,12 @@ class BearingChoice:
                 " with the root of their number."
             )
         return lines
+
+    @property
+    def in_short(self) -> str:
+        """The present differences of the first two bearings, for a line of progress."""
+        numbers = [f"{_number(apart)} dB ({NAMES[apart.band]})" for apart in self.differences[0]]
+        return f"{printable(self.labels[1])} less {printable(self.labels[0])}: {', '.join(numbers)}"
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the numbers of each bearing and band by the names of their columns."""

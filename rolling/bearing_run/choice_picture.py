@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from acoustics.plot_style import curve_style, gridded
-from rolling.bearing_run.bearing_choice import HOUSING, NAMES, BearingChoice
+from rolling.bearing_run.band_difference import HOUSING, NAMES
 from rolling.figures.picture import DPI, WIDTH_IN, Picture, drawable
 from rolling.figures.settings import own_settings
+
+if TYPE_CHECKING:
+    from rolling.bearing_run.bearing_choice import BearingChoice
 
 HEIGHT_IN = 4.2
 SPREAD = 0.5  # width that the points of all bearings take of the distance between two bands

@@ -18,7 +18,10 @@ from acoustics.arrays import Array, short_repr
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.level import SoundLevels, sound_levels
 from acoustics.rectangular_plate import Listener, RectangularPlate
+from rolling.bearing.linear_ring import LinearRing
+from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import modes_of
+from rolling.scene.bearing_scene import BearingScene
 from rolling.sound.contact_sound import faded
 
 Mobility = Callable[[Array], NDArray[np.complex128]]
@@ -41,6 +44,41 @@ class HousingSound:
     force_n: Array
     velocity_m_s: Array
     levels: SoundLevels
+
+
+def housing_of_scene(
+    scene: BearingScene, ring: LinearRing, free_velocity_m_s: Array
+) -> HousingSound | None:
+    """Return the sound of the housing plate of a scene, None for a scene without one.
+
+    The plate is shaken along the direction of the radial load, x, and heard above `contact_mm`.
+
+    Parameters
+    ----------
+    scene : BearingScene
+    ring : LinearRing
+        Ring on the mean stiffness of its balls.
+    free_velocity_m_s : array (samples,), m/s
+        Velocity of the ring along x, at `acoustics.wav.SAMPLE_RATE_HZ`.
+    """
+    if scene.plate is None:
+        return None
+    plate = of_scene.plate_with_edges(scene.plate)
+    assert plate is not None  # the plate of a housing has edges, a mass and a loss factor
+    contact = 1e-3 * np.array(scene.plate.contact_ends_mm["contact_mm"])
+    x, y = contact.tolist()
+
+    def mobility(frequency_hz: Array) -> NDArray[np.complex128]:
+        """Return the mobility of the ring along x."""
+        return ring.mobility(frequency_hz)[:, 0, 0]
+
+    return housing_sound(
+        plate=plate,
+        contact_m=contact,
+        listener_m=(x, y, scene.sound.distance_m),
+        ring_mobility=mobility,
+        free_velocity_m_s=free_velocity_m_s,
+    )
 
 
 def plate_mobility(

@@ -26,6 +26,7 @@ from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import BodyMotion, Path, Stepping, Travel, move
 from rolling.dynamics.smooth_contact import equivalent_radius
 from rolling.scene.scene import Scene
+from rolling.scene.sections import Plate
 
 MIN_THICKNESSES = 6.0  # in a bending wave; shorter waves are beyond thin-plate theory
 BENT = 0.1  # deflection over thickness up to which thin-plate theory holds
@@ -36,8 +37,12 @@ _MAX_TIMES = 1_000_000  # maximum number of times that describe a changing speed
 
 def plate(scene: Scene) -> ThinPlate | None:
     """Return the plate that bends, or None for a half-space."""
-    properties = scene.plate
-    thickness = thickness_m(scene)
+    return thin_plate(scene.plate)
+
+
+def thin_plate(properties: Plate) -> ThinPlate | None:
+    """Return the plate of a section that bends, or None for a half-space."""
+    thickness = 1e-3 * (properties.thickness_mm or 0.0)
     if not thickness or properties.density_kg_m3 is None:
         return None
     young = properties.youngs_modulus_gpa * 1e9
@@ -75,15 +80,20 @@ def ball(scene: Scene) -> Ball:
 
 def rectangular_plate(scene: Scene) -> RectangularPlate | None:
     """Return the plate with edges, or None for a plate without edges."""
-    bending = plate(scene)
-    edges = scene.plate.edges_mm
-    if bending is None or edges is None or scene.plate.loss_factor is None:
+    return plate_with_edges(scene.plate)
+
+
+def plate_with_edges(properties: Plate) -> RectangularPlate | None:
+    """Return the plate of a section with its edges, or None for a plate without edges."""
+    bending = thin_plate(properties)
+    edges = properties.edges_mm
+    if bending is None or edges is None or properties.loss_factor is None:
         return None
     length_m, width_m = (1e-3 * edge for edge in edges)
-    kinds = scene.plate.edge_pair
+    kinds = properties.edge_pair
     if kinds == (SIMPLE, SIMPLE):
         return RectangularPlate(**vars(bending), length_m=length_m, width_m=width_m)
-    return _ritz_plate(bending, length_m, width_m, scene.plate.poissons_ratio, kinds)
+    return _ritz_plate(bending, length_m, width_m, properties.poissons_ratio, kinds)
 
 
 @lru_cache(maxsize=8)

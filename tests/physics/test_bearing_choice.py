@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from rolling.bearing_run.bearing_choice import BearingChoice, band_difference
+from rolling.bearing_run.band_difference import band_difference
+from rolling.bearing_run.bearing_choice import BearingChoice
 
 
 def test_a_ratio_that_all_specimens_share_is_sure_and_exact() -> None:

@@ -1,0 +1,359 @@
+"""Choose between bearings: move the rings of pairs of specimens until the differences are known.
+
+Specimens of a bearing have the same statistics and other random heights, phases and places of
+balls. They are drawn from the same marches, so a specimen costs a motion. All bearings are heard on
+the same draws, so that what they share cancels.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from acoustics.arrays import Array
+from acoustics.level import a_weighted
+from acoustics.pairs import FIRST_PAIRS, pairs_needed
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ, velocity_bands
+from rolling.bearing.linear_ring import linear_ring
+from rolling.bearing.motion import move_ring
+from rolling.bearing_contacts.joined_tracks import bearing_tracks
+from rolling.bearing_contacts.plan import ContactPlan, contact_plan, stages_of
+from rolling.bearing_contacts.solving import Marches, solved_stages
+from rolling.bearing_run.band_difference import HOUSING, NAMES
+from rolling.bearing_run.bearing_choice import BearingChoice
+from rolling.bearing_run.housing import housing_of_scene
+from rolling.figures.picture import csv_bytes
+from rolling.run import folder as folders
+from rolling.scene.bearing_scene import BearingScene
+from rolling.scene.height_files import read_regular
+from rolling.scene.identity import digest
+from rolling.scene.messages import SceneError, quoted
+from rolling.terminal import defaults, files, progress
+from rolling.terminal.files import FolderError
+from rolling.terminal.streams import folded
+
+MAX_BEARINGS = 12
+MAX_SPECIMENS = 60
+FEWEST = 4  # specimens that are always heard
+UM_S = 1e6  # micrometres per second in a metre per second
+CHOICE = "choice.json"
+TABLE = "choice.csv"
+PICTURE = "choice.png"
+FORMAT = "rolling-contact-noise choice of bearings, format 1"
+MAX_CHOICE = 10_000_000  # bytes of its file
+SAME_KEYS = ("bearing.turning", "sound.distance_m")  # in all bearings of a choice
+
+
+@dataclass(eq=False)
+class BearingCandidate:
+    """One of the bearings among which a person chooses, and what was heard of it.
+
+    label : str. What it is called in sentences.
+    scene : BearingScene. A scene without a sweep.
+    plan : ContactPlan. Its rough contacts.
+    heard : list of dict. Root mean squares by band, of each specimen so far.
+    """
+
+    label: str
+    scene: BearingScene
+    plan: ContactPlan
+    heard: list[dict[str, float]] = field(default_factory=list)
+
+    @property
+    def is_random(self) -> bool:
+        """Whether specimens of this bearing differ."""
+        return not self.scene.is_smooth
+
+
+def choose_bearings(
+    scenes: Sequence[BearingScene],
+    folder: Path | None = None,
+    within_db: float = defaults.WITHIN_DB,
+    minutes: float = defaults.CHOICE_MINUTES,
+    workers: int = 0,
+) -> BearingChoice:
+    """Choose between bearings by the three bands of their rings, and by the sound of a housing.
+
+    Parameters
+    ----------
+    scenes : sequence of BearingScene
+        Scenes, or one with a sweep or with single faults.
+    folder : Path
+        Folder that keeps marches and specimens. Default: outputs/choice-DIGITS.
+    within_db : float, dB
+        Wanted standard uncertainty of the differences.
+    minutes : float
+        Time after which no more specimens begin; four are always heard.
+    workers : int
+        Number of processes that march; 0: one per core.
+
+    Returns
+    -------
+    BearingChoice
+
+    Raises
+    ------
+    SceneError
+        There is nothing to choose between, or the bearings are not comparable.
+    FolderError
+        The folder holds something else.
+    ContactError
+        A contact has no solution.
+    OSError, KeyboardInterrupt
+        As `rolling.commands.run_scene`; what was heard is kept.
+    """
+    candidates = candidates_of(scenes)
+    target = folder or default_folder(candidates)
+    target.mkdir(parents=True, exist_ok=True)
+    with ExitStack() as stack:
+        stack.enter_context(folders.locked(target))
+        _take_heard(target, candidates)
+        marches = _marched(candidates, target, workers)
+        choice = _until_known(candidates, marches, target, within_db, minutes)
+        _write_files(choice)
+    return choice
+
+
+def default_folder(candidates: Sequence[BearingCandidate]) -> Path:
+    """Return the folder of a choice that is given without --out."""
+    return Path("outputs") / f"choice-{_identity(candidates)[:8]}"
+
+
+def print_choice(choice: BearingChoice) -> None:
+    """Print the answer of a choice, its table and its files; the folder if quiet."""
+    if progress.is_quiet():
+        print(choice.folder)
+        return
+    for sentence in choice.sentences:
+        print(folded(sentence))
+    print()
+    print(choice.lines)
+    print()
+    print(f"picture: {choice.folder / PICTURE}")
+    print(f"table: {choice.folder / TABLE}")
+
+
+# ---- candidates
+
+
+def candidates_of(scenes: Sequence[BearingScene]) -> list[BearingCandidate]:
+    """Return the bearings to choose between: each run of a sweep is one.
+
+    A single bearing with faults is compared with itself without them.
+
+    Raises
+    ------
+    SceneError
+        There is nothing to choose between, or the bearings are not comparable.
+    """
+    found: list[tuple[str, BearingScene]] = []
+    for scene in scenes:
+        for values, run in scene.runs():
+            swept = ", ".join(f"{key.rpartition('.')[2]} {value}" for key, value in values.items())
+            found.append((swept or scene.name, run))
+    if len(found) > MAX_BEARINGS:
+        raise SceneError([f"{len(found)} bearings, allowed: at most {MAX_BEARINGS}"])
+    if len(found) == 1:
+        found = _with_and_without_faults(found[0][1])
+    if len({label for label, _ in found}) < len(found):
+        found = [(f"{number}: {label}", run) for number, (label, run) in enumerate(found, start=1)]
+    faults = []
+    first = found[0][1]
+    for label, scene in found[1:]:
+        for key in SAME_KEYS:
+            mine = _value_at(first, key)
+            theirs = _value_at(scene, key)
+            if mine != theirs:
+                faults.append(
+                    f"{scene.place(key)}: {key}: got {quoted(theirs)} for {label}, and"
+                    f" {quoted(mine)} for {found[0][0]}; a choice needs the same"
+                )
+    if faults:
+        raise SceneError(faults)
+    return [
+        BearingCandidate(label=label, scene=scene, plan=contact_plan(scene))
+        for label, scene in found
+    ]
+
+
+def _with_and_without_faults(scene: BearingScene) -> list[tuple[str, BearingScene]]:
+    """Return a bearing without its single faults, and with them."""
+    changes: dict[str, Any] = {}
+    for body in ("balls", "inner", "outer"):
+        surface = getattr(scene.bearing.surfaces, body)
+        if surface is not None and surface.faults:
+            changes[f"bearing.surfaces.{body}.faults"] = None
+    if not changes:
+        raise SceneError(
+            [
+                f"{scene.name}: a single bearing leaves nothing to choose between; give two scenes,"
+                " a scene with a sweep or one with faults"
+            ]
+        )
+    without = scene.with_(changes)
+    return [("the bearing without faults", without), ("the bearing with faults", scene)]
+
+
+def _value_at(scene: BearingScene, key: str) -> Any:
+    """Return the value of a scene at a dotted key."""
+    section, _, name = key.partition(".")
+    return getattr(getattr(scene, section), name)
+
+
+# ---- what is heard
+
+
+def _marched(candidates: Sequence[BearingCandidate], folder: Path, workers: int) -> Marches:
+    """March the rough contacts of all bearings; equal ones are marched once."""
+    marches: Marches = {}
+    stages = stages_of([one.plan for one in candidates])
+    for known in solved_stages(stages, name="marching contacts", folder=folder, workers=workers):
+        marches = known
+    return marches
+
+
+def _until_known(
+    candidates: Sequence[BearingCandidate],
+    marches: Marches,
+    folder: Path,
+    within_db: float,
+    minutes: float,
+) -> BearingChoice:
+    """Hear specimens until each ± is the wanted one, or the time or the specimens end."""
+    began = time.monotonic()
+    most = MAX_SPECIMENS if any(one.is_random for one in candidates) else 1
+    count = min(FEWEST, most)
+    while True:
+        for number in range(count):
+            for one in candidates:
+                if number < len(one.heard):
+                    continue
+                with progress.step(f"moving the ring of {one.label}, specimen {number + 1}"):
+                    one.heard.append(heard_specimen(one, marches, number))
+                _keep_heard(folder, candidates)
+        choice = _choice(candidates, count, within_db, folder)
+        progress.line(f"{count} specimens: {choice.in_short}")
+        needed = specimens_needed(choice)
+        if needed <= count:
+            return choice
+        if count >= most:
+            return _choice(candidates, count, within_db, folder, "there are no more specimens")
+        if time.monotonic() - began > 60 * minutes:
+            limit = f"the limit of {minutes:g} minutes was reached"
+            return _choice(candidates, count, within_db, folder, limit)
+        count = min(needed, count + FIRST_PAIRS, most)
+
+
+def heard_specimen(candidate: BearingCandidate, marches: Marches, number: int) -> dict[str, float]:
+    """Return the root mean squares of a specimen by band: radial velocity [um/s], housing [Pa]."""
+    scene = candidate.scene
+    model = scene.model
+    tracks = bearing_tracks(candidate.plan, marches, draw=number)
+    motion = move_ring(model, tracks, scene.duration)
+    x = velocity_bands(motion.velocity_m_s[:, 0], motion.rate_hz)
+    y = velocity_bands(motion.velocity_m_s[:, 1], motion.rate_hz)
+    rms = {}
+    for name in VELOCITY_BANDS_HZ:
+        rms[name] = UM_S * math.sqrt((x.rms_m_s[name] ** 2 + y.rms_m_s[name] ** 2) / 2)
+    housing = housing_of_scene(scene, linear_ring(model), motion.velocity_m_s[:, 0])
+    if housing is not None:
+        weighted = a_weighted(housing.pressure, motion.rate_hz)
+        rms[HOUSING] = float(np.sqrt(np.mean(np.square(weighted))))
+    return rms
+
+
+def _choice(
+    candidates: Sequence[BearingCandidate],
+    count: int,
+    within_db: float,
+    folder: Path,
+    limit: str = "",
+) -> BearingChoice:
+    """Return the answer from the first specimens of all bearings."""
+    bands = [band for band in NAMES if all(band in one.heard[0] for one in candidates)]
+    rms = {band: _of_band(candidates, band, count) for band in bands}
+    return BearingChoice(
+        labels=[one.label for one in candidates],
+        rms=rms,
+        limit=limit,
+        within_db=within_db,
+        folder=folder,
+    )
+
+
+def _of_band(candidates: Sequence[BearingCandidate], band: str, count: int) -> Array:
+    """Return the root mean squares of a band, (bearings, specimens)."""
+    return np.array([[heard[band] for heard in one.heard[:count]] for one in candidates])
+
+
+def specimens_needed(choice: BearingChoice) -> int:
+    """Return the number of specimens after which every ± of a choice is the wanted one."""
+    needed = 1
+    for band in choice.rms.values():
+        if not np.all(band > 0):
+            continue
+        levels = 20 * np.log10(band)
+        for other in levels[1:]:
+            apart = other - levels[0]
+            if len(apart) > 1 and np.ptp(apart) > 0:
+                needed = max(needed, FIRST_PAIRS, pairs_needed(apart, choice.within_db))
+    return needed
+
+
+# ---- files
+
+
+def _identity(candidates: Sequence[BearingCandidate]) -> str:
+    """Return a digest of the bearings of a choice."""
+    return digest([[one.label, one.scene.to_dict()] for one in candidates])
+
+
+def _take_heard(folder: Path, candidates: Sequence[BearingCandidate]) -> None:
+    """Take what a folder has heard of the same bearings; refuse a folder of something else."""
+    path = folder / CHOICE
+    if not path.is_file():
+        if any(
+            entry.name != CHOICE for entry in folder.iterdir() if not entry.name.startswith(".")
+        ):
+            raise FolderError(f"{folder}: it holds other files; give another folder with --out")
+        return
+    try:
+        kept = json.loads(read_regular(path, MAX_CHOICE))
+        is_same = kept["format"] == FORMAT and kept["identity"] == _identity(candidates)
+        heard = [[dict(rms) for rms in of_one] for of_one in kept["heard"]]
+    except (ValueError, KeyError, TypeError, OSError) as error:
+        raise FolderError(f"{path}: it is damaged; give another folder with --out") from error
+    if not is_same:
+        raise FolderError(f"{folder}: it holds another choice; give another folder with --out")
+    for one, of_one in zip(candidates, heard, strict=True):
+        one.heard = of_one
+
+
+def _keep_heard(folder: Path, candidates: Sequence[BearingCandidate]) -> None:
+    """Write what was heard so far."""
+    kept = {
+        "format": FORMAT,
+        "identity": _identity(candidates),
+        "labels": [one.label for one in candidates],
+        "heard": [one.heard for one in candidates],
+    }
+    files.write_json(folder / CHOICE, kept)
+
+
+def _write_files(choice: BearingChoice) -> None:
+    """Write table and picture of a choice."""
+    from rolling.bearing_run.choice_picture import choice_picture
+
+    with progress.step("drawing the picture"):
+        png = choice_picture(choice).file("png")
+    if png is not None:
+        files.write_bytes(choice.folder / PICTURE, png)
+    files.write_bytes(choice.folder / TABLE, csv_bytes(choice.table()))

@@ -1,0 +1,80 @@
+"""Bearings are chosen between on the terminal and in Python, and work that is done is kept."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import rolling as rc
+from rolling.bearing_run import choosing
+from rolling.cli import main
+from rolling.scene.messages import SceneError
+
+SMOOTH = [
+    "bearing.surfaces.balls={kind: smooth, waviness: {4: 0.02}}",
+    "bearing.surfaces.inner=",
+    "bearing.surfaces.outer=",
+    "sound.duration_s=0.05",
+]
+
+
+def scene() -> rc.BearingScene:
+    return rc.read_bearing("bearing-6204", SMOOTH)
+
+
+@pytest.mark.law("Choice of bearings: twice the waviness of the balls is 6 dB more in each band.")
+def test_twice_the_waviness_is_six_decibels_more(tmp_path: Path) -> None:
+    twice = scene().with_({"name": "twice", "bearing.surfaces.balls.waviness": {4: 0.04}})
+    choice = rc.choose_bearings([scene(), twice], folder=tmp_path / "out", progress=False)
+    for apart in choice.differences[0]:
+        assert apart.db == pytest.approx(6.02, abs=0.1)
+    assert {path.name for path in (tmp_path / "out").iterdir()} >= {"choice.csv", "choice.png"}
+
+
+def test_a_choice_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    grades = {"bearing.surfaces.balls.waviness": {4: 0.04}}
+    scenes = [scene(), scene().with_({"name": "twice", **grades})]
+    heard = []
+    move = choosing.heard_specimen
+
+    def counted(candidate, marches, number):
+        if len(heard) == 3:
+            raise KeyboardInterrupt
+        heard.append(number)
+        return move(candidate, marches, number)
+
+    monkeypatch.setattr(choosing, "heard_specimen", counted)
+    with pytest.raises(KeyboardInterrupt):
+        choosing.choose_bearings(scenes, tmp_path / "out")
+    kept = json.loads((tmp_path / "out" / "choice.json").read_text())["heard"]
+    assert [len(of_one) for of_one in kept] == [2, 1]
+    again = []
+    monkeypatch.setattr(choosing, "heard_specimen", lambda *given: again.append(0) or move(*given))
+    choice = choosing.choose_bearings(scenes, tmp_path / "out")
+    assert len(again) == 2 * choice.pairs - 3
+
+
+def test_what_leaves_nothing_to_choose_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match="nothing to choose"):
+        choosing.candidates_of([scene()])
+    other = scene().with_({"bearing.turning": "outer"})
+    with pytest.raises(SceneError, match=r"bearing\.turning"):
+        choosing.candidates_of([scene(), other])
+
+
+def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "notes.txt").write_text("mine")
+    twice = scene().with_({"bearing.surfaces.balls.waviness": {4: 0.04}})
+    with pytest.raises(rc.FolderError, match="other files"):
+        choosing.choose_bearings([scene(), twice], tmp_path / "out")
+    assert (tmp_path / "out" / "notes.txt").read_text() == "mine"
+
+
+def test_a_bearing_and_a_sphere_are_not_compared(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["choose", "bearing-6204", "quickstart"])
+    assert ended.value.code == 2
+    assert "one kind" in capsys.readouterr().err
