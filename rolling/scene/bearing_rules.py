@@ -254,6 +254,8 @@ def largest_pressure(bearing: Bearing, geometry: BearingGeometry, share: float =
         gap_m=gap_of(bearing),
     )
     load = float(balance.ball_load_n.max())
+    if load <= 0:  # a load that is lost in the rounding of the gap
+        return 0.0
     return max(hertz_pressure(contact, load) for contact in (geometry.inner, geometry.outer))
 
 

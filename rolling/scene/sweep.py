@@ -26,6 +26,7 @@ from rolling.scene.messages import (
     nearest,
     plain_number,
     quoted,
+    shortened,
 )
 from rolling.scene.models import sweepable_keys
 
@@ -125,7 +126,8 @@ def _no_list(name: str, value: Any) -> PydanticCustomError:
     if is_number(value):
         words += f"; write [{value}, {2 * value}] for two runs, or {name}={value} without a sweep"
     elif isinstance(value, str) and value:
-        words += f"; write [{value}, ...] for several runs, or {name}={value} without a sweep"
+        short = shortened(value)
+        words += f"; write [{short}, ...] for several runs, or {name}={short} without a sweep"
     return fault(words, at=("sweep", name))
 
 
