@@ -15,8 +15,7 @@ from typing import Literal
 
 from acoustics.arrays import short_repr
 from rolling.bearing import waves
-from rolling.bearing.geometry import BearingGeometry, RacewayContact, assemble
-from rolling.bearing.kinematics import kinematics_of
+from rolling.bearing.geometry import BearingGeometry, RacewayContact
 from rolling.bearing_contacts.contacts import (
     MarchNumbers,
     RoughContact,
@@ -84,24 +83,13 @@ def contact_plan(scene: BearingScene) -> ContactPlan:
         A contact cannot be made with these values.
     """
     bearing = scene.bearing
-    geometry = assemble(
-        balls=bearing.balls,
-        ball_diameter_m=2 * scene.ball_radius,
-        pitch_diameter_m=2 * scene.pitch_radius,
-        contact_angle=scene.contact_angle,
-        conformity_inner=bearing.conformity_inner,
-        conformity_outer=bearing.conformity_outer,
-        contact_modulus=scene.contact_modulus,
-    )
-    speeds = kinematics_of(geometry, bearing.turning, scene.turns_hz)
-    gap = 0.0 if scene.axial_load else scene.radial_clearance / 2
     surfaces = bearing.surfaces
     return plan_contacts(
-        geometry,
+        scene.geometry,
         {"inner": surfaces.inner, "outer": surfaces.outer, "balls": surfaces.balls},
         axial_load_n=scene.axial_load,
         radial_load_n=scene.radial_load,
-        speed_m_s=speeds.rolling_speed_m_s,
+        speed_m_s=scene.kinematics.rolling_speed_m_s,
         body={
             "youngs_modulus_gpa": bearing.youngs_modulus_gpa,
             "poissons_ratio": bearing.poissons_ratio,
@@ -109,7 +97,7 @@ def contact_plan(scene: BearingScene) -> ContactPlan:
         window_mm=scene.numerics.window_mm,
         spacing_um=scene.numerics.spacing_um,
         tolerance=scene.numerics.tolerance,
-        gap_m=gap,
+        gap_m=scene.gap,
         fault_ball=surfaces.fault_ball,
         folder=scene.folder,
     )
