@@ -21,8 +21,6 @@ from acoustics.arrays import Array
 from rolling.bearing.geometry import RacewayContact
 from rolling.contact import closed_forms
 
-LONG_CONTACTS = 10.0  # contact lengths 2 a from which on a wave counts as geometry
-
 
 class SemiAxes(NamedTuple):
     """Semi-axes of an elliptic contact [m]."""
@@ -53,6 +51,19 @@ def hertz_pressure(contact: RacewayContact, load_n: float) -> float:
     """Return the maximum pressure [Pa] of the smooth contact under a load [N]."""
     axes = semi_axes(contact, load_n)
     return 1.5 * load_n / (np.pi * axes.along * axes.across)
+
+
+def wave_pressure(contact: RacewayContact, heights_m: Array, radius_m: float) -> float:
+    """Return the pressure [Pa] that would press the waves around a body flat.
+
+    A wave of amplitude A and wave number k takes E* A k / 2 in full contact (Westergaard; Johnson,
+    section 13.2). Beside a smaller maximum Hertz pressure the contact bridges its valleys.
+    """
+    waves = 2 * np.abs(np.fft.rfft(heights_m))[1:] / len(heights_m)
+    wave_number = np.arange(1, len(waves) + 1) / radius_m
+    equivalent, _, _ = closed_forms.hertz_ellipse(contact.radius_along_m, contact.radius_across_m)
+    modulus = 3 / 4 * contact.stiffness_n_m15 / np.sqrt(equivalent)
+    return float(modulus / 2 * np.sqrt(np.sum((waves * wave_number) ** 2)))
 
 
 def response(phase: Array) -> Array:

@@ -2,7 +2,7 @@
 
 A rough raceway is marched under a smooth ball, and the surface of the balls under a smooth
 raceway, at the loads that the balls bear. Both surfaces together would need a march for each pair
-of places that meet. The sum of both approaches stands for it; `opening` says how far that holds.
+of places that meet. The sum of both approaches stands for it (`contact_doubts` says how well).
 """
 
 from __future__ import annotations
@@ -32,6 +32,9 @@ from rolling.surface.scene_surface import heights
 
 NODES_PER_LENGTH = 2.5  # minimum number of nodes in a correlation length
 NODES_PER_AXIS = 6.0  # minimum number of nodes in the shorter semi-axis at the lightest load
+# Maximum nodes of a window at the largest load, for which a step takes some 15 ms. Contacts of
+# short correlation lengths have coarser nodes than wanted, and a doubt.
+WINDOW_NODES = 60_000
 # Steps fold waves shorter than two of them back into hearing. A contact averages waves shorter than
 # itself, and a Gaussian law has few much shorter than its correlation length: steps of 0.8 lengths
 # left -40 dB of what is heard (lengths of 10 and 20 um, semi-axes of 36 to 64 um, 1.5 m/s).
@@ -97,17 +100,6 @@ class RoughContact:
             heights(self.scene), (spacing, spacing), self.contact, loads_n
         )
         return np.asarray(rows[:, :: round(self.scene.step_nodes)])
-
-
-def opening(contact: RacewayContact, law: Roughness, modulus: float, load_n: float) -> float:
-    """Return the pressure that would press a roughness flat over the maximum Hertz pressure.
-
-    A Gaussian surface of the rms gradient s needs pressures of E* s / 2 (rms) in full contact
-    (B. N. J. Persson, J. Chem. Phys. 115 (2001) 3840). Where they are small beside Hertz's, the
-    contact is closed, and its approach is linear in the heights.
-    """
-    flat = modulus * law.rms_slope(min(law.lengths_um) / NODES_PER_LENGTH) / 2
-    return flat / waves.hertz_pressure(contact, load_n)
 
 
 # ---- loads
@@ -190,9 +182,13 @@ def march_numbers(
         Tolerance of the solver. Default: as the roughness needs it.
     """
     lightest = waves.semi_axes(contact, min(loads_n)).along
+    roughness = math.hypot(*(law.rq_m for law in laws))
+    reach = overlap_reach(contact, max(loads_n), roughness)
     if spacing_um is None:
         lengths = [min(law.lengths_um) / NODES_PER_LENGTH for law in laws]
-        spacing_um = float(f"{min([lightest * 1e6 / NODES_PER_AXIS, *lengths]):.2g}")
+        wanted_um = min([lightest * 1e6 / NODES_PER_AXIS, *lengths])
+        least_um = 1e6 * math.sqrt(4 * reach[0] * reach[1] / WINDOW_NODES)
+        spacing_um = float(f"{max(wanted_um, least_um):.2g}")
     spacing = spacing_um * 1e-6
     longest = min(lightest / STEPS_PER_AXIS, speed_m_s / (2 * MARGIN * HEARD_HZ))
     for law in laws:
@@ -200,8 +196,6 @@ def march_numbers(
         longest = min(longest, shortest / 2 if law.goes_on else shortest)
     fitting = [nodes for nodes in STEP_NODES if nodes >= 1 and nodes * spacing <= longest]
     step_nodes = max(fitting, default=1.0)
-    roughness = math.hypot(*(law.rq_m for law in laws))
-    reach = overlap_reach(contact, max(loads_n), roughness)
     width_nodes = rounded_width(2 * ROOM * reach[1] / spacing)
     length = min(window_mm * 1e-3, turn_m)
     steps = max(round(length / (step_nodes * spacing)), 2 * MIN_NODES)

@@ -1,7 +1,8 @@
 """Marches of the contacts of bearings: in memory, or in a folder with pieces that outlast a kill.
 
 Scenes of equal contact are marched once, over all runs of a sweep. The march of a contact is
-stored in `contacts/IDENTITY.npz` of the run folder, and its pieces are removed then.
+stored in `contacts/IDENTITY.npz` of the run folder, and its pieces are removed then. Its scene
+stands beside it, and `rolling run` takes it.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from rolling.run import folder as folders
 from rolling.run.executor import RunFiles, RunLoop, ended_by_signal
 from rolling.run.pools import Pool, local_pool
 from rolling.run.worker import read_piece
+from rolling.scene import file as scene_file
 from rolling.scene.scene import Scene
 from rolling.terminal import progress, shortage
 from rolling.terminal.files import make_below, write_bytes
@@ -142,6 +144,9 @@ def _solve(
             film=False,
             finish=store_march,
         )
+        for identity, scene in scenes.items():
+            path = march_path(folder, identity).with_suffix(".yaml")
+            write_bytes(path, scene_file.dump(scene).encode())
     marches = {}
     loop = RunLoop(runs, bar, files)
     for number, result in loop.finished_runs(pool):

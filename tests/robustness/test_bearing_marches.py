@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rolling.bearing_contacts import solving
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, plan_contacts, stages_of
 from rolling.bearing_contacts.solving import CONTACTS, solved_stages
-from rolling.marches.piece import Piece
+from rolling.marches.piece import Piece, contact_identity
 from rolling.run import executor, worker
+from rolling.scene.file import read_scene
 from rolling.scene.surfaces import GaussianBall
 from tests.support.bearings import bearing
 
@@ -83,6 +85,9 @@ def test_a_stopped_command_goes_on_with_its_pieces(
     for identity, march in again.items():
         assert np.array_equal(march.approach_m, whole[identity].approach_m)
     assert not (tmp_path / "pieces").exists()
+    for scene in plan.stages[1]:  # beside each march stands a scene that can be run alone
+        path = solving.march_path(tmp_path, contact_identity(scene)).with_suffix(".yaml")
+        assert read_scene(path) == scene
 
 
 def test_a_damaged_march_is_solved_again(tmp_path: Path, marched_pieces: list[Piece]) -> None:
