@@ -23,6 +23,8 @@ its motion beside the place to which the ring would lead it without mass.
 from math import cos, floor, pi, sin, sqrt
 from typing import NamedTuple
 
+import numpy as np
+
 from acoustics.arrays import Array
 from rolling.contact.compiling import inlined, njit
 
@@ -203,25 +205,134 @@ def share_at(time, bodies):
     return sin(0.5 * pi * past) ** 2
 
 
+@inlined()
+def drift(time, state):
+    """Move ring and balls at their velocities for a time [s]."""
+    for x in range(3):
+        state.ring[x] += time * state.ring_velocity[x]
+    for j in range(state.balls.shape[0]):
+        state.balls[j] += time * state.ball_velocity[j]
+
+
+@inlined()
+def press_ball(j, bodies, tables, state):
+    """Return what the contacts of a ball do at the middle of a step.
+
+    These are its energy [J], its load on the ring [N], the force on itself outwards [N], the
+    stiffness [N/m] of its contacts in series, the stiffness that holds it along its contact line,
+    and the force on it per displacement of the ring along that line, with its sign.
+    """
+    energy = 0.0
+    load = 0.0
+    pull = 0.0
+    compliance = 0.0
+    parted = False
+    held = 0.0
+    coupling = 0.0
+    for c in range(bodies.along.shape[0]):
+        approach = approach_of(state.lines[j], state.ring, state.balls[j], c, bodies)
+        force, stiffness, stored = contact_at(
+            approach, bodies.compliances[c], tables.nodes, state.laws[j, c]
+        )
+        energy += stored
+        load += bodies.along[c] * force
+        pull -= bodies.beside[c] * force
+        held += bodies.beside[c] * bodies.beside[c] * stiffness
+        coupling += bodies.beside[c] * bodies.along[c] * stiffness
+        if stiffness > 0.0:
+            compliance += 1.0 / stiffness
+        else:
+            parted = True
+    series = 0.0 if parted else 1.0 / compliance
+    return energy, load, pull, series, held, coupling
+
+
+@inlined()
+def add_drag(line, stiffness, bodies, velocity, drag):
+    """Add k (S n) (S n) . v to the viscous force on the ring."""
+    spread = bodies.spread
+    rate = 0.0
+    for x in range(3):
+        for y in range(3):
+            rate += spread[x, y] * line[y] * velocity[x]
+    for x in range(3):
+        for y in range(3):
+            drag[x] += stiffness * rate * spread[x, y] * line[y]
+
+
+@inlined()
+def kick_ball(j, force, held, coupling, bodies, state, drag):
+    """Change the velocity of a ball with mass; return its kinetic energy and what it loses [J].
+
+    It is braked beside the velocity with which a ball without mass would follow the ring, and the
+    reaction is added to the viscous force on the ring.
+    """
+    against = 0.0
+    if held > 0.0:
+        line = state.lines[j]
+        closing = 0.0
+        for x in range(3):
+            closing += line[x] * state.ring_velocity[x]
+        slip = state.ball_velocity[j] + coupling / held * closing
+        against = bodies.ball_time * held * slip
+        for x in range(3):
+            drag[x] += against * coupling / held * line[x]
+    gain = bodies.step * (force - against) / bodies.ball_mass
+    mean = state.ball_velocity[j] + 0.5 * gain
+    state.ball_velocity[j] += gain
+    return 0.5 * bodies.ball_mass * mean * mean, bodies.step * against * mean
+
+
+@inlined()
+def kick_ring(bodies, state, drag, row):
+    """Change the velocity of the ring, and record it; return its kinetic energy and loss [J]."""
+    kinetic = 0.0
+    loss = 0.0
+    for x in range(3):
+        row[6 + x] -= drag[x]
+        gain = bodies.step * (bodies.load[x] + row[6 + x]) / bodies.ring_mass
+        mean = state.ring_velocity[x] + 0.5 * gain
+        row[x] = state.ring[x]
+        row[3 + x] = mean
+        kinetic += 0.5 * bodies.ring_mass * mean * mean
+        loss += bodies.step * drag[x] * mean
+        state.ring_velocity[x] += gain
+    return kinetic, loss
+
+
+@inlined()
+def add_works(energy, share, bodies, tables, state, sums):
+    """Add the work of the loads and of the turning tracks from the last middle to this one.
+
+    The tracks' work is the change of the contacts' energy from the last laws to the new ones, half
+    of it at the last place of ring and balls and half at the new one.
+    """
+    for x in range(3):
+        sums.load_work[0] += bodies.load[x] * (state.ring[x] - state.last_ring[x])
+    for j in range(state.balls.shape[0]):
+        moved = state.balls[j] - state.last_balls[j]
+        sums.load_work[0] += share * bodies.centrifugal * moved
+    here = energy - energy_of(
+        state.ring, state.balls, state.last_lines, state.last_laws, bodies, tables
+    )
+    there = energy_of(state.last_ring, state.last_balls, state.lines, state.laws, bodies, tables)
+    sums.track_work[0] += 0.5 * (here + there - sums.contact_energy[0])
+
+
 @njit(cache=True)
-def take_steps(first, bodies, tables, state, sums, drag, velocity, record):
+def take_steps(first, bodies, tables, state, sums, record):
     """Take a step for each row of `record`, and set it to what the middle of the step has.
 
     `first` [s] is the time of the first middle. A row has the displacement of the ring, its
     velocity, the force of balls and viscosity on it, three numbers each, and the load of each ball
-    on it. The arrays `drag` and `velocity` (3,) are scratch.
+    on it.
     """
-    step = bodies.step
-    heavy = bodies.ball_mass > 0.0
     balls = state.lines.shape[0]
-    ring = state.ring
+    drag = np.empty(3)
     for i in range(record.shape[0]):
-        time = first + i * step
+        time = first + i * bodies.step
         share = share_at(time, bodies)
-        for x in range(3):
-            ring[x] += 0.5 * step * state.ring_velocity[x]
-        for j in range(balls):
-            state.balls[j] += 0.5 * step * state.ball_velocity[j]
+        drift(0.5 * bodies.step, state)
         for j in range(balls):
             state.last_lines[j] = state.lines[j]
             state.last_laws[j] = state.laws[j]
@@ -231,79 +342,32 @@ def take_steps(first, bodies, tables, state, sums, drag, velocity, record):
         row[:] = 0.0
         drag[:] = 0.0
         energy = 0.0
-        loaded = 0
         kinetic = 0.0
+        loaded = 0
         for j in range(balls):
             line = state.lines[j]
-            closing = 0.0
-            for x in range(3):
-                closing += line[x] * state.ring_velocity[x]
-            pull = 0.0  # force on the ball outwards
-            inverse = 0.0  # compliance of the ball's contacts in series
-            parted = False
-            sides = 0.0
-            coupling = 0.0
-            for c in range(bodies.along.shape[0]):
-                approach = approach_of(line, ring, state.balls[j], c, bodies)
-                force, stiffness, stored = contact_at(
-                    approach, bodies.compliances[c], tables.nodes, state.laws[j, c]
-                )
-                energy += stored
-                row[9 + j] += bodies.along[c] * force
-                pull -= bodies.beside[c] * force
-                if stiffness > 0.0:
-                    inverse += 1.0 / stiffness
-                else:
-                    parted = True
-                sides += bodies.beside[c] * bodies.beside[c] * stiffness
-                coupling += bodies.beside[c] * bodies.along[c] * stiffness
-            for x in range(3):
-                row[6 + x] -= row[9 + j] * line[x]
-            if row[9 + j] > 0.0:
+            stored, load, pull, series, held, coupling = press_ball(j, bodies, tables, state)
+            energy += stored
+            row[9 + j] = load
+            if load > 0.0:
                 loaded += 1
-            if not parted:
-                set_drag(line, 1.0 / inverse, bodies.spread, state.ring_velocity, drag)
-            if heavy:
-                pull += share * bodies.centrifugal
-                against = 0.0
-                if sides > 0.0:
-                    slip = state.ball_velocity[j] + coupling / sides * closing
-                    against = bodies.ball_time * sides * slip
-                    for x in range(3):
-                        drag[x] += against * coupling / sides * line[x]
-                gain = step * (pull - against) / bodies.ball_mass
-                mean = state.ball_velocity[j] + 0.5 * gain
-                kinetic += 0.5 * bodies.ball_mass * mean * mean
-                sums.loss[0] += step * against * mean
-                moved = state.balls[j] - state.last_balls[j]
-                if sums.steps[0] > 0.0:
-                    sums.load_work[0] += share * bodies.centrifugal * moved
-                state.ball_velocity[j] += gain
-        for x in range(3):
-            row[6 + x] -= drag[x]
-            gain = step * (bodies.load[x] + row[6 + x]) / bodies.ring_mass
-            velocity[x] = state.ring_velocity[x] + 0.5 * gain
-            kinetic += 0.5 * bodies.ring_mass * velocity[x] * velocity[x]
-            sums.loss[0] += step * drag[x] * velocity[x]
-            if sums.steps[0] > 0.0:
-                sums.load_work[0] += bodies.load[x] * (ring[x] - state.last_ring[x])
-            row[x] = ring[x]
-            row[3 + x] = velocity[x]
-            state.ring_velocity[x] += gain
+            for x in range(3):
+                row[6 + x] -= load * line[x]
+            add_drag(line, series, bodies, state.ring_velocity, drag)
+            if bodies.ball_mass > 0.0:
+                force = pull + share * bodies.centrifugal
+                moving, lost = kick_ball(j, force, held, coupling, bodies, state, drag)
+                kinetic += moving
+                sums.loss[0] += lost
+        moving, lost = kick_ring(bodies, state, drag, row)
+        kinetic += moving
+        sums.loss[0] += lost
+
         if sums.steps[0] > 0.0:
-            here_by_last_law = energy_of(
-                ring, state.balls, state.last_lines, state.last_laws, bodies, tables
-            )
-            there_by_new_law = energy_of(
-                state.last_ring, state.last_balls, state.lines, state.laws, bodies, tables
-            )
-            change_here = energy - here_by_last_law
-            change_there = there_by_new_law - sums.contact_energy[0]
-            sums.track_work[0] += 0.5 * (change_here + change_there)
+            add_works(energy, share, bodies, tables, state, sums)
         else:
             sums.first_energy[0] = energy + kinetic
             sums.lowest[0] = energy
-            sums.highest[0] = energy
         sums.steps[0] += 1.0
         sums.last_energy[0] = energy + kinetic
         sums.contact_energy[0] = energy
@@ -312,21 +376,6 @@ def take_steps(first, bodies, tables, state, sums, drag, velocity, record):
         sums.apart[0] += balls - loaded
         if loaded == 0:
             sums.free[0] += 1.0
-        for x in range(3):
-            state.last_ring[x] = ring[x]
-            ring[x] += 0.5 * step * state.ring_velocity[x]
-        for j in range(balls):
-            state.last_balls[j] = state.balls[j]
-            state.balls[j] += 0.5 * step * state.ball_velocity[j]
-
-
-@inlined()
-def set_drag(line, stiffness, spread, velocity, drag):
-    """Add k (S n) (S n) . v to the viscous force on the ring."""
-    rate = 0.0
-    for x in range(3):
-        for y in range(3):
-            rate += spread[x, y] * line[y] * velocity[x]
-    for x in range(3):
-        for y in range(3):
-            drag[x] += stiffness * rate * spread[x, y] * line[y]
+        state.last_ring[:] = state.ring
+        state.last_balls[:] = state.balls
+        drift(0.5 * bodies.step, state)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from acoustics.arrays import Array, short_repr
 from rolling.bearing.model import BearingModel
 
-_SOFT = 1e-9  # of the largest stiffness: nothing holds the ring in such a direction
+_SOFT = 1e-6  # of the largest stiffness: nothing holds the ring in such a direction
 Complexes = NDArray[np.complex128]
 
 

@@ -161,8 +161,6 @@ class _Run:
             self.tables,
             state,
             self.sums,
-            np.empty(3),
-            np.empty(3),
             record,
         )
         return record
