@@ -30,7 +30,7 @@ from rolling.terminal.streams import folded
 
 HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
 _PLACES = 8  # of the cage, over which loads are stated
-_ANGLE_SHARE = 0.1  # change of a ball's load by the turned contact angle, from which on it is said
+_ANGLE_DB = 0.5  # change of axial velocities by the turned contact angle, from which on it is said
 _MOTION_SECONDS = 3.0  # of processor time for each second of motion, with figures and page
 
 
@@ -123,14 +123,15 @@ def _geometry(scene: BearingScene) -> Iterator[Finding | Doubt]:
         "contact angle",
         f"{text}, kept in motion; {rounded(math.degrees(turned), 3)} under the axial load alone",
     )
-    less = 1 - math.sin(scene.contact_angle) / math.sin(turned)
-    if less > _ANGLE_SHARE:
-        yield Doubt(
+    decibels = 20 * math.log10(math.sin(turned) / math.sin(scene.contact_angle))
+    if decibels > _ANGLE_DB:
+        yield sized(
             "contact_angle",
             f"the axial load would turn the contact angle from {rounded(angle, 3)} to"
-            f" {rounded(math.degrees(turned), 3)} degrees, where balls bear {less:.0%} less",
-            Severity.INDICATIVE,
-            advice="give bearing.contact_angle_deg the turned angle",
+            f" {rounded(math.degrees(turned), 3)} degrees, and axial velocities would be"
+            f" {rounded(decibels)} dB lower",
+            decibels,
+            advice="bearing.contact_angle_deg takes the turned angle",
         )
 
 
