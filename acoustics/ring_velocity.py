@@ -22,7 +22,7 @@ VELOCITY_BANDS_HZ: dict[str, tuple[float, float]] = {
 }
 """Edges of the bands of ISO 15242-1 by their names [Hz]."""
 
-_TAPERS = 4  # windows over which the power of a band is averaged
+_WINDOWS = 5  # of half a record, over which the power of a band is averaged
 _PARTS = 8  # of a record, whose scatter gives the uncertainty
 _SHORTEST = 16 * _PARTS  # samples of a record
 # A tone lies within two lines of a Hann window, so its power is the sum of these.
@@ -63,9 +63,9 @@ class VelocityBands:
 def velocity_bands(velocity_m_s: Array, sample_rate_hz: float) -> VelocityBands:
     """Compute the rms velocity of a bearing's ring in the three bands of ISO 15242-1.
 
-    The record is a stretch of a longer one and closes nowhere, so its power is the mean under four
-    orthogonal sine windows. They weigh nearly all samples equally, and a line farther than five
-    halves of 1/T from an edge stays on its side. The standard's filters have slopes instead.
+    The record is a stretch of a longer one and closes nowhere, so its power is the mean under five
+    Hann windows of half its length T. A line farther than 4/T from an edge stays on its side. The
+    standard's filters have slopes instead.
 
     The uncertainty is the scatter between eighths of the record over the root of eight. Lines that
     a turning bearing repeats do not scatter, noise does.
@@ -89,8 +89,7 @@ def velocity_bands(velocity_m_s: Array, sample_rate_hz: float) -> VelocityBands:
     References
     ----------
     ISO 15242-1:2015, Rolling bearings - Measuring methods for vibration - Part 1, for the bands.
-    Riedel and Sidorenko, IEEE Transactions on Signal Processing 1995, 43(1), 188-195, for the
-    windows.
+    Welch, IEEE Transactions on Audio and Electroacoustics 1967, 15(2), 70-73, for the windows.
 
     Examples
     --------
@@ -99,7 +98,7 @@ def velocity_bands(velocity_m_s: Array, sample_rate_hz: float) -> VelocityBands:
     >>> noise = 1e-5 * np.random.default_rng(1).standard_normal(48000)
     >>> bands = velocity_bands(noise, 48000)  # 24 kHz wide
     >>> round(1e6 * bands.rms_m_s["high"], 1), bands.uncertainty_db["high"] < 0.2
-    (5.8, True)
+    (5.7, True)
     """
     record = checked_record(velocity_m_s, sample_rate_hz, "velocity_m_s")
     highest_hz = VELOCITY_BANDS_HZ["high"][1]
@@ -126,16 +125,17 @@ def velocity_bands(velocity_m_s: Array, sample_rate_hz: float) -> VelocityBands:
 
 
 def _band_mean_squares(record: Array, sample_rate_hz: float) -> list[float]:
-    """Return the mean squares of the three bands under sine windows."""
-    count = len(record)
-    places = np.pi * np.arange(1, count + 1) / (count + 1)
+    """Return the mean squares of the three bands, as means over Hann windows that overlap."""
+    count = len(record) // 2
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * (np.arange(count) + 0.5) / count)
     frequency_hz = np.fft.rfftfreq(count, 1.0 / sample_rate_hz)
     power = np.zeros(len(frequency_hz))
-    for number in range(1, _TAPERS + 1):
-        window = math.sqrt(2.0 / (count + 1)) * np.sin(number * places)
-        lines = np.fft.rfft(window * record)
+    for number in range(_WINDOWS):
+        first = number * (len(record) - count) // (_WINDOWS - 1)
+        lines = np.fft.rfft(window * record[first : first + count])
         power += np.square(lines.real) + np.square(lines.imag)
-    power *= 2.0 / (_TAPERS * count)  # both signs of a frequency
+    # Both signs of a frequency have the same power.
+    power *= 2.0 / (_WINDOWS * count * float(np.square(window).sum()))
     mean_squares = []
     for low, high in VELOCITY_BANDS_HZ.values():
         inside = (frequency_hz >= low) & (frequency_hz < high)
@@ -246,6 +246,42 @@ class NarrowSpectrum:
         if beside > 0.0:
             return line / beside
         return math.inf if line > 0.0 else 0.0
+
+    def peaks_hz(
+        self, count: int, low_hz: float, high_hz: float, least_height: float
+    ) -> list[float]:
+        """Return the frequencies of the largest peaks between two frequencies, largest first.
+
+        Parameters
+        ----------
+        count : int
+            Number of peaks, at most.
+        low_hz, high_hz : float, Hz
+            Frequencies between which they lie.
+        least_height : float
+            Least ratio to the median of their surroundings [-].
+
+        Returns
+        -------
+        list of float, Hz. Each is the mean of the lines of its tone, weighted by power.
+        """
+        middle = self.rms[1:-1]
+        is_top = (middle >= self.rms[:-2]) & (middle > self.rms[2:])
+        tops = np.flatnonzero(is_top) + 1
+        at_hz = self.frequency_hz[tops]
+        tops = tops[(at_hz >= low_hz) & (at_hz < high_hz)]
+        found = list[float]()
+        for top in tops[np.argsort(-self.rms[tops], kind="stable")]:
+            about = slice(top - 1, top + 2)
+            power = np.square(self.rms[about])
+            frequency = float(self.frequency_hz[about] @ power / power.sum())
+            near = min((abs(frequency - other) for other in found), default=math.inf)
+            is_new = near > 2 * _LINES_OF_TONE * self.line_width_hz
+            if is_new and self.line_height(float(self.frequency_hz[top])) >= least_height:
+                found.append(frequency)
+            if len(found) == count:
+                break
+        return found
 
     def _lines_about(self, frequency_hz: float) -> tuple[int, int]:
         """Return the first line about a tone, and the one behind the last."""
