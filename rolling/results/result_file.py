@@ -60,7 +60,7 @@ def write_result(run: SolvedRun) -> bytes:
 
     nodes = {f"/{name}": _dataset(name, group) for name, group in groups_of(run).items()}
     content = bytes(xarray.DataTree.from_dict(nodes).to_netcdf(engine="h5netcdf"))
-    return content + _seal(content)
+    return content + seal(content)
 
 
 def result_tree(run: SolvedRun) -> xarray.DataTree:
@@ -106,7 +106,7 @@ def read_result(path: Path, scene: Scene) -> Result:
     """
     result = Result.empty(scene)
     most_bytes = round(_MAX_TIMES * cost.disk([scene]) + _MAX_BESIDE)
-    content = _sealed_content(path, most_bytes)
+    content = sealed_content(path, most_bytes)
     try:
         with h5py.File(io.BytesIO(content), "r") as file:
             root_attributes = _attributes(file)
@@ -123,18 +123,18 @@ def read_result(path: Path, scene: Scene) -> Result:
     return result
 
 
-def _seal(content: bytes | memoryview) -> bytes:
+def seal(content: bytes | memoryview) -> bytes:
     """Return the last line of a file."""
     return _SEAL + hashlib.sha256(content).hexdigest().encode() + b"\n"
 
 
-def _sealed_content(path: Path, most_bytes: int) -> bytes:
+def sealed_content(path: Path, most_bytes: int) -> bytes:
     """Read the bytes of a file whose digest holds, and that is not larger than allowed."""
     try:
         content = read_regular(path, most_bytes)
     except OSError as error:
         raise FolderError(f"{path}: not readable ({error.strerror or error})") from error
-    if content[-_SEAL_LENGTH:] != _seal(memoryview(content)[:-_SEAL_LENGTH]):
+    if content[-_SEAL_LENGTH:] != seal(memoryview(content)[:-_SEAL_LENGTH]):
         raise FolderError(
             f"{path}: damaged, or of version 0.1.0: its SHA-256 does not hold"
             " (delete the file, and the same command solves it again)"

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rolling.check.doubt import Severity
+from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
@@ -23,17 +24,10 @@ PAGE = "report.html"  # of all runs of a folder
 MAX_FAILURE = 1_000_000  # bytes of a failed.json
 
 
-@dataclass(frozen=True, eq=False)
-class RunFolder:
-    """A run of a scene and its folder.
-
-    values : mapping. The swept values of the run, by dotted key.
-    scene : Scene. The scene with these values, without a sweep.
-    folder : Path. The folder of the run.
-    """
+class RunPlace:
+    """Swept values and folder of a run of any scene, whose files tell its state."""
 
     values: Mapping[str, Value]
-    scene: Scene
     folder: Path
 
     @property
@@ -55,6 +49,34 @@ class RunFolder:
             return None
         except (OSError, ValueError, KeyError, TypeError, RecursionError):
             return "unknown"
+
+
+@dataclass(frozen=True, eq=False)
+class RunFolder(RunPlace):
+    """A run of a scene and its folder.
+
+    values : mapping. The swept values of the run, by dotted key.
+    scene : Scene. The scene with these values, without a sweep.
+    folder : Path. The folder of the run.
+    """
+
+    values: Mapping[str, Value]
+    scene: Scene
+    folder: Path
+
+
+@dataclass(frozen=True, eq=False)
+class BearingFolder(RunPlace):
+    """A run of a bearing and its folder.
+
+    values : mapping. The swept values of the run, by dotted key.
+    scene : BearingScene. The scene with these values, without a sweep.
+    folder : Path. The folder of the run.
+    """
+
+    values: Mapping[str, Value]
+    scene: BearingScene
+    folder: Path
 
 
 # ---- summary

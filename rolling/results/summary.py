@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import platform
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from functools import cache
@@ -733,6 +733,12 @@ def _total(power: Array) -> float | None:
 def provenance(scene: Scene, label: str) -> dict[str, Any]:
     """Collect the provenance of the numbers: versions, state of the source, machine, seed, run."""
     packages = (*_PACKAGES, "mosqito") if scene.sound.loudness else _PACKAGES
+    facts = program_provenance(label, packages)
+    return {**facts, "seed": getattr(scene.surface, "seed", None)}
+
+
+def program_provenance(label: str, packages: Sequence[str] = _PACKAGES) -> dict[str, Any]:
+    """Collect the provenance of the numbers of a run of any scene."""
     return {
         "program": rolling.__version__,
         "sources": program.identity().sources,
@@ -741,7 +747,6 @@ def provenance(scene: Scene, label: str) -> dict[str, Any]:
         "packages": {name: _version(name) for name in packages},
         "machine": f"{platform.system()} {platform.machine()}, {cost.cores()} processors",
         "label": label,
-        "seed": getattr(scene.surface, "seed", None),
         "written": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 

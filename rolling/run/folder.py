@@ -11,12 +11,14 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from rolling.results.run_folder import FAILED, RESULT, RunFolder
-from rolling.scene import file
+from rolling.results.run_folder import FAILED, RESULT, BearingFolder, RunFolder, RunPlace
+from rolling.scene import bearing_file, file
+from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.height_files import open_regular
 from rolling.scene.identity import contains, differences, scene_identity
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import run_name, with_paths
+from rolling.scene.swept import AnyScene
 from rolling.terminal import files, program
 from rolling.terminal.files import FolderError
 
@@ -57,6 +59,37 @@ def stored_runs(folder: Path) -> list[RunFolder]:
     return runs_in(folder, stored_scene(folder))
 
 
+def is_of_bearing(folder: Path) -> bool:
+    """Tell whether a folder, or the folder of a sweep around it, holds runs of a bearing."""
+    above = folder.absolute().parent
+    for place in (folder, above):
+        if _is_marked(place):
+            return bearing_file.is_bearing_file(place / SCENE)
+    return False
+
+
+def bearing_runs_in(folder: Path, scene: BearingScene) -> list[BearingFolder]:
+    """Return the runs of a bearing in a folder; a single run lies in the folder itself."""
+    return [
+        BearingFolder(values, single, folder / run_name(values)) for values, single in scene.runs()
+    ]
+
+
+def stored_bearing_runs(folder: Path) -> list[BearingFolder]:
+    """Return the runs of a bearing in a run folder, or the run of a folder inside a sweep's.
+
+    Raises
+    ------
+    SceneError : the scene cannot be read.
+    """
+    above = folder.absolute().parent
+    if not _is_marked(folder) and _is_marked(above):
+        for run in bearing_runs_in(above, bearing_file.read_bearing(above / SCENE)):
+            if run.folder.name == folder.name:
+                return [BearingFolder(run.values, run.scene, folder)]
+    return bearing_runs_in(folder, bearing_file.read_bearing(folder / SCENE))
+
+
 def done_runs(folder: Path) -> list[RunFolder]:
     """Return the runs of a run folder; raise FolderError for a run that is not done."""
     runs = stored_runs(folder)
@@ -94,6 +127,11 @@ def stored_scene(folder: Path) -> Scene:
             raise FolderError(f"{folder}: a single run of a sweep; name the folder of it, {above}")
         reason = _foreign_content(folder) or "no run folder, there is no scene.yaml"
         raise FolderError(f"{folder}: {reason}")
+    if bearing_file.is_bearing_file(folder / SCENE):
+        raise FolderError(
+            f"{folder}: runs of a bearing; `rolling run`, `report`, `table`, `listen` and `status`"
+            " take them, and this command takes those of a sphere"
+        )
     return file.read_scene(folder / SCENE)
 
 
@@ -127,7 +165,7 @@ def _foreign_content(folder: Path) -> str:
     return ""
 
 
-def refuse_other(folder: Path, scene: Scene) -> bool:
+def refuse_other(folder: Path, scene: Scene | BearingScene) -> bool:
     """Refuse a folder that holds something else than runs of a scene.
 
     Returns
@@ -144,7 +182,9 @@ def refuse_other(folder: Path, scene: Scene) -> bool:
         if reason:
             raise FolderError(f"{folder}: {reason}; {_way_out(folder)}")
         return False
-    old = stored_scene(folder)
+    old = bearing_file.read_either(folder / SCENE)
+    if type(old) is not type(scene):
+        raise FolderError(f"{folder}: holds runs of another scene; {_way_out(folder)}")
     new = with_relative_paths(folder, scene)
     lines = differences(old, new)
     adds_runs = old.sweep and new.sweep and contains(old, new)
@@ -152,12 +192,19 @@ def refuse_other(folder: Path, scene: Scene) -> bool:
         text = "".join(f"\n  {text}" for text in lines)
         raise FolderError(f"{folder}: holds runs of another scene; {_way_out(folder)}{text}")
     maker = made_by(folder)
-    if maker != this_program() and not all(run.is_done for run in runs_in(folder, new)):
+    if maker != this_program() and not all(run.is_done for run in _places_in(folder, new)):
         raise FolderError(
             f"{folder}: holds runs or pieces of {maker}, and this is {this_program()}; numbers of"
             f" two programs are not mixed, so {_way_out(folder)}, or delete the folder"
         )
     return not lines
+
+
+def _places_in(folder: Path, scene: Scene | BearingScene) -> Sequence[RunPlace]:
+    """Return the places of the runs of a scene of either kind."""
+    if isinstance(scene, BearingScene):
+        return bearing_runs_in(folder, scene)
+    return runs_in(folder, scene)
 
 
 def _way_out(folder: Path) -> str:
@@ -193,14 +240,14 @@ def free_name(folder: Path) -> Path:
         number += 1
 
 
-def write_scene(folder: Path, scene: Scene) -> None:
+def write_scene(folder: Path, scene: Scene | BearingScene) -> None:
     """Write the resolved scene of a run folder."""
     head = f"{MARK}, written by {this_program()}\n"
     text = head + file.dump(with_relative_paths(folder, scene))
     files.write_bytes(folder / SCENE, text.encode())
 
 
-def with_relative_paths(folder: Path, scene: Scene) -> Scene:
+def with_relative_paths(folder: Path, scene: AnyScene) -> AnyScene:
     """Return a scene whose paths to height files are relative to a run folder."""
 
     def relative(path: str) -> str:
@@ -214,10 +261,10 @@ def with_relative_paths(folder: Path, scene: Scene) -> Scene:
     data = with_paths(before, relative)
     if data == before:
         return scene
-    return Scene.from_dict(data, folder)
+    return type(scene).from_dict(data, folder)
 
 
-def default_folder(scene: Scene) -> Path:
+def default_folder(scene: Scene | BearingScene) -> Path:
     """Return the folder of a scene that is given without --out."""
     return Path("outputs") / f"{scene.name}-{scene_identity(scene)[:8]}"
 
@@ -288,7 +335,7 @@ def is_locked(path: Path) -> bool:
 # ---- files that a killed command left
 
 
-def tidy(folder: Path, runs: Sequence[RunFolder], alone: bool) -> None:
+def tidy(folder: Path, runs: Sequence[RunPlace], alone: bool) -> None:
     """Remove failures of earlier attempts and files half written in a folder and its runs.
 
     Unless the command is `alone`, another part may just write a file into the folder itself.
@@ -328,7 +375,10 @@ def states(folder: Path) -> dict[str, tuple[str, str]]:
     """Return state and reason of each run of a folder by the name of its folder."""
     is_running = any(map(is_locked, folder.glob(f"{LOCK}*")))
     by_name = {}
-    for run in stored_runs(folder):
+    runs: Sequence[RunPlace] = (
+        stored_bearing_runs(folder) if is_of_bearing(folder) else stored_runs(folder)
+    )
+    for run in runs:
         state = "waiting"
         reason = ""
         if run.is_done:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from rolling.scene import library
+from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.height_files import file_digest
 from rolling.scene.messages import plain_number, quoted
 from rolling.scene.scene import Scene
 from rolling.scene.sections import VIBRATING_PLATE
 from rolling.scene.sweep import product, run_name, with_paths, with_values
+from rolling.scene.swept import SweepRun
 
 # The march does not depend on these keys. The number of steps stands for duration, distance and
 # speed. Densities, thickness, edges and loss factors belong to the vibration. A name stands beside
@@ -68,7 +70,7 @@ def contact_keys(scene: Scene) -> dict[str, Any]:
     }
 
 
-def scene_identity(scene: Scene) -> str:
+def scene_identity(scene: Scene | BearingScene) -> str:
     """Return the SHA-256 of all values of all runs; height files count with their digests.
 
     Steps that `auto` chose count as the same number in the scene.
@@ -76,16 +78,16 @@ def scene_identity(scene: Scene) -> str:
     return digest(list(_runs(scene)))
 
 
-def differences(old: Scene, new: Scene) -> list[str]:
+def differences(old: Scene | BearingScene, new: Scene | BearingScene) -> list[str]:
     """List the keys where two scenes differ, as "key: got VALUE of new, has VALUE of old"."""
     before = _flat(_with_whole_numbers(_with_chosen_steps(old)))
     after = _flat(_with_whole_numbers(_with_chosen_steps(new)))
     keys = list(dict.fromkeys([*after, *before]))
-    if before["surface.kind"] != after["surface.kind"]:
+    if before.get("surface.kind") != after.get("surface.kind"):
         keys = [key for key in keys if key == "surface.kind" or not key.startswith("surface.")]
     # A path of a height file stands at the end of a key, or in the swept section.
     keys = [key for key in keys if not ("surface.path" in key or key.split(".")[-1] == "path")]
-    if old.numerics.step_nodes == new.numerics.step_nodes == "auto":
+    if _chooses_steps(old) and _chooses_steps(new):
         keys.remove("numerics.step_nodes")  # the runs tell whether it chose the same
     lines = [
         f"{key}: got {quoted(after.get(key))}, has {quoted(before.get(key))}"
@@ -104,7 +106,12 @@ def differences(old: Scene, new: Scene) -> list[str]:
     return []
 
 
-def contains(small: Scene, large: Scene) -> bool:
+def _chooses_steps(scene: Scene | BearingScene) -> bool:
+    """Tell whether `auto` chooses the steps of a scene."""
+    return isinstance(scene, Scene) and scene.numerics.step_nodes == "auto"
+
+
+def contains(small: Scene | BearingScene, large: Scene | BearingScene) -> bool:
     """Tell whether each run of one scene is a run, under the same name, of another scene."""
     runs = dict(_runs(large))
     return all(runs.get(name) == values for name, values in _runs(small))
@@ -116,26 +123,32 @@ def digest(values: Any) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _runs(scene: Scene) -> Iterator[tuple[str, Any]]:
+def _runs(scene: Scene | BearingScene) -> Iterator[tuple[str, Any]]:
     """Yield name and plain values of each run of a scene."""
     data = {name: value for name, value in scene.to_dict().items() if name != "sweep"}
-    for (values, forms), run in zip(product(scene.sweep), scene.runs(), strict=True):
+    runs: Sequence[SweepRun[Any]] = scene.runs()
+    for (values, forms), run in zip(product(scene.sweep), runs, strict=True):
         swept = with_paths(with_values(data, forms), lambda path: file_digest(scene.folder / path))
-        swept["numerics"] = {**swept["numerics"], "step_nodes": run.scene.step_nodes}
+        if isinstance(run.scene, Scene):
+            swept["numerics"] = {**swept["numerics"], "step_nodes": run.scene.step_nodes}
         yield run_name(values), _with_whole_numbers(swept)
 
 
-def _with_chosen_steps(scene: Scene) -> dict[str, Any]:
+def _with_chosen_steps(scene: Scene | BearingScene) -> dict[str, Any]:
     """Return the plain values of a scene, with a number for auto where all runs share it."""
     data = scene.to_dict()
+    if isinstance(scene, BearingScene):
+        return data
     chosen = {run.scene.step_nodes for run in scene.runs()}
     if len(chosen) == 1 and "numerics.step_nodes" not in scene.sweep:
         data["numerics"] = {**data["numerics"], "step_nodes": chosen.pop()}
     return data
 
 
-def _other_steps(old: Scene, new: Scene) -> Iterator[str]:
+def _other_steps(old: Scene | BearingScene, new: Scene | BearingScene) -> Iterator[str]:
     """Yield a line where a sweep grows by a run that is too slow for the steps of earlier runs."""
+    if not isinstance(old, Scene) or not isinstance(new, Scene):
+        return
     steps = {run_name(run.values): run.scene.step_nodes for run in new.runs()}
     for values, scene in old.runs():
         name = run_name(values)
