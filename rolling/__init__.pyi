@@ -3,6 +3,7 @@
 from rolling import check as check
 from rolling import plot as plot
 from rolling.bearing_run.bearing_choice import BearingChoice as BearingChoice
+from rolling.bearing_run.bearing_run import BearingRun as BearingRun
 from rolling.check.doubt import Doubt as Doubt
 from rolling.check.doubt import Finding as Finding
 from rolling.check.findings import Findings as Findings
@@ -25,10 +26,13 @@ from rolling.interface import choose as choose
 from rolling.interface import choose_bearings as choose_bearings
 from rolling.interface import coarsest_below as coarsest_below
 from rolling.interface import live as live
+from rolling.interface import open_bearing as open_bearing
 from rolling.interface import open_run as open_run
+from rolling.interface import save_bearing as save_bearing
 from rolling.interface import save_run as save_run
 from rolling.interface import sensitivities as sensitivities
 from rolling.interface import simulate as simulate
+from rolling.interface import simulate_bearing as simulate_bearing
 from rolling.interface import simulate_sweep as simulate_sweep
 from rolling.results.channels import Channel as Channel
 from rolling.results.run_result import Run as Run

@@ -26,6 +26,7 @@ from rolling.terminal import (
 from rolling.terminal.progress import Level
 
 if TYPE_CHECKING:
+    from rolling.scene.bearing_scene import BearingScene
     from rolling.scene.scene import Scene
 
 LOADING = "loading the program"  # with the solver in it, which takes seconds
@@ -137,8 +138,13 @@ def _print_error(text: str) -> None:
 
 
 def _run(given: argparse.Namespace) -> int:
-    """Run a scene."""
-    scene = _read_scene(given)
+    """Run a scene of a sphere or of a bearing."""
+    from rolling.scene import bearing_file
+    from rolling.scene.bearing_scene import BearingScene
+
+    scene = bearing_file.read_either(given.scene, given.overrides)
+    if isinstance(scene, BearingScene):
+        return _run_bearing(scene, given)
     with progress.step(LOADING):
         from rolling.commands import run_scene
     failures = run_scene(
@@ -151,6 +157,33 @@ def _run(given: argparse.Namespace) -> int:
         open=given.open,
     )
     return _code_of_failures(failures)
+
+
+def _run_bearing(scene: BearingScene, given: argparse.Namespace) -> int:
+    """Run the scene of a bearing."""
+    for option in ("part", "cluster"):
+        if getattr(given, option) is not None:
+            given.parser.error(f"--{option}: goes with the scene of a sphere, not of a bearing")
+    with progress.step(LOADING):
+        from rolling.bearing_run.command import run_bearing
+    failures = run_bearing(
+        scene, given.out, workers=given.workers, report=given.report, open=given.open
+    )
+    return _code_of_failures(failures)
+
+
+def _is_of_bearing(folder: Path) -> bool:
+    """Tell whether a folder holds runs of a bearing."""
+    from rolling.run import folder as folders
+
+    return folders.is_of_bearing(folder)
+
+
+def _refuse_given(given: argparse.Namespace, options: Mapping[str, str]) -> None:
+    """Refuse options, by the names of their values, that do not go with a bearing."""
+    for name, option in options.items():
+        if getattr(given, name):
+            given.parser.error(f"{option}: goes with the runs of a sphere, not of a bearing")
 
 
 def _check(given: argparse.Namespace) -> int:
@@ -217,6 +250,11 @@ def _status(given: argparse.Namespace) -> int:
 
 def _table(given: argparse.Namespace) -> int:
     """Gather the numbers of a sweep."""
+    if _is_of_bearing(given.folder):
+        _refuse_given(given, {"numbers": "--plot", "against": "--against"})
+        from rolling.bearing_run.command import table_bearing
+
+        return _print_paths(table_bearing(given.folder))
     with progress.step(LOADING):
         from rolling.commands import table
     return _print_paths(table(given.folder, given.numbers, given.against, given.over))
@@ -248,6 +286,10 @@ def _resound(given: argparse.Namespace) -> int:
 
 def _report(given: argparse.Namespace) -> int:
     """Write the page of runs."""
+    if any(_is_of_bearing(folder) for folder in given.run_folders):
+        with progress.step(LOADING):
+            from rolling.bearing_run.command import report_bearing
+        return _print_paths(report_bearing(given.run_folders, given.out))
     with progress.step(LOADING):
         from rolling.commands import report
     return _print_paths(report(given.run_folders, given.out))
@@ -262,6 +304,11 @@ def _gallery(given: argparse.Namespace) -> int:
 
 def _listen(given: argparse.Namespace) -> int:
     """Write a long record of a run."""
+    if _is_of_bearing(given.folder):
+        _refuse_given(given, {"speed": "--speed", "seed": "--seed"})
+        with progress.step(LOADING):
+            from rolling.bearing_run.command import listen_bearing
+        return _print_paths(listen_bearing(given.folder, given.seconds))
     with progress.step(LOADING):
         from rolling.commands import listen
     return _print_paths(listen(given.folder, given.seconds, given.speed, given.seed))

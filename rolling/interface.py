@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     import xarray
 
     from rolling.bearing_run.bearing_choice import BearingChoice
+    from rolling.bearing_run.bearing_run import BearingRun
     from rolling.choice.choice import Choice
     from rolling.choice.limit import Limit
     from rolling.choice.sensitivity import Sensitivities
@@ -51,10 +52,13 @@ __all__ = [
     "choose_bearings",
     "coarsest_below",
     "live",
+    "open_bearing",
     "open_run",
+    "save_bearing",
     "save_run",
     "sensitivities",
     "simulate",
+    "simulate_bearing",
     "simulate_sweep",
 ]
 
@@ -486,12 +490,7 @@ def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
     """
     instance("run", run, Run)
     instance("folder", folder, str, Path)
-    folder = Path(folder)
-    if folder.exists() and not folder.is_dir():
-        raise FolderError(f"{folder}: is a file; take another name for the folder")
-    if folder.exists() and any(folder.iterdir()):
-        raise FolderError(f"{folder}: holds files; take another, as {folders.free_name(folder)}")
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = _new_folder(Path(folder))
     with folders.locked(folder):
         scene = with_copy(run.scene.with_auto_steps(), folder)
         folders.write_scene(folder, scene)
@@ -502,6 +501,150 @@ def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
 
 
 Run.save = save_run
+
+
+def _new_folder(folder: Path) -> Path:
+    """Make a folder for a run that is saved; refuse one that holds files."""
+    if folder.exists() and not folder.is_dir():
+        raise FolderError(f"{folder}: is a file; take another name for the folder")
+    if folder.exists() and any(folder.iterdir()):
+        raise FolderError(f"{folder}: holds files; take another, as {folders.free_name(folder)}")
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+@ignoring_underflow
+def simulate_bearing(
+    scene: BearingScene, workers: int = 0, progress: bool | None = None
+) -> BearingRun:
+    """Simulate a bearing in memory: rough contacts, motion of the ring, bands and lines.
+
+    Parameters
+    ----------
+    scene : BearingScene
+        A scene without a sweep; `scene.runs()` lists those of a sweep.
+    workers, progress : int, bool
+        As in `simulate`.
+
+    Returns
+    -------
+    run : BearingRun
+        Velocity in the three bands of ISO 15242-1, lines, loads of the balls, and the record.
+
+    Raises
+    ------
+    SceneError
+        The scene sweeps, or a contact of it cannot be marched.
+    ContactError
+        A contact has no solution.
+    KeyboardInterrupt
+        Ctrl-C was pressed.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> waves = {"inner": {"kind": "smooth", "waviness": {9: 0.1}}}  # 0.1 um high, 9 on a turn
+    >>> scene = rolling.BearingScene(
+    ...     bearing={"named": "6204", "speed_rpm": 1800, "axial_load_n": 70, "surfaces": waves},
+    ...     sound={"duration_s": 0.5, "listen_s": 0.5},
+    ... )
+    >>> run = rolling.simulate_bearing(scene, progress=False)
+    >>> run.bands_um_s["radial"]["low"] > 50, run.summary["lines"][-1]["name"]
+    (True, 'inner 9')
+    """
+    from rolling.bearing_run.command import refuse_sweep
+    from rolling.bearing_run.simulation import bearing_stages
+
+    instance("scene", scene, BearingScene)
+    refuse_sweep(scene)
+    with ExitStack() as stack:
+        if progress is False:
+            stack.enter_context(terminal.begin(terminal.Level.QUIET))
+        try:
+            *_, last = bearing_stages(scene, workers=workers, shown=progress)
+        except KeyboardInterrupt:
+            raise Interrupted("the simulation was interrupted, and nothing of it is kept") from None
+    return last.run
+
+
+@ignoring_underflow
+def open_bearing(folder: Path | str) -> BearingRun:
+    """Read a stored run of a bearing.
+
+    Parameters
+    ----------
+    folder : Path or str
+        A run folder, or the folder of one run in a sweep.
+
+    Returns
+    -------
+    run : BearingRun
+        The run as `simulate_bearing` returns it, in single precision.
+
+    Raises
+    ------
+    FolderError
+        The folder holds no run of a bearing, several of them, or one that is not done or damaged.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> waves = {"outer": {"kind": "smooth", "waviness": {8: 0.1}}}
+    >>> scene = rolling.BearingScene(
+    ...     bearing={"named": "608", "speed_rpm": 1800, "axial_load_n": 20, "surfaces": waves},
+    ...     sound={"duration_s": 0.2, "listen_s": 0.2},
+    ... )
+    >>> run = rolling.simulate_bearing(scene, progress=False)
+    >>> rolling.open_bearing(rolling.save_bearing(run, "mine", report=False)).scene.name
+    'scene'
+    """
+    from rolling.bearing_run.command import only_place, read_run
+
+    instance("folder", folder, str, Path)
+    return read_run(only_place(Path(folder), "open"))
+
+
+@ignoring_underflow
+def save_bearing(run: BearingRun, folder: Path | str, report: bool = True) -> Path:
+    """Write a run of a bearing into a new folder, with the files that `rolling run` writes.
+
+    Parameters
+    ----------
+    run : BearingRun
+        The run.
+    folder : Path or str
+        The folder to make.
+    report : bool
+        Write page and figures as well. Default: true.
+
+    Returns
+    -------
+    folder : Path
+        The new folder, for `open_bearing`.
+
+    Raises
+    ------
+    FolderError
+        The folder holds files already, or is a file.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> waves = {"inner": {"kind": "smooth", "waviness": {8: 0.1}}}
+    >>> scene = rolling.BearingScene(
+    ...     bearing={"named": "608", "speed_rpm": 1800, "axial_load_n": 20, "surfaces": waves},
+    ...     sound={"duration_s": 0.2, "listen_s": 0.2},
+    ... )
+    >>> run = rolling.simulate_bearing(scene, progress=False)
+    >>> sorted(path.suffix for path in rolling.save_bearing(run, "kept", report=False).iterdir())
+    ['.csv', '.csv', '.csv', '.h5', '.json', '.wav', '.wav', '.yaml']
+    """
+    from rolling.bearing_run.bearing_run import BearingRun
+    from rolling.bearing_run.command import save_run as save
+
+    instance("run", run, BearingRun)
+    instance("folder", folder, str, Path)
+    return save(run, _new_folder(Path(folder)), report)
 
 
 @ignoring_underflow

@@ -37,14 +37,20 @@ dynamics: {}
 EDGES = {"plate.length_mm": 300, "plate.width_mm": 400, "plate.contact_mm": [129, 148]}
 
 
-def node(script: str, data: Any = None) -> Any:
-    """Run a module in Node with `data`; return the value that it hands to `done`."""
+def node_path() -> str:
+    """Return the program Node, or skip the test without it."""
     path = shutil.which("node")
     if path is None:
         message = "node: install Debian's `nodejs`"
         if os.environ.get("ROLLING_BROWSER_REQUIRED"):
             pytest.fail(message)
         pytest.skip(message)
+    return path
+
+
+def node(script: str, data: Any = None) -> Any:
+    """Run a module in Node with `data`; return the value that it hands to `done`."""
+    path = node_path()
     names = (
         "law",
         "chain",

@@ -1,0 +1,252 @@
+"""Run of a bearing: motion of its ring, its bands and lines, and the numbers of its summary."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from acoustics.arrays import Array
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from acoustics.traps import ignoring_underflow
+from rolling.bearing import lines
+from rolling.bearing.geometry import BearingGeometry, angle_under_load
+from rolling.bearing.kinematics import Kinematics
+from rolling.bearing.lines import BearingLine
+from rolling.bearing.model import BearingModel
+from rolling.bearing.ring_record import DIRECTIONS, PLACES, RADIAL, UM_S, RingRecord
+from rolling.bearing.tracks import BearingTracks
+from rolling.bearing_contacts.bearing_check import departures
+from rolling.bearing_run import summary
+from rolling.check.doubt import Doubt
+from rolling.scene.bearing_scene import BearingScene
+from rolling.scene.sweep import Value
+
+if TYPE_CHECKING:
+    import xarray
+
+LOWEST_HZ = VELOCITY_BANDS_HZ["low"][0]
+HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
+HIGHEST_PEAK_HZ = VELOCITY_BANDS_HZ["medium"][1]  # beyond it roughness leads, not waves
+MAX_PEAKS = 8  # of a spectrum that are listed
+LEAST_SHARE = 0.01  # of the largest peak
+LEAST_HEIGHT = 5.0  # of a peak over the median of its surroundings
+
+
+@ignoring_underflow
+@dataclass(frozen=True, eq=False, repr=False)
+class BearingRun:
+    """A run of a bearing. It equals no other run, so it can be the key of a dictionary.
+
+    Attributes
+    ----------
+    scene : BearingScene
+        Scene without a sweep.
+    record : RingRecord
+        Motion of the ring that vibrates, and loads of the balls.
+    tracks : BearingTracks
+        How the heights of all bodies change the approach of their contacts.
+    solved : tuple of Doubt
+        Doubts about the rough contacts, from their marches.
+    contacts : tuple of dict
+        Numbers of the rough contacts that were marched.
+    values : dict
+        Swept values of the run, by dotted key.
+    label : str
+        Label that distinguishes the run from others, such as `grade G5`.
+    folder : Path
+        Run folder; the working directory for a run that is in memory only.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> waves = {"inner": {"kind": "smooth", "waviness": {9: 0.1}}}
+    >>> scene = rolling.BearingScene(
+    ...     bearing={"named": "6204", "speed_rpm": 1800, "axial_load_n": 70, "surfaces": waves},
+    ...     sound={"duration_s": 0.2, "listen_s": 0.2},
+    ... )
+    >>> run = rolling.simulate_bearing(scene, progress=False)
+    >>> run.moving, [round(line.frequency_hz) for line in run.lines if line.name == "inner 9"]
+    ('outer', [178])
+    """
+
+    scene: BearingScene
+    record: RingRecord
+    tracks: BearingTracks
+    solved: tuple[Doubt, ...] = ()
+    contacts: tuple[dict[str, Any], ...] = ()
+    values: Mapping[str, Value] = field(default_factory=dict)
+    label: str = ""
+    folder: Path = Path()
+
+    @property
+    def model(self) -> BearingModel:
+        """Geometry, speeds, masses and loads, in SI."""
+        return self.scene.model
+
+    @property
+    def geometry(self) -> BearingGeometry:
+        """Dimensions and Hertz contacts, in SI."""
+        return self.model.geometry
+
+    @property
+    def kinematics(self) -> Kinematics:
+        """Turns per second of rings, cage and balls."""
+        return self.model.kinematics
+
+    @property
+    def bands_um_s(self) -> dict[str, dict[str, float]]:
+        """Velocity of the ring [um/s] by direction (radial, axial) and band (low, medium, high)."""
+        return {
+            direction: {name: UM_S * rms for name, rms in bands.rms_m_s.items()}
+            for direction, bands in self.record.bands.items()
+        }
+
+    @property
+    def moving(self) -> str:
+        """The ring that vibrates: inner or outer."""
+        return self.kinematics.moving
+
+    @cached_property
+    def lines(self) -> list[BearingLine]:
+        """Lines of the bearing below 10 kHz: of its speeds, its load and its waviness."""
+        bearing = self.scene.bearing
+        found = lines.kinematic_lines(self.kinematics)
+        if bearing.radial_load_n > 0:
+            found.append(lines.varying_compliance(self.kinematics, self.geometry.balls))
+        found += lines.wave_lines(self.kinematics, self.geometry.balls, self.waves)
+        found = [line for line in found if 0 < line.frequency_hz < HIGHEST_HZ]
+        return sorted(found, key=lambda line: line.frequency_hz)
+
+    @property
+    def waves(self) -> dict[str, list[int]]:
+        """Orders of waviness of the bodies that have some, by body."""
+        waves = {}
+        for body in lines.BODIES:
+            surface = getattr(self.scene.bearing.surfaces, body)
+            orders = getattr(surface, "waviness", None) or {}
+            if orders:
+                waves[body] = [int(order) for order in orders]
+        return waves
+
+    @property
+    def faulty(self) -> list[str]:
+        """Bodies whose surface has single faults: balls, inner, outer."""
+        surfaces = self.scene.bearing.surfaces
+        return [body for body in lines.BODIES if getattr(getattr(surfaces, body), "faults", None)]
+
+    @property
+    def departures(self) -> list[str]:
+        """What the run does otherwise than ISO 15242 asks for, in words; empty if nothing."""
+        return departures(self.scene)
+
+    @cached_property
+    def angle_under_load(self) -> float:
+        """Contact angle [rad] to which the axial load would turn it; the motion keeps its own."""
+        return angle_under_load(self.geometry, self.scene.bearing.axial_load_n)
+
+    @cached_property
+    def share_above_bending_db(self) -> float:
+        """Part of the radial high band [dB] that lies above the ring's first bending mode.
+
+        The level of the band falls by so much without it.
+        """
+        spectrum = self.record.spectra[RADIAL]
+        low, high = VELOCITY_BANDS_HZ["high"]
+        inside = (spectrum.frequency_hz >= low) & (spectrum.frequency_hz < high)
+        square = np.square(spectrum.rms)
+        whole = float(square[inside].sum())
+        below = float(square[inside & (spectrum.frequency_hz < self.scene.ring_bending_hz)].sum())
+        if not whole > 0:
+            return 0.0
+        return 10 * math.log10(whole / max(below, 1e-30 * whole))
+
+    @cached_property
+    def peaks(self) -> list[BearingLine]:
+        """The largest peaks below 1,800 Hz, radial and axial, with the lines that they are."""
+        families = lines.family_lines(self.kinematics, self.geometry.balls, HIGHEST_PEAK_HZ)
+        known = [*self.lines, *families]  # of equal lines, argmin takes the first
+        frequency_hz = np.array([line.frequency_hz for line in known])
+        found = dict[str, BearingLine]()
+        for spectrum in self.record.spectra.values():
+            peaks_hz = spectrum.peaks_hz(MAX_PEAKS, LOWEST_HZ, HIGHEST_PEAK_HZ, LEAST_HEIGHT)
+            for hz in peaks_hz:
+                if spectrum.line_rms(hz) < LEAST_SHARE * spectrum.line_rms(peaks_hz[0]):
+                    break  # the rest is smaller still
+                nearest = int(np.argmin(np.abs(frequency_hz - hz)))
+                if abs(frequency_hz[nearest] - hz) <= spectrum.line_width_hz:
+                    found.setdefault(known[nearest].name, known[nearest])
+                else:
+                    name = f"{hz:.1f} Hz"
+                    found.setdefault(name, BearingLine(name, "none of the kinematics", hz))
+        return list(found.values())
+
+    @cached_property
+    def lines_with_levels(self) -> list[dict[str, Any]]:
+        """Lines and largest peaks with their velocity [um/s] and height over surroundings."""
+        table = []
+        every = {line.name: line for line in [*self.lines, *self.peaks]}
+        for line in sorted(every.values(), key=lambda line: line.frequency_hz):
+            row: dict[str, Any] = {
+                "name": line.name,
+                "meaning": line.meaning,
+                "frequency_hz": line.frequency_hz,
+            }
+            for direction in DIRECTIONS:
+                spectrum = self.record.spectra[direction]
+                row[f"{direction}_um_s"] = UM_S * spectrum.line_rms(line.frequency_hz)
+                row[f"{direction}_height"] = _finite(spectrum.line_height(line.frequency_hz))
+            table.append(row)
+        return table
+
+    @cached_property
+    def envelope_lines(self) -> list[dict[str, Any]]:
+        """Lines of the envelope with their share of its mean, and their height."""
+        table = []
+        for line in lines.envelope_lines(self.kinematics):
+            row = {
+                "name": line.name,
+                "meaning": line.meaning,
+                "frequency_hz": line.frequency_hz,
+                "share": self.record.envelope.line_rms(line.frequency_hz),
+                "height": _finite(self.record.envelope.line_height(line.frequency_hz)),
+            }
+            table.append(row)
+        return table
+
+    @cached_property
+    def mean_loads_n(self) -> Array:
+        """Mean load of a ball [N] at 72 angles from the middle of the load zone on."""
+        return self.record.loads_around(PLACES)
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """Numbers of summary.json, in the units of their names, and sentences last."""
+        return summary.summarize(self)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the content of result.h5 as named arrays with units.
+
+        Returns
+        -------
+        dataset : xarray.Dataset
+            Motion of the ring and loads of the balls over time, tracks over the turns of their
+            bodies, and the facts of the run in `attrs`.
+        """
+        from rolling.bearing_run import stored_run
+
+        return stored_run.result_dataset(self)
+
+    def __repr__(self) -> str:
+        numbers = ", ".join(f"{value:.3g}" for value in self.bands_um_s[RADIAL].values())
+        return f"<bearing run {self.scene.name}: radial {numbers} um/s>"
+
+
+def _finite(value: float) -> float | None:
+    """Return a number for JSON; None for infinity."""
+    return value if math.isfinite(value) else None

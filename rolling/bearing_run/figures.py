@@ -1,0 +1,253 @@
+"""Figures of a bearing run: spectrum with its lines, envelope, load distribution, ball forces."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from pandas import DataFrame
+
+from acoustics.arrays import Array
+from acoustics.plot_style import COLOURS, gridded
+from acoustics.plot_style import envelope as thinned
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from rolling.bearing import lines
+from rolling.bearing.geometry import contact_lines
+from rolling.bearing.lines import BearingLine
+from rolling.bearing.model import BearingModel
+from rolling.bearing.ring_record import AXIAL, PLACES, RADIAL, UM_S
+from rolling.bearing_run import summary
+from rolling.figures.picture import DPI, HEIGHT_IN, WIDTH_IN, Picture, drawable
+from rolling.figures.settings import own_settings
+
+if TYPE_CHECKING:
+    from rolling.bearing_run.bearing_run import BearingRun
+
+_SHOWN_HZ = (20.0, 20000.0)
+_DECADES = 5  # of velocity, at most
+_ENVELOPE_MULTIPLES = 3.2  # of the highest line of a fault, up to which an envelope is drawn
+_TURNS = 2  # of the cage, over which ball forces are drawn
+_LETTERS_PER_IN = 14  # of a note
+_POLAR_IN = 5.3  # width of a figure with polar axes
+_NAMED_BALLS = 4  # of which the forces are drawn
+_NOTHING_UM_S = 1e-12  # in the place of 0 on a logarithmic axis
+_BAND_COLOURS = ("0.93", "0.88", "0.93")
+
+
+# ---- curves
+
+
+def spectrum(run: BearingRun, ax: Axes) -> Axes:
+    """Draw velocity over frequency with the three bands and the lines of a bearing."""
+    largest = 0.0
+    for direction, colour in ((AXIAL, COLOURS[1]), (RADIAL, COLOURS[0])):
+        narrow = run.record.spectra[direction]
+        shown = (narrow.frequency_hz >= _SHOWN_HZ[0]) & (narrow.frequency_hz <= _SHOWN_HZ[1])
+        um_s = UM_S * narrow.rms[shown]
+        largest = max(largest, float(um_s.max()))
+        log_hz = np.asarray(np.log(narrow.frequency_hz[shown]), dtype=float)
+        x, y = thinned(log_hz, np.maximum(um_s, _NOTHING_UM_S))
+        width = 0.9 if direction == RADIAL else 0.5
+        ax.plot(np.exp(x), y, color=colour, linewidth=width, label=direction)
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.set_xlim(*_SHOWN_HZ)
+    top = 10 ** math.ceil(math.log10(max(largest, _NOTHING_UM_S)) + 0.6)
+    ax.set_ylim(top / 10**_DECADES, top)
+    for colour, (name, (low, high)) in zip(_BAND_COLOURS, VELOCITY_BANDS_HZ.items(), strict=True):
+        ax.axvspan(low, high, color=colour, zorder=0)
+        ax.text(
+            math.sqrt(low * high),
+            0.985,
+            f"{summary.velocity(run.bands_um_s[RADIAL][name])} µm/s",
+            transform=ax.get_xaxis_transform(),
+            ha="center",
+            va="top",
+            fontsize=10,
+        )
+    _draw_lines(ax, run.lines)
+    gridded(ax, xlabel="frequency [Hz]", ylabel="rms velocity of a line [µm/s]")
+    ax.xaxis.set_major_formatter("{x:g}")
+    return ax
+
+
+def envelope(run: BearingRun, ax: Axes) -> Axes:
+    """Draw the spectrum of the squared envelope with the lines of faults."""
+    narrow = run.record.envelope
+    highest = highest_envelope_hz(run)
+    shown = (narrow.frequency_hz > 0) & (narrow.frequency_hz <= highest)
+    x, y = thinned(narrow.frequency_hz[shown], 100 * narrow.rms[shown])
+    ax.plot(x, y, color=COLOURS[0], linewidth=0.9, label="squared envelope along x")
+    ax.set_xlim(0, highest)
+    ax.set_ylim(0, 1.3 * max(float(y.max()), _NOTHING_UM_S))
+    _draw_lines(ax, lines.envelope_lines(run.kinematics))
+    gridded(ax, xlabel="frequency [Hz]", ylabel="share of the mean square [%]")
+    return ax
+
+
+def highest_envelope_hz(run: BearingRun) -> float:
+    """Return the frequency up to which an envelope is shown [Hz]."""
+    speeds = run.kinematics
+    highest = max(speeds.ball_pass_outer_hz, speeds.ball_pass_inner_hz, 2 * speeds.ball_spin_hz)
+    return min(_ENVELOPE_MULTIPLES * highest, float(run.record.envelope.frequency_hz[-1]))
+
+
+def _draw_lines(ax: Axes, shown: Sequence[BearingLine]) -> None:
+    """Mark lines from below, with their names where there is room for them."""
+    low, high = ax.get_xlim()
+    logarithmic = ax.get_xscale() == "log"
+    scale = np.log if logarithmic else np.asarray
+    last = -math.inf
+    for line in sorted(shown, key=lambda line: line.frequency_hz):
+        if not low < line.frequency_hz < high:
+            continue
+        place = float((scale(line.frequency_hz) - scale(low)) / (scale(high) - scale(low)))
+        has_room = place - last > 0.019 and not line.minor
+        ax.axvline(
+            line.frequency_hz,
+            ymax=0.9 if has_room else 0.04,
+            color="0.35",
+            linewidth=0.7,
+            linestyle=(0, (2, 2)),
+            zorder=1,
+        )
+        if has_room:
+            last = place
+            ax.text(
+                line.frequency_hz,
+                0.9,
+                drawable(line.name),
+                transform=ax.get_xaxis_transform(),
+                rotation=90,
+                ha="right",
+                va="top",
+                fontsize=7.5,
+            )
+
+
+def ball_forces(run: BearingRun, ax: Axes) -> Axes:
+    """Draw the loads of some balls over two turns of the cage."""
+    record = run.record
+    turns = _TURNS / run.kinematics.cage_hz
+    samples = max(2, min(len(record.ball_load_n), round(turns * record.rate_hz)))
+    time_ms = 1e3 * np.arange(samples) / record.rate_hz
+    balls = record.ball_load_n.shape[1]
+    for ball in range(min(balls, _NAMED_BALLS)):
+        x, y = thinned(np.asarray(time_ms, dtype=float), record.ball_load_n[:samples, ball])
+        ax.plot(x, y, color=COLOURS[ball], linewidth=0.8, label=f"ball {ball}")
+    ax.set_xlim(0, time_ms[-1])
+    return gridded(ax, xlabel="time [ms]", ylabel="load of a ball [N]")
+
+
+def load_distribution(run: BearingRun, ax: Axes) -> Axes:
+    """Draw the mean load of a ball over its angle on polar axes, with its range."""
+    angle = 2 * np.pi * np.arange(PLACES + 1) / PLACES
+    loads = np.append(run.mean_loads_n, run.mean_loads_n[0])
+    known = ~np.isnan(loads)
+    ax.plot(angle[known], loads[known], color=COLOURS[0], linewidth=1.6, label="mean, in motion")
+    static = static_loads(run.model, angle)
+    ax.plot(angle, static, color="0.3", linestyle="--", linewidth=1, label="static balance")
+    ax.fill(angle[known], loads[known], color=COLOURS[0], alpha=0.15)
+    polar: Any = ax  # matplotlib's types know no polar axes here
+    polar.set_theta_zero_location("S")
+    polar.set_rlabel_position(135)
+    polar.set_ylim(0, 1.08 * max(float(np.nanmax(loads)), float(static.max())))
+    return ax
+
+
+def static_loads(model: BearingModel, angle: Array) -> Array:
+    """Return the load of a ball [N] at angles [rad] in the static balance with ball 0 below."""
+    lines_of_balls = contact_lines(angle, model.geometry.contact_angle, model.kinematics.moving)
+    approach = lines_of_balls @ model.balance().displacement_m - model.gap_m
+    return np.asarray(model.geometry.series_stiffness * np.maximum(approach, 0) ** 1.5)
+
+
+# ---- tables and files
+
+
+def spectrum_table(run: BearingRun) -> DataFrame:
+    """Tabulate the narrow spectra of the velocity [um/s] up to 20 kHz."""
+    frequency_hz = run.record.spectra[RADIAL].frequency_hz
+    shown = frequency_hz <= _SHOWN_HZ[1]
+    table = {"frequency_hz": frequency_hz[shown]}
+    for direction in (RADIAL, AXIAL):
+        table[f"{direction}_um_s"] = UM_S * run.record.spectra[direction].rms[shown]
+    return DataFrame(table)
+
+
+def envelope_table(run: BearingRun) -> DataFrame:
+    """Tabulate the spectrum of the squared envelope over its mean."""
+    narrow = run.record.envelope
+    shown = narrow.frequency_hz <= highest_envelope_hz(run)
+    return DataFrame({"frequency_hz": narrow.frequency_hz[shown], "share": narrow.rms[shown]})
+
+
+def line_table(run: BearingRun) -> DataFrame:
+    """Tabulate the lines of a run, those of the envelope below."""
+    of_velocity = DataFrame(run.lines_with_levels).assign(of="velocity")
+    of_envelope = DataFrame(run.envelope_lines).assign(of="envelope")
+    return pd.concat([of_velocity, of_envelope], ignore_index=True)
+
+
+def load_table(run: BearingRun) -> DataFrame:
+    """Tabulate the mean and the static load of a ball [N] over its angle [degrees]."""
+    angle = 2 * np.pi * np.arange(PLACES) / PLACES
+    return DataFrame(
+        {
+            "angle_deg": np.degrees(angle),
+            "mean_load_n": run.mean_loads_n,
+            "static_load_n": static_loads(run.model, angle),
+        }
+    )
+
+
+class _Figure(NamedTuple):
+    """A figure of a run: its title, how it is drawn, and its table."""
+
+    title: str
+    draw: Callable[[BearingRun, Axes], Axes]
+    table: Callable[[BearingRun], DataFrame] | None
+    polar: bool = False
+
+
+_FIGURES = {
+    "spectrum": _Figure("Velocity of the {ring} ring", spectrum, spectrum_table),
+    "envelope": _Figure("Envelope from 1,800 to 10,000 Hz", envelope, envelope_table),
+    "load_distribution": _Figure(
+        "Load of a ball over its angle [N]", load_distribution, load_table, True
+    ),
+    "ball_forces": _Figure("Loads of balls on the {ring} ring", ball_forces, None),
+}
+NAMES = tuple(_FIGURES)
+
+
+@own_settings()
+def picture(run: BearingRun, name: str) -> Picture:
+    """Draw a figure of a run: spectrum, envelope, load_distribution or ball_forces."""
+    kind = _FIGURES[name]
+    size = (_POLAR_IN, HEIGHT_IN) if kind.polar else (WIDTH_IN, HEIGHT_IN)
+    figure = Figure(figsize=size, dpi=DPI)
+    figure.set_layout_engine("constrained", w_pad=0.12, h_pad=0.08)
+    FigureCanvasAgg(figure)
+    ax = figure.add_subplot(projection="polar" if kind.polar else None)
+    kind.draw(run, ax)
+    title = kind.title.format(ring=run.moving)
+    above = figure.suptitle(drawable(title), x=0.012, ha="left", fontsize=12)
+    said = summary.condition(run)
+    note = f"{said[0].upper()}{said[1:]}; {run.record.duration_s:.3g} s"
+    letters = round(figure.get_figwidth() * _LETTERS_PER_IN)
+    below = ax.set_title(
+        drawable(textwrap.fill(note, letters)), loc="left", fontsize=8.5, color="0.25"
+    )
+    for text in (above, below):
+        text.set_parse_math(False)
+    figure.legend(loc="outside lower left", ncols=4, fontsize=8.5, frameon=False)
+    table = None if kind.table is None else kind.table(run)
+    return Picture(name, figure, table)

@@ -1,0 +1,283 @@
+"""Page of bearing runs: the answer, sounds, a bearing that turns, spectra, doubts, all numbers."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from markupsafe import Markup
+
+from acoustics.arrays import Array
+from acoustics.numbers import rounded
+from acoustics.plot_style import envelope as thinned
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from acoustics.texts import printable
+from rolling import __version__
+from rolling.bearing import lines
+from rolling.bearing.ring_record import DIRECTIONS, RADIAL, UM_S
+from rolling.bearing.tracks import BodyTrack
+from rolling.bearing_run import figures, stored_run, summary
+from rolling.figures.settings import left_out_if_it_fails
+from rolling.report import maps, records, text
+from rolling.report.templates import environment, joined_script
+from rolling.terminal.streams import unbroken
+
+if TYPE_CHECKING:
+    from rolling.bearing_run.bearing_run import BearingRun
+
+RING_PLACES = 16384  # of a raceway's track, at most
+BALL_PLACES = 4096  # of a ball's track, at most
+_STEPS = 2**15 - 1  # of 16 bits
+# Ends of the sliders over the value of the run, and places on them from nothing to this value.
+_LEAST = 0.1
+_MOST = 3.0
+_PLACES_OF_SLIDER = 100
+PICTURES = {
+    "load_distribution": "Mean load of a ball at each angle, with the static balance.",
+    "ball_forces": "Loads of some balls over two turns of the cage.",
+}
+
+
+def page(runs: Sequence[BearingRun], scene_text: str, unsolved: Sequence[str] = ()) -> bytes:
+    """Write the page of bearing runs.
+
+    Parameters
+    ----------
+    runs : sequence of BearingRun. The runs of a scene.
+    scene_text : str. The scene file.
+    unsolved : sequence of str. Labels of runs that are not solved.
+    """
+    first = runs[0]
+    title = printable(first.scene.title or first.scene.name)
+    data = {
+        "bands": [list(band) for band in VELOCITY_BANDS_HZ.values()],
+        "runs": [data_of(run) for run in runs],
+    }
+    template = environment().get_template("bearing.html")
+    return template.render(
+        version=__version__,
+        title=title,
+        views=[_view(run) for run in runs],
+        band_names=list(summary.BAND_WORDS.values()),
+        unsolved=[printable(label) for label in unsolved],
+        data=data,
+        js=Markup(joined_script("bearing/begin.js")),
+        engine=Markup(joined_script("bearing/worker.js")),
+        css=Markup(text.asset("report.css") + text.asset("bearing.css")),
+        install=text.INSTALL,
+        scene_text=scene_text,
+        scene_file=f"{first.scene.name}.yaml",
+    ).encode()
+
+
+def _view(run: BearingRun) -> dict[str, Any]:
+    """Return the words, tables, sound and pictures of a run."""
+    sound = stored_run.ring_sound(run)
+    heard = sound.acceleration_m_s2
+    pictures = {}
+    for name, words in PICTURES.items():
+        with left_out_if_it_fails(name):
+            content = figures.picture(run, name).file("png")
+            assert content is not None
+            pictures[name] = maps.uri("image/png", content), words
+    rows = []
+    for name, words in summary.BAND_WORDS.items():
+        cells = []
+        for direction in DIRECTIONS:
+            spread = run.record.bands[direction].uncertainty_db[name]
+            spread_text = f"± {spread:.1f} dB" if spread >= 0.05 else ""
+            cells.append((summary.velocity(run.bands_um_s[direction][name]), spread_text))
+        rows.append((words, cells))
+    first, _, *others = run.summary["sentences"]  # the second has the axial velocities
+    return {
+        "label": printable(run.label or run.scene.name),
+        "what": _on_page(first),
+        "sentences": [_on_page(sentence) for sentence in others],
+        "rows": rows,
+        "src": records.compressed(sound.gain * heard) if heard.any() else None,
+        "heard": f"acceleration of the {run.moving} ring along x, {heard.size / 48000:.3g} s;"
+        f" full scale is {rounded(1 / sound.gain, 3)} m/s2",
+        "lines": [_line_cells(row) for row in run.summary["lines"]],
+        "envelope_lines": [
+            (row["name"], f"{row['frequency_hz']:.2f}", _height(row["height"]))
+            for row in run.summary["envelope_lines"]
+        ],
+        "pictures": pictures,
+        "doubts": [doubt.line for doubt in summary.doubts_of(run)],
+        "facts": _facts(run),
+    }
+
+
+def _on_page(sentence: str) -> str:
+    """Return a sentence with the sign of micrometres, and numbers beside their units."""
+    return unbroken(sentence.replace(" um/s", " µm/s"))
+
+
+def _line_cells(row: dict[str, Any]) -> list[str]:
+    """Return the cells of a line: name, meaning, frequency, velocities and heights."""
+    cells = [row["name"], row["meaning"], f"{row['frequency_hz']:.2f}"]
+    for direction in DIRECTIONS:
+        cells.append(summary.velocity(row[f"{direction}_um_s"]))
+        cells.append(_height(row[f"{direction}_height"]))
+    return cells
+
+
+def _height(height: float | None) -> str:
+    """Write the height of a line over its surroundings."""
+    return "alone" if height is None else rounded(height)
+
+
+def _facts(run: BearingRun) -> list[tuple[str, str]]:
+    """Return the numbers of a bearing that its page lists."""
+    numbers = run.summary
+    bearing = run.scene.bearing
+    speeds = numbers["kinematics"]
+    return [
+        ("Balls", f"{bearing.balls} of {bearing.ball_diameter_mm:g} mm"),
+        ("Pitch diameter", f"{bearing.pitch_diameter_mm:g} mm"),
+        (
+            "Contact angle",
+            f"{numbers['contact_angle_deg']:.1f} degrees; the axial load would turn it to"
+            f" {numbers['contact_angle_under_load_deg']:.1f}",
+        ),
+        ("Rolling speed of a contact", f"{rounded(speeds['rolling_speed_m_s'], 3)} m/s"),
+        ("Moving ring", f"the {run.moving} one, {rounded(1e3 * numbers['ring_mass_kg'], 3)} g"),
+        (
+            "Resonances of the rigid ring",
+            ", ".join(f"{hz:.0f} Hz" for hz in numbers["resonances_hz"] if hz > 0),
+        ),
+        ("First bending mode", numbers["ring_bending_note"]),
+        (
+            "Load of a ball",
+            f"{rounded(numbers['loads']['least_n'], 3)} to"
+            f" {rounded(numbers['loads']['largest_n'], 3)} N, mean"
+            f" {rounded(numbers['loads']['mean_n'], 3)} N",
+        ),
+        ("Energy that the balance lacks", f"{rounded(100 * numbers['energy_error'])} %"),
+    ]
+
+
+# ---- data of the instrument
+
+
+def data_of(run: BearingRun) -> dict[str, Any]:
+    """Return what the scripts of the page know of a run, in SI but where names say otherwise."""
+    bearing = run.scene.bearing
+    narrow = run.record.spectra[RADIAL]
+    shown = (narrow.frequency_hz >= 20) & (narrow.frequency_hz <= 20000)
+    log_hz, um_s = thinned(np.log(narrow.frequency_hz[shown]), UM_S * narrow.rms[shown])
+    highest = figures.highest_envelope_hz(run)
+    pulses = run.record.envelope
+    in_view = (pulses.frequency_hz > 0) & (pulses.frequency_hz <= highest)
+    pulse_hz, share = thinned(pulses.frequency_hz[in_view], pulses.rms[in_view])
+    return {
+        "label": printable(run.label or run.scene.name),
+        "bearing": _model_of(run),
+        "drawn": _drawn(run),
+        "settings": {
+            "rpm": bearing.speed_rpm,
+            "axial": bearing.axial_load_n,
+            "radial": bearing.radial_load_n,
+        },
+        "ranges": _ranges(run),
+        "bands": list(run.record.bands[RADIAL].rms_m_s.values()),
+        "gain": stored_run.ring_sound(run).gain,
+        "spectrum": {"hz": _digits(np.exp(log_hz), 6), "um_s": _digits(um_s, 4)},
+        "envelope": {"hz": _digits(pulse_hz, 6), "share": _digits(share, 4)},
+        "lines": [_mark(line) for line in run.lines],
+        "bendingHz": run.scene.ring_bending_hz,
+        "envelopeLines": [_mark(line) for line in lines.envelope_lines(run.kinematics)],
+    }
+
+
+def _mark(line: lines.BearingLine) -> dict[str, Any]:
+    """Return a line as the charts mark it."""
+    return {"name": line.name, "hz": line.frequency_hz, "minor": line.minor}
+
+
+def _model_of(run: BearingRun) -> dict[str, Any]:
+    """Return the small model of a bearing: springs, mass, speeds, and tracks at the mean load."""
+    model = run.model
+    speeds = model.kinematics
+    load = np.array([max(float(run.record.ball_load_n.mean()), 1e-9)])
+
+    def packed(track: BodyTrack, most: int) -> dict[str, Any]:
+        """Return a track at the mean load in steps of 16 bits."""
+        heights = track.resampled(min(track.points, most)).at_loads(load)[0]
+        return _packed(heights)
+
+    tracks = run.tracks
+    return {
+        "balls": model.geometry.balls,
+        "stiffness": model.geometry.series_stiffness,
+        "alpha": model.geometry.contact_angle,
+        "sign": 1 if speeds.moving == "inner" else -1,
+        "gap": model.gap_m,
+        "mass": model.ring_mass_kg,
+        "lossFactor": model.contact_loss_factor,
+        "rpm": run.scene.bearing.speed_rpm,
+        "hz": {
+            "cage": speeds.cage_hz,
+            "inner": speeds.inner_hz,
+            "outer": speeds.outer_hz,
+            "spin": speeds.ball_spin_hz,
+        },
+        "tracks": {
+            "inner": packed(tracks.inner, RING_PLACES),
+            "outer": packed(tracks.outer, RING_PLACES),
+            "ballsOnInner": [packed(track, BALL_PLACES) for track in tracks.balls_on_inner],
+            "ballsOnOuter": [packed(track, BALL_PLACES) for track in tracks.balls_on_outer],
+        },
+    }
+
+
+def _packed(heights: Array) -> dict[str, Any]:
+    """Return heights [m] as whole numbers of a unit in base 64, 16 bits each, little end first."""
+    largest = float(np.abs(heights).max())
+    unit = largest / _STEPS if largest > 0 else 1.0
+    steps = np.rint(heights / unit).astype("<i2")
+    return {"unit": unit, "text": base64.b64encode(steps.tobytes()).decode()}
+
+
+def _drawn(run: BearingRun) -> dict[str, Any]:
+    """Return the radii [m] of the picture."""
+    scene = run.scene
+    geometry = run.geometry
+    return {
+        "turning": scene.bearing.turning,
+        "pitch": geometry.pitch_radius_m,
+        "ball": geometry.ball_radius_m,
+        "innerRaceway": geometry.inner.radius_m,
+        "outerRaceway": geometry.outer.radius_m,
+        "outer": scene.outside_diameter / 2,
+        "bore": scene.bore / 2,
+        "faultBall": scene.bearing.surfaces.fault_ball if "balls" in run.faulty else -1,
+    }
+
+
+def _ranges(run: BearingRun) -> dict[str, list[float]]:
+    """Return least, largest and step of the sliders: speed [1/min] and loads [N].
+
+    Each slider has the value of the run among its places.
+    """
+    bearing = run.scene.bearing
+    axial = bearing.axial_load_n
+    radial = bearing.radial_load_n
+    least_radial = 0.0 if axial > 0 else _LEAST
+    return {
+        "rpm": _range(bearing.speed_rpm, _LEAST),
+        "axial": _range(axial, _LEAST),
+        "radial": _range(radial or axial, least_radial),
+    }
+
+
+def _range(value: float, least: float) -> list[float]:
+    """Return least, largest and step of a slider around a value; `least` is a share of it."""
+    return [least * value, _MOST * value, value / _PLACES_OF_SLIDER]
+
+
+def _digits(values: Array, digits: int) -> list[float]:
+    """Return numbers with so many digits, which keep a page small."""
+    return [float(f"{value:.{digits}g}") for value in values.tolist()]

@@ -1,0 +1,118 @@
+"""Simulation of a bearing: contacts, tracks, motion of the ring, and the run that follows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from acoustics import wav
+from acoustics.arrays import short_repr
+from rolling.bearing.kinematics import Kinematics
+from rolling.bearing.motion import RingMotion, move_ring
+from rolling.bearing.ring_record import RingRecord
+from rolling.bearing_contacts.contact_doubts import contact_doubts, marched_contacts
+from rolling.bearing_contacts.joined_tracks import bearing_tracks
+from rolling.bearing_contacts.plan import ContactPlan, contact_plan
+from rolling.bearing_contacts.solving import Marches, solved_stages
+from rolling.bearing_run import stored_run
+from rolling.bearing_run.bearing_run import BearingRun
+from rolling.scene import library
+from rolling.scene.bearing_scene import BearingScene
+
+
+@dataclass(frozen=True)
+class BearingStage:
+    """Run of a bearing after a stage of its marches; only the last one is final.
+
+    run : BearingRun. The run with the tracks that are known so far.
+    is_final : bool. Whether all marches are done.
+    """
+
+    __repr__ = short_repr
+
+    run: BearingRun
+    is_final: bool
+
+
+def bearing_stages(
+    scene: BearingScene,
+    *,
+    folder: Path | None = None,
+    workers: int = 0,
+    shown: bool | None = None,
+) -> Iterator[BearingStage]:
+    """Simulate a bearing, and yield its run when its first marches are done, and when all are.
+
+    A bearing without marches has the final run alone.
+
+    Parameters
+    ----------
+    scene : BearingScene
+        A scene without a sweep.
+    folder : Path, optional
+        Run folder that keeps the marches. Default: they are kept in memory.
+    workers : int
+        Number of processes; 0 means one per core. Default 0.
+    shown : bool, optional
+        Whether the progress is shown. Default: where somebody looks.
+
+    Raises
+    ------
+    SceneError, ContactError, OSError, KeyboardInterrupt
+        As `solving.solved_stages`.
+    """
+    plan = contact_plan(scene)
+    stages = [stage for stage in plan.stages if stage]
+    if not stages:
+        yield BearingStage(_moved(scene, plan, {}), is_final=True)
+        return
+    solving = solved_stages(stages, name=scene.name, folder=folder, workers=workers, shown=shown)
+    for number, marches in enumerate(solving, start=1):
+        yield BearingStage(_moved(scene, plan, marches), is_final=number == len(stages))
+
+
+def _moved(scene: BearingScene, plan: ContactPlan, marches: Marches) -> BearingRun:
+    """Move the ring of a bearing over the tracks that the marches give."""
+    tracks = bearing_tracks(plan, marches)
+    seconds = max(scene.sound.duration_s, stored_run.listened_s(scene))
+    motion = move_ring(scene.model, tracks, seconds, wav.SAMPLE_RATE_HZ)
+    contacts = [asdict(contact) for contact in marched_contacts(plan, marches)]
+    return BearingRun(
+        scene=scene,
+        record=record_of(motion, scene.kinematics),
+        tracks=tracks,
+        solved=contact_doubts(plan, marches, hardness_pa(scene)),
+        contacts=tuple(_without_unknown(contact) for contact in contacts),
+    )
+
+
+def hardness_pa(scene: BearingScene) -> float:
+    """Return the hardness [Pa] of rings and balls; infinite where it is unknown."""
+    named = library.named_values("plate", scene.bearing.material)
+    hardness_gpa = named.get("hardness_gpa")
+    return 1e9 * hardness_gpa if isinstance(hardness_gpa, float | int) else math.inf
+
+
+def _without_unknown(numbers: Mapping[str, Any]) -> dict[str, Any]:
+    """Return numbers for JSON, with None for those that are not known."""
+    plain = {}
+    for name, value in numbers.items():
+        is_unknown = isinstance(value, float) and not math.isfinite(value)
+        plain[name] = None if is_unknown else value
+    return plain
+
+
+def record_of(motion: RingMotion, kinematics: Kinematics) -> RingRecord:
+    """Return what a run keeps of the motion of its ring."""
+    return RingRecord(
+        rate_hz=motion.rate_hz,
+        velocity_m_s=motion.velocity_m_s,
+        acceleration_m_s2=motion.acceleration_m_s2,
+        ball_load_n=motion.ball_load_n,
+        cage_hz=kinematics.cage_hz,
+        energy_error=motion.energy_error,
+        lost_contact_share=motion.lost_contact_share,
+    )

@@ -1,0 +1,271 @@
+"""Numbers of a bearing run as plain data: bands, lines, loads, doubts, and sentences last."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from acoustics.numbers import rounded
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from rolling.bearing.linear_ring import linear_ring
+from rolling.bearing.lines import FAULT_LINES
+from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL
+from rolling.bearing_contacts.bearing_check import scene_rules
+from rolling.check.doubt import Doubt, Severity, severity_of, sized
+
+if TYPE_CHECKING:
+    from rolling.bearing_run.bearing_run import BearingRun
+
+FORMAT = 1  # of summary.json
+BAND_WORDS = {
+    name: f"{low:,.0f} to {high:,.0f} Hz" for name, (low, high) in VELOCITY_BANDS_HZ.items()
+}
+HEARD_LINE = 5.0  # height from which on a line stands out of its surroundings
+LEAST_SHARE = 0.1  # of the largest line, from which on another one is named
+_NOTHING_UM_S = 1e-3  # velocity below which nothing moves
+STRONG_LINE = 10.0  # height from which on a line of the envelope tells of a fault
+_MOST_LINES = 3  # that a sentence names
+_UNCERTAIN_DB = 0.05  # from which on a band is stated as uncertain
+_LEAST_DB = 0.1  # effects below it have no sentence
+_ENERGY_DB = 10 / math.log(10)
+
+
+# ---- numbers
+
+
+def summarize(run: BearingRun) -> dict[str, Any]:
+    """Return the numbers of a run: plain data in the units of their names, sentences last."""
+    doubts = list(doubts_of(run))
+    bending_hz = run.scene.ring_bending_hz
+    return {
+        "format": FORMAT,
+        "kind": "bearing",
+        "name": run.scene.name,
+        "title": run.scene.title,
+        "label": run.label,
+        "bands_um_s": run.bands_um_s,
+        "bands_uncertainty_db": {
+            direction: run.record.bands[direction].uncertainty_db for direction in DIRECTIONS
+        },
+        "iso_departures": run.departures,
+        "moving_ring": run.moving,
+        "duration_s": run.record.duration_s,
+        "lines": run.lines_with_levels,
+        "envelope_lines": run.envelope_lines,
+        "kinematics": {
+            "cage_hz": run.kinematics.cage_hz,
+            "ball_pass_outer_hz": run.kinematics.ball_pass_outer_hz,
+            "ball_pass_inner_hz": run.kinematics.ball_pass_inner_hz,
+            "ball_spin_hz": run.kinematics.ball_spin_hz,
+            "rolling_speed_m_s": run.kinematics.rolling_speed_m_s,
+        },
+        "loads": _loads(run),
+        "contact_angle_deg": math.degrees(run.geometry.contact_angle),
+        "contact_angle_under_load_deg": math.degrees(run.angle_under_load),
+        "ring_mass_kg": run.model.ring_mass_kg,
+        "resonances_hz": linear_ring(run.model).resonances_hz.tolist(),
+        "ring_bending_hz": bending_hz,
+        "ring_bending_note": f"above {bending_hz:.0f} Hz the rigid ring does not hold",
+        "contacts": list(run.contacts),
+        "contact_doubts": [doubt_as_json(doubt) for doubt in run.solved],
+        "energy_error": run.record.energy_error,
+        "lost_contact_share": run.record.lost_contact_share,
+        "doubts": [doubt_as_json(doubt) for doubt in doubts],
+        "sentences": sentences(run),
+    }
+
+
+def _loads(run: BearingRun) -> dict[str, Any]:
+    """Return the loads of the balls [N]: their largest and least, and the mean at each angle."""
+    loads = run.record.ball_load_n
+    around = run.mean_loads_n
+    return {
+        "largest_n": float(loads.max()),
+        "least_n": float(loads.min()),
+        "mean_n": float(loads.mean()),
+        "mean_at_angles_n": [None if math.isnan(load) else load for load in around.tolist()],
+    }
+
+
+def stored_doubts(stored: Mapping[str, Any]) -> Iterator[Doubt]:
+    """Yield the doubts about the rough contacts that stored numbers have."""
+    severities = {severity.word: severity for severity in Severity}
+    for doubt in stored["contact_doubts"]:
+        yield Doubt(
+            key=doubt["key"],
+            text=doubt["text"],
+            severity=severities[doubt["severity"]],
+            decibels=doubt["decibels"],
+            advice=doubt["advice"],
+        )
+
+
+def doubt_as_json(doubt: Doubt) -> dict[str, Any]:
+    """Return a doubt as summary.json has it."""
+    return {
+        "key": doubt.key,
+        "text": doubt.text,
+        "severity": doubt.severity.word,
+        "decibels": doubt.decibels,
+        "advice": doubt.advice,
+    }
+
+
+# ---- sentences
+
+
+def condition(run: BearingRun) -> str:
+    """Say how a bearing runs: its name, speed and loads."""
+    bearing = run.scene.bearing
+    name = run.scene.title or run.scene.name
+    if bearing.named:
+        name = f"bearing {bearing.named}"
+    loads = [
+        f"{rounded(load, 3)} N {direction}"
+        for load, direction in (
+            (bearing.axial_load_n, "axial"),
+            (bearing.radial_load_n, "radial"),
+        )
+        if load > 0
+    ]
+    return f"{name} at {rounded(bearing.speed_rpm, 4)} rpm under {' and '.join(loads)}"
+
+
+def answer(run: BearingRun) -> str:
+    """Say at which velocities the ring moves in the three bands."""
+    said = condition(run)
+    words = ", ".join(BAND_WORDS.values())
+    radial = _three(run.bands_um_s[RADIAL])
+    return f"{said[0].upper()}{said[1:]}: the {run.moving} ring moves at {radial} um/s ({words})."
+
+
+def sentences(run: BearingRun) -> list[str]:
+    """Say what a run has: bands, axial bands, lines that lead, faults, and its departures."""
+    texts = [answer(run), f"Along its axis it moves at {_three(run.bands_um_s[AXIAL])} um/s."]
+    texts += [leading_lines(run), *fault_sentences(run), load_sentence(run)]
+    if run.departures:
+        texts.append(f"Not ISO 15242: {'; '.join(run.departures)}.")
+    return [text for text in texts if text]
+
+
+def _three(bands: dict[str, float]) -> str:
+    """Write three velocities with two digits."""
+    low, medium, high = (velocity(value) for value in bands.values())
+    return f"{low}, {medium} and {high}"
+
+
+def velocity(um_s: float) -> str:
+    """Write a velocity [um/s]; what is below a thousandth is nothing."""
+    return "0" if um_s < _NOTHING_UM_S else rounded(um_s, 2)
+
+
+def leading_lines(run: BearingRun) -> str:
+    """Say which lines are the largest of those that stand out, radially and along the axis."""
+    texts = []
+    for direction in DIRECTIONS:
+        by_frequency = {}  # the last of equal ones, which names its cause
+        for row in run.lines_with_levels:
+            if _stands_out(row[f"{direction}_height"]):
+                by_frequency[round(row["frequency_hz"], 2)] = row
+        rows = sorted(by_frequency.values(), key=lambda row: -row[f"{direction}_um_s"])
+        least = LEAST_SHARE * rows[0][f"{direction}_um_s"] if rows else 0.0
+        named = [
+            f"{row['name']} ({rounded(row['frequency_hz'], 4)} Hz,"
+            f" {velocity(row[f'{direction}_um_s'])} um/s)"
+            for row in rows[:_MOST_LINES]
+            if row[f"{direction}_um_s"] >= max(least, _NOTHING_UM_S)
+        ]
+        if named:
+            texts.append(f"{direction} {', '.join(named)}")
+    if not texts:
+        return "No line stands out."
+    return f"The largest lines are {'; '.join(texts)}."
+
+
+def _stands_out(height: float | None) -> bool:
+    """Tell whether a line of a height, None for one that stands alone, is heard as a line."""
+    return height is None or height >= HEARD_LINE
+
+
+def fault_sentences(run: BearingRun) -> Iterator[str]:
+    """Say for each body with faults whether its line stands in the envelope."""
+    rows = {row["name"]: row for row in run.envelope_lines}
+    for body in run.faulty:
+        name = FAULT_LINES[body]
+        height = rows[name]["height"]
+        ring = "a ball" if body == "balls" else f"the {body} raceway"
+        at = f"{name}, {rounded(rows[name]['frequency_hz'], 4)} Hz"
+        if height is None or height >= STRONG_LINE:
+            size = "alone" if height is None else f"{rounded(height)} times its surroundings"
+            yield f"The fault of {ring} shows in the envelope at {at}: {size}."
+        else:
+            yield f"The fault of {ring} does not show in the envelope at {at}."
+
+
+def load_sentence(run: BearingRun) -> str:
+    """Say between which loads the balls work."""
+    loads = run.record.ball_load_n
+    least = rounded(float(loads.min()), 3)
+    largest = rounded(float(loads.max()), 3)
+    if least == largest:
+        return f"The load of a ball is {least} N."
+    return f"The load of a ball is {least} to {largest} N."
+
+
+# ---- doubts
+
+
+def doubts_of(run: BearingRun) -> Iterator[Doubt]:
+    """Yield what makes the bands of a run uncertain, one sentence each."""
+    yield from run.solved
+    yield from _short_record(run)
+    for doubt in scene_rules(run.scene):
+        if isinstance(doubt, Doubt):
+            yield _with_share(run, doubt) if doubt.key == "ring_bending" else doubt
+    yield from _lost_contact(run)
+    yield from _energy(run)
+
+
+def _short_record(run: BearingRun) -> Iterator[Doubt]:
+    """Doubt bands that scatter within a short record."""
+    uncertain = run.record.bands[RADIAL].uncertainty_db
+    name, largest = max(uncertain.items(), key=lambda item: item[1])
+    if largest < _UNCERTAIN_DB:
+        return
+    yield sized(
+        "short_record",
+        f"the record of {rounded(run.record.duration_s, 3)} s leaves ± {largest:.1f} dB in the"
+        f" {name} band",
+        largest,
+        "four times sound.duration_s halve it",
+    )
+
+
+def _with_share(run: BearingRun, doubt: Doubt) -> Doubt:
+    """Return the doubt about a ring that bends, with the part of the high band that it has."""
+    decibels = run.share_above_bending_db
+    text = f"{doubt.text}; {decibels:.1f} dB of the high band lie above"
+    return replace(doubt, text=text, severity=severity_of(decibels), decibels=decibels)
+
+
+def _lost_contact(run: BearingRun) -> Iterator[Doubt]:
+    """Say that balls lose contact, where an axial load presses all of them."""
+    share = run.record.lost_contact_share
+    if share > 0 and not run.scene.radial_load > 0:
+        yield Doubt(
+            key="lost_contact",
+            text=f"a ball bears nothing for {rounded(100 * share)} % of the time",
+            severity=Severity.NOTE,
+            advice="a larger axial load holds the balls",
+        )
+
+
+def _energy(run: BearingRun) -> Iterator[Doubt]:
+    """Doubt a motion whose energy does not balance."""
+    error = abs(run.record.energy_error)
+    decibels = _ENERGY_DB * error
+    if decibels > _LEAST_DB:
+        text = f"the energy of the motion lacks {rounded(100 * error)} %: {decibels:.1f} dB"
+        yield sized("energy_balance", text, decibels)

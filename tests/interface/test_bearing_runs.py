@@ -1,0 +1,267 @@
+"""Runs of a bearing as a user meets them: numbers, folders, commands and sounds."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import soundfile
+from bearing_runs import SWEPT, WAVY, written
+
+import rolling
+from acoustics.arrays import Array
+from rolling import cli
+from rolling.bearing import lines
+from rolling.bearing.motion import move_ring
+from rolling.bearing.tracks import BodyTrack, smooth_tracks
+from rolling.bearing_run import simulation
+from rolling.bearing_run.bearing_run import BearingRun
+from rolling.scene.bearing_file import loads_bearing
+
+FILES = {"result.h5", "summary.json", "spectrum.csv", "lines.csv", "acceleration.wav", "listen.wav"}
+RATE = 48_000
+
+
+@pytest.fixture(scope="module")
+def run() -> BearingRun:
+    """A bearing with nine waves on the inner raceway and eight on the outer."""
+    return rolling.simulate_bearing(loads_bearing(WAVY), progress=False)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a run with its page, which no test changes."""
+    place = tmp_path_factory.mktemp("bearing")
+    assert cli.main(["run", str(written(place)), "--out", str(place / "out"), "-q"]) == 0
+    return place / "out"
+
+
+def numbers(folder: Path) -> dict:
+    return json.loads((folder / "summary.json").read_text())
+
+
+# ---- numbers
+
+
+@pytest.mark.law("Bearing run: nine waves of the inner raceway have their velocity and their line.")
+def test_waves_have_their_velocity_in_their_band(run: BearingRun) -> None:
+    """A / cos(alpha) at q BPFI + turn; the linear theory is 0.1 % off so far below resonance."""
+    turn, bpfi = 30.0, run.kinematics.ball_pass_inner_hz
+    wanted = 0.1 / math.cos(math.radians(12)) * 2 * math.pi * (bpfi + turn) / math.sqrt(2)
+    assert run.bands_um_s["radial"]["low"] == pytest.approx(wanted, rel=0.01)
+    row = {line["name"]: line for line in run.summary["lines"]}["inner 9"]
+    assert row["frequency_hz"] == pytest.approx(bpfi + turn)
+    assert row["radial_um_s"] == pytest.approx(wanted, rel=0.01)
+    assert row["axial_um_s"] < 1e-3 * wanted
+
+
+@pytest.mark.law("Bearing run: eight waves of the outer raceway move the ring along its axis.")
+def test_waves_of_the_outer_raceway_are_axial(run: BearingRun) -> None:
+    bpfo = run.kinematics.ball_pass_outer_hz
+    wanted = 0.05 / math.sin(math.radians(12)) * 2 * math.pi * bpfo / math.sqrt(2)
+    assert run.bands_um_s["axial"]["low"] == pytest.approx(wanted, rel=0.01)
+    assert any("inner 9" in text and "outer 8" in text for text in run.summary["sentences"])
+
+
+@pytest.mark.law("Bearing lines: orders of waviness have the frequencies of the theory.")
+def test_orders_have_the_frequencies_of_the_theory(run: BearingRun) -> None:
+    speeds = run.kinematics
+    waves = {"inner": [1, 7, 8, 10, 17], "outer": [7, 16], "balls": [3, 4]}
+    found = {line.name: line for line in lines.wave_lines(speeds, 8, waves)}
+    assert set(found) == {
+        *("inner 1", "inner 7", "inner 8", "inner 17", "outer 7", "outer 16"),
+        *("ball 4", "ball 4 - cage", "ball 4 + cage"),
+    }
+    assert found["inner 1"].frequency_hz == pytest.approx(30)  # an eccentric ring
+    assert found["inner 7"].frequency_hz == pytest.approx(speeds.ball_pass_inner_hz - 30)
+    assert found["inner 17"].frequency_hz == pytest.approx(2 * speeds.ball_pass_inner_hz + 30)
+    assert found["outer 7"].frequency_hz == pytest.approx(speeds.ball_pass_outer_hz)
+    assert found["ball 4"].frequency_hz == pytest.approx(4 * speeds.ball_spin_hz)
+
+
+def pitted(track: BodyTrack, places: int = 8192) -> BodyTrack:
+    """Return a track with a pit, 1 um deep and a hundredth of a radian wide."""
+    angle = 2 * np.pi * np.arange(places) / places
+    pit = 1e-6 * np.exp(-np.square((angle - np.pi) / 0.01))
+    return BodyTrack(np.ones(1), track.resampled(places).approach_m[:1] + pit - pit.mean())
+
+
+@pytest.mark.law("Bearing faults: a pit has its line and its side bands in the envelope.")
+@pytest.mark.parametrize(
+    ("body", "radial_n"),
+    [("inner", 0), ("inner", 100), ("outer", 0), ("balls", 0), ("balls", 100)],
+)
+def test_faults_show_in_the_envelope(body: str, radial_n: float) -> None:
+    """Ten times the median of the surroundings.
+
+    One direction sees a fault that turns twice a turn, and a load zone sees it once a turn.
+    """
+    smooth = ["bearing.surfaces={}", f"bearing.radial_load_n={radial_n}"]
+    scene = loads_bearing(WAVY, smooth)
+    tracks = smooth_tracks(scene.geometry)
+    if body == "balls":
+        on_inner = (pitted(tracks.balls_on_inner[0]), *tracks.balls_on_inner[1:])
+        on_outer = (pitted(tracks.balls_on_outer[0]), *tracks.balls_on_outer[1:])
+        tracks = replace(tracks, balls_on_inner=on_inner, balls_on_outer=on_outer)
+    else:
+        tracks = replace(tracks, **{body: pitted(getattr(tracks, body))})
+    record = simulation.record_of(move_ring(scene.model, tracks, 0.7, RATE), scene.kinematics)
+    faulty = BearingRun(scene=scene, record=record, tracks=tracks)
+    heights = {line["name"]: line["height"] for line in faulty.envelope_lines}
+    times = "" if radial_n else "2 "
+    sides = {"inner": ("BPFI", "turn"), "balls": ("2 x spin", "cage")}
+    names = [lines.FAULT_LINES[body]]
+    if body in sides:
+        line, turn = sides[body]
+        names += [f"{line} - {times}{turn}", f"{line} + {times}{turn}"]
+    for name in names:
+        assert heights[name] > 10, name
+
+
+def test_a_smooth_bearing_under_an_axial_load_is_silent() -> None:
+    scene = loads_bearing(WAVY, ["bearing.surfaces={}"])
+    quiet = rolling.simulate_bearing(scene, progress=False)
+    assert max(max(bands.values()) for bands in quiet.bands_um_s.values()) < 1e-3
+
+
+def test_the_outer_ring_may_turn() -> None:
+    """The inner ring moves then, at the same rates of contact."""
+    scene = loads_bearing(WAVY, ["bearing.turning=outer"])
+    run = rolling.simulate_bearing(scene, progress=False)
+    assert run.moving == "inner" and run.departures
+    assert run.bands_um_s["axial"]["low"] > 50
+
+
+# ---- files
+
+
+def samples_of(path: Path) -> Array:
+    values, rate = soundfile.read(path)
+    assert rate == RATE
+    return values
+
+
+def test_a_run_leaves_its_files(folder: Path) -> None:
+    names = {path.name for path in folder.iterdir()}
+    assert names == FILES | {"scene.yaml", "runs.csv", "report.html", "figures"}
+    assert {path.stem for path in (folder / "figures").iterdir()} == {
+        *("spectrum", "envelope", "load_distribution", "ball_forces")
+    }
+    stored = numbers(folder)
+    assert stored["kind"] == "bearing" and stored["duration_s"] == 0.5
+    table = pd.read_csv(folder / "lines.csv")
+    assert "inner 9" in set(table["name"])
+    spectrum = pd.read_csv(folder / "spectrum.csv")
+    top = spectrum.loc[spectrum["radial_um_s"].idxmax(), "frequency_hz"]
+    assert top == pytest.approx(177.8, abs=2)
+
+
+def test_sounds_are_acceleration_and_its_scaled_copy(folder: Path, run: BearingRun) -> None:
+    """Fades at the ends take 50 ms each."""
+    acceleration = samples_of(folder / "acceleration.wav")
+    inside = slice(RATE // 10, -RATE // 10)
+    wanted = run.record.acceleration_m_s2[:, 0]
+    assert len(acceleration) == RATE // 2
+    assert acceleration[inside] == pytest.approx(wanted[inside], abs=2e-3 * np.abs(wanted).max())
+    scale = numbers(folder)["listen"]["full_scale_m_s2"]
+    heard = samples_of(folder / "listen.wav")
+    assert scale * heard == pytest.approx(acceleration, abs=1e-6 * scale)
+
+
+def test_a_stored_run_is_the_run(folder: Path, run: BearingRun, tmp_path: Path) -> None:
+    """Arrays are stored in single precision."""
+    opened = rolling.open_bearing(folder)
+    assert opened.bands_um_s["radial"] == pytest.approx(run.bands_um_s["radial"], abs=1e-4)
+    track = opened.tracks.inner.at_loads(run.tracks.inner.loads_n)
+    assert track == pytest.approx(run.tracks.inner.approach_m, abs=1e-13)
+    tree = opened.to_xarray()
+    assert tree.velocity.attrs["units"] == "m/s" and tree.velocity.dims == ("time", "axis")
+    again = rolling.save_bearing(opened, tmp_path / "again", report=False)
+    assert numbers(again)["bands_um_s"] == opened.summary["bands_um_s"]
+    assert (again / "result.h5").read_bytes() == (folder / "result.h5").read_bytes()
+
+
+# ---- terminal
+
+
+def test_the_answer_comes_first(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A run that is done is not done again."""
+    before = (folder / "result.h5").stat().st_mtime_ns
+    scene = written(folder.parent)
+    assert cli.main(["run", str(scene), "--out", str(folder)]) == 0
+    assert (folder / "result.h5").stat().st_mtime_ns == before
+    printed = capsys.readouterr().out
+    answer = " ".join(printed.split())
+    assert "Bearing 6204 at 1800 rpm under 70 N axial: the outer ring moves at 81," in answer
+    assert answer.index("moves at 81") < answer.index("listen: ")
+    assert str(folder / "report.html") in printed
+
+
+def test_commands_on_a_stored_bearing(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = tmp_path / "page.html"
+    assert cli.main(["report", str(folder), "--out", str(page)]) == 0
+    assert page.read_text().startswith("<!DOCTYPE html>")
+    assert cli.main(["status", str(folder)]) == 0
+    assert "1 done" in capsys.readouterr().out
+    assert cli.main(["listen", str(folder), "--seconds", "1"]) == 0
+    assert len(samples_of(folder / "long.wav")) == RATE
+    (folder / "long.wav").unlink()
+    assert cli.main(["plot", str(folder)]) == 2
+    assert "bearing" in capsys.readouterr().err
+    with pytest.raises(SystemExit, match="2"):
+        cli.main(["listen", str(folder), "--speed", "1"])
+
+
+def test_a_sweep_has_a_row_for_each_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene = written(tmp_path, SWEPT)
+    out = tmp_path / "out"
+    words = ["run", str(scene), "--out", str(out), "--no-report"]
+    assert cli.main([*words, "--set", "sweep={bearing.axial_load_n: [65, 75]}"]) == 0
+    assert cli.main(words) == 0  # adds the third run
+    assert len(pd.read_csv(out / "runs.csv")) == 3
+    scales = {numbers(path.parent)["listen"]["full_scale_m_s2"] for path in out.glob("*/*.json")}
+    assert len(scales) == 1
+    capsys.readouterr()
+    assert cli.main(["table", str(out)]) == 0
+    assert "75 N" in capsys.readouterr().out
+    first = next(path.parent for path in out.glob("*/summary.json"))
+    assert rolling.open_bearing(first).scene.bearing.axial_load_n == 65
+    with pytest.raises(rolling.FolderError, match="holds 3 runs"):
+        rolling.open_bearing(out)
+
+
+# ---- bad folders
+
+
+def test_bad_folders_are_refused(folder: Path, tmp_path: Path, capsys) -> None:
+    scene = written(tmp_path)
+    other = ["run", str(scene), "--out", str(folder), "--set", "bearing.speed_rpm=900", "-q"]
+    assert cli.main(other) == 2
+    assert "bearing.speed_rpm: got 900, has 1800" in capsys.readouterr().err
+    assert cli.main(["run", "quickstart", "--out", str(folder), "-q"]) == 2
+    strange = tmp_path / "strange"
+    strange.mkdir()
+    (strange / "letter.txt").write_text("dear")
+    assert cli.main(["run", str(scene), "--out", str(strange), "-q"]) == 2
+    assert {path.name for path in strange.iterdir()} == {"letter.txt"}
+    with pytest.raises(rolling.FolderError, match="no run folder of a bearing"):
+        rolling.open_bearing(strange)
+    with pytest.raises(SystemExit, match="2"):
+        cli.main(["run", str(scene), "--out", str(tmp_path / "new"), "--part", "1/2"])
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize("name", ["result.h5", "summary.json"])
+def test_a_damaged_file_is_named(name: str, run: BearingRun, tmp_path: Path) -> None:
+    folder = rolling.save_bearing(run, tmp_path / "own", report=False)
+    content = (folder / name).read_bytes()
+    (folder / name).write_bytes(content[: len(content) // 2])
+    with pytest.raises(rolling.FolderError, match=name):
+        rolling.open_bearing(folder)

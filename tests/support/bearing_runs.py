@@ -1,0 +1,28 @@
+"""Scenes of bearings that need no march: smooth surfaces with waves, and how they are run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+WAVY = """\
+name: wavy
+title: A bearing with waves
+bearing:
+  named: "6204"
+  speed_rpm: 1800
+  axial_load_n: 70
+  contact_angle_deg: 12
+  radial_clearance_um: null
+  surfaces:
+    inner: {kind: smooth, waviness: {9: 0.1}}
+    outer: {kind: smooth, waviness: {8: 0.05}}
+sound: {duration_s: 0.5, listen_s: 0.5}
+"""
+SWEPT = WAVY.replace("0.5", "0.2") + "sweep: {bearing.axial_load_n: [65, 70, 75]}\n"
+
+
+def written(folder: Path, text: str = WAVY, name: str = "wavy.yaml") -> Path:
+    """Write a scene file into a folder."""
+    path = folder / name
+    path.write_text(text)
+    return path
