@@ -7,13 +7,13 @@ line of its centrifugal force acts on it.
 """
 
 from dataclasses import dataclass
-from math import ceil, pi, sqrt
+from math import ceil, pi
 
 import numpy as np
 
 from acoustics import resampling
 from acoustics.arrays import Array, short_repr
-from rolling.bearing import _ring_kernels
+from rolling.bearing import _ring_kernels, limits
 from rolling.bearing._ring_kernels import RingBodies, RingState, RingSums, TrackTables
 from rolling.bearing.geometry import contact_lines
 from rolling.bearing.linear_ring import linear_ring
@@ -22,14 +22,8 @@ from rolling.bearing.static_load import StaticBalance
 from rolling.bearing.tracks import BearingTracks, BodyTrack
 from rolling.terminal import progress
 
-PER_PERIOD = 40  # minimum number of steps in a period of the fastest resonance
-TRACK_HZ = 384e3  # rate of steps up to which they follow a track from point to point
 FINER = 4  # points of a slow track for each given one, so that cubics between them are exact
 MIN_POINTS = 4  # of a track, for a cubic
-DECAYS = 7  # decay times of the slowest resonance in the run-in, during which the tracks grow
-SHORTEST_RUN_IN_S = 0.02
-LONGEST_RUN_IN_S = 2.0
-MAX_STEP_HZ = 50e6  # rate of steps of a ring that is too light to be moved
 _ROUNDING = 1e-11  # of the contacts' energy
 _LARGEST_RECORD = 2**22  # numbers of steps times columns at once
 
@@ -61,7 +55,7 @@ def move_ring(
     tracks: BearingTracks,
     duration_s: float,
     rate_hz: int = 48000,
-    per_period: int = PER_PERIOD,
+    per_period: int = limits.PER_PERIOD,
 ) -> RingMotion:
     """Move the ring of a bearing over the tracks of its bodies.
 
@@ -84,22 +78,20 @@ def move_ring(
     Raises
     ------
     ValueError
-        If tracks are missing, or the loads have no balance, or balls with mass would push the ring
-        off its balls, or the ring is so light that its resonance would need more than 50 million
-        steps a second.
+        If tracks are missing, the loads have no balance, or `limits.motion_faults` has a fault.
     """
     if len(tracks.balls_on_inner) != bearing.geometry.balls:
         raise ValueError(
             f"tracks: got {len(tracks.balls_on_inner)} balls, allowed: {bearing.geometry.balls}"
         )
+    for fault in limits.motion_faults(bearing):
+        raise ValueError(f"{fault.key}: {fault.text}")
     balances = bearing.balances()
-    _refuse_fast_balls(bearing)
     samples = max(1, round(duration_s * rate_hz))
     factor = _steps_per_sample(bearing, balances, tracks, rate_hz, per_period)
     step = 1 / (rate_hz * factor)
     ring = linear_ring(bearing)
-    run_in = min(max(DECAYS * ring.slowest_decay_s, SHORTEST_RUN_IN_S), LONGEST_RUN_IN_S)
-    run_in = ceil(run_in * rate_hz) / rate_hz
+    run_in = ceil(limits.run_in_s(ring) * rate_hz) / rate_hz
     bodies = _bodies(bearing, balances, ring.spread, step, run_in)
     run = _Run(bodies=bodies, tables=_tables(bearing, tracks, step))
     state = _start(bearing, bodies, run.tables)
@@ -176,23 +168,6 @@ class _Run:
         return float(abs(missing) / moved)
 
 
-def _refuse_fast_balls(bearing: BearingModel) -> None:
-    """Raise ValueError where the centrifugal forces of balls with mass exceed the axial load.
-
-    At a fixed contact angle an outer ring that moves would leave its balls.
-    """
-    geometry = bearing.geometry
-    if not bearing.ball_inertia or bearing.kinematics.moving == "inner":
-        return
-    pushed = geometry.balls * bearing.centrifugal_n * float(np.sin(geometry.contact_angle))
-    if pushed >= bearing.axial_load_n and pushed > 0:
-        raise ValueError(
-            f"axial_load_n: got {bearing.axial_load_n:g}, allowed: more than {pushed:.4g}, with"
-            " which the centrifugal force of the balls pushes the outer ring along its axis; the"
-            " contact angle is fixed"
-        )
-
-
 def _parts(first: int, samples: int, longest: int) -> list[tuple[int, int]]:
     """Return the first sample and the number of samples of each part of a stretch."""
     parts = []
@@ -212,30 +187,11 @@ def _steps_per_sample(
     per_period: int,
 ) -> int:
     """Return the number of steps per sample that resolve resonances and tracks."""
-    stiffest = max(float(np.linalg.norm(state.stiffness_n_m, 2)) for state in balances)
-    fastest = sqrt(stiffest / bearing.ring_mass_kg)
-    if bearing.ball_inertia:
-        fastest = max(fastest, 2 * pi * bounce_hz(bearing, balances))
-    needed = per_period * fastest / (2 * pi)
-    if needed > MAX_STEP_HZ:
-        raise ValueError(
-            f"ring_mass_kg: got {bearing.ring_mass_kg:g}, allowed: a mass whose resonance is below"
-            f" {MAX_STEP_HZ / per_period:g} Hz, and not {fastest / (2 * pi):.3g} Hz"
-        )
     points_hz = 0.0
     for track, turns_hz in _turning_tracks(bearing, tracks):
         points_hz = max(points_hz, track.points * turns_hz)
-    return ceil(max(needed, min(points_hz, TRACK_HZ), 2 * rate_hz) / rate_hz)
-
-
-def bounce_hz(bearing: BearingModel, balances: list[StaticBalance] | None = None) -> float:
-    """Return the highest frequency [Hz] at which a ball with mass bounces between its raceways."""
-    states = balances or bearing.balances()
-    load = max(float(state.ball_load_n.max()) for state in states) + bearing.centrifugal_n
-    stiffness = 0.0
-    for contact in (bearing.geometry.inner, bearing.geometry.outer):
-        stiffness += 1.5 * contact.stiffness_n_m15 ** (2 / 3) * load ** (1 / 3)
-    return sqrt(stiffness / bearing.ball_mass_kg) / (2 * pi)
+    needed = limits.steps_hz(bearing, balances, points_hz, per_period)
+    return ceil(max(needed, 2 * rate_hz) / rate_hz)
 
 
 def _turning_tracks(bearing: BearingModel, tracks: BearingTracks) -> list[tuple[BodyTrack, float]]:
@@ -315,7 +271,7 @@ def _bodies(
     if not bearing.ball_inertia:
         return bodies
     along = np.array([0.0, 1.0]) if speeds.moving == "outer" else np.array([1.0, 0.0])
-    bounce = 2 * pi * bounce_hz(bearing, balances)
+    bounce = 2 * pi * limits.bounce_hz(bearing, balances)
     return bodies._replace(
         ball_mass=bearing.ball_mass_kg,
         centrifugal=bearing.centrifugal_n,

@@ -13,6 +13,7 @@ from acoustics.traps import ignoring_underflow
 from rolling.bearing import iso_15242
 from rolling.bearing.geometry import angle_under_load
 from rolling.bearing.kinematics import lines_of
+from rolling.bearing.limits import bounce_hz, motion_seconds
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.waves import hertz_pressure, semi_axes
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
@@ -31,7 +32,8 @@ from rolling.terminal.streams import folded
 HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
 _PLACES = 8  # of the cage, over which loads are stated
 _ANGLE_DB = 0.5  # change of axial velocities by the turned contact angle, from which on it is said
-_MOTION_SECONDS = 3.0  # of processor time for each second of motion, with figures and page
+_SHOWING_SECONDS = 2.0  # of processor time for figures and page of each second of motion
+_CENTRIFUGAL_SHARE = 0.1  # of the mean load of a ball, from which on it is said
 
 
 @ignoring_underflow
@@ -71,7 +73,7 @@ def check_bearing(scene: BearingScene) -> Findings:
         rows[name] = [row for row in found if isinstance(row, Finding)]
         doubts[name] = [doubt for doubt in found if isinstance(doubt, Doubt)]
         marches |= _marches(plan)
-        seconds += _MOTION_SECONDS * run.duration
+        seconds += motion_seconds(run.model, run.duration) + _SHOWING_SECONDS * run.duration
     seconds += sum(_march_seconds(march) for march in marches.values())
     of_all = (("time of the whole run", f"{forecast.takes(seconds)}, with files and page"),)
     return Findings(rows, doubts, of_all, seconds=seconds)
@@ -212,13 +214,10 @@ def _ring(scene: BearingScene) -> Iterator[Finding | Doubt]:
 
 
 def _balls(scene: BearingScene) -> Iterator[Finding | Doubt]:
-    """Yield the resonance of a ball between its raceways, and a doubt for balls without mass."""
-    _, load = ball_loads(scene)
-    stiffness = 0.0
-    for contact in (scene.geometry.inner, scene.geometry.outer):
-        stiffness += 1.5 * contact.stiffness_n_m15 ** (2 / 3) * load ** (1 / 3)
-    frequency = math.sqrt(stiffness / scene.ball_mass) / (2 * math.pi)
+    """Yield the resonance of a ball between its raceways, and doubts about mass that it lacks."""
+    frequency = bounce_hz(scene.model, scene.model.balances(_PLACES))
     yield Finding("ball_resonance", "resonance of a ball", si(frequency, "Hz"))
+    yield from _centrifugal(scene)
     if scene.bearing.ball_inertia:
         return
     left = 1 - (HIGHEST_HZ / frequency) ** 2
@@ -230,6 +229,24 @@ def _balls(scene: BearingScene) -> Iterator[Finding | Doubt]:
             min(error_db, 20.0),
             advice="bearing.ball_inertia: true moves them with their mass",
         )
+
+
+def _centrifugal(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    """Yield the centrifugal force of a ball, and a doubt where it is a part of its load."""
+    model = scene.model
+    force = model.centrifugal_n
+    yield Finding("centrifugal_force", "centrifugal force of a ball", si(force, "N"))
+    mean = float(np.mean([balance.ball_load_n.mean() for balance in model.balances(_PLACES)]))
+    if force < _CENTRIFUGAL_SHARE * mean:
+        return
+    text = f"the centrifugal force of a ball is {force / mean:.0%} of its mean load"
+    advice = ""
+    if scene.bearing.ball_inertia:
+        text += ", and turns the contact angles of both rings, which are fixed here"
+    else:
+        text += ", and is left out"
+        advice = "bearing.ball_inertia: true includes its part along the contact line"
+    yield Doubt("centrifugal_force", text, Severity.INDICATIVE, advice=advice)
 
 
 # ---- standard, surfaces, cost, what is assumed

@@ -10,6 +10,9 @@ from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import rounded
 from rolling.bearing.geometry import BearingGeometry, assemble
+from rolling.bearing.kinematics import kinematics_of
+from rolling.bearing.limits import motion_faults
+from rolling.bearing.model import BearingModel
 from rolling.bearing.static_load import least_axial_load, static_balance
 from rolling.bearing.waves import hertz_pressure
 from rolling.scene.bearing_lengths import angle_of, clearance_of, groove_distance
@@ -30,6 +33,7 @@ BALL_SHARE = 0.3  # diameter of a ball over outside diameter less bore
 WIDTH_OVER_BALL = 1.7
 LEAST_BORE = 0.3  # of the inner groove, where the balls are large for their circle
 FINEST_UM = 0.5  # spacing that holds all waves where numerics.spacing_um is automatic
+HEAVY_KG = 1e6  # in place of a ring's mass that is not given, which follows from its dimensions
 _STEPS = 50  # of a bisection, which halves its range each time
 ROUNDING = 1e-12  # of binary numbers
 SAME_ANGLE_DEG = 0.1  # difference that the rounding of angle or clearance makes
@@ -106,7 +110,10 @@ def faults_of_bearing(bearing: Bearing) -> Iterator[PydanticCustomError]:
     if not bearing.axial_load_n and not bearing.radial_load_n:
         yield fault("missing; give it, a radial_load_n, or both", at=".axial_load_n")
     elif not angle and bearing.pitch_diameter_mm > bearing.ball_diameter_mm:
-        yield from _faults_of_load(bearing)
+        load = [*_faults_of_load(bearing)]
+        yield from load
+        if not load:
+            yield from _faults_of_motion(bearing)
     if bearing.surfaces.fault_ball >= bearing.balls:
         yield fault(
             f"got {bearing.surfaces.fault_ball}, allowed: 0 to {bearing.balls - 1}, the numbers of"
@@ -240,6 +247,24 @@ def _faults_of_load(bearing: Bearing) -> Iterator[PydanticCustomError]:
         f" at {STATIC_GPA} GPa",
         at=f".{key}",
     )
+
+
+def _faults_of_motion(bearing: Bearing) -> Iterator[PydanticCustomError]:
+    """Yield the faults of a ring or of balls that time steps cannot follow."""
+    geometry = geometry_of(bearing)
+    radius = 5e-4 * bearing.ball_diameter_mm
+    model = BearingModel(
+        geometry=geometry,
+        kinematics=kinematics_of(geometry, bearing.turning, bearing.speed_rpm / 60),
+        ring_mass_kg=bearing.ring_mass_kg or HEAVY_KG,
+        ball_mass_kg=bearing.density_kg_m3 * 4 / 3 * math.pi * radius**3,
+        axial_load_n=bearing.axial_load_n,
+        radial_load_n=bearing.radial_load_n,
+        gap_m=gap_of(bearing),
+        ball_inertia=bearing.ball_inertia,
+    )
+    for found in motion_faults(model):
+        yield fault(found.text, at=f".{found.key}")
 
 
 def largest_pressure(bearing: Bearing, geometry: BearingGeometry, share: float = 1.0) -> float:

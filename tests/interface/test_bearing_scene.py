@@ -174,6 +174,23 @@ def test_an_axial_load_holds_all_balls_or_is_refused() -> None:
     assert f"{most:.4g}"[:3] in text
 
 
+@pytest.mark.parametrize(
+    ("words", "before"),
+    [
+        (["bearing.ring_mass_kg=1e-9"], "at least "),
+        (["bearing.speed_rpm=60000", "bearing.ball_inertia=true"], "below "),
+    ],
+    ids=["light ring", "fast balls"],
+)
+def test_a_motion_that_no_steps_follow_is_refused_with_a_value_that_fits(
+    words: list[str], before: str
+) -> None:
+    (text,) = faults(*words)
+    fitting = float(text.partition(before)[2].partition(",")[0])
+    key = words[0].partition("=")[0]
+    assert bearing(f"{key}={fitting}", *words[1:]).bearing.speed_rpm > 0
+
+
 # ---- refusals
 
 

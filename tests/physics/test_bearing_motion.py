@@ -216,7 +216,7 @@ def test_energy_is_balanced(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
 
     The largest share is that of a ring that hits its balls again and again.
     """
-    monkeypatch.setattr("rolling.bearing.motion.LONGEST_RUN_IN_S", 0.05)
+    monkeypatch.setattr("rolling.bearing.limits.LONGEST_RUN_IN_S", 0.05)
     changes, rms = HARD[name]
     case = model(**changes)
     motion = move_ring(case, rough_tracks(case, rms), 0.1)
@@ -324,7 +324,7 @@ def test_motion_agrees_with_another_solver() -> None:
     geometry = case.geometry
     tracks = with_waves(smooth_tracks(geometry), inner={9: 3e-6}, outer={12: 2e-6})
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rolling.bearing.motion.LONGEST_RUN_IN_S", 0.05)
+        patch.setattr("rolling.bearing.limits.LONGEST_RUN_IN_S", 0.05)
         motion = move_ring(case, tracks, 0.01, per_period=160)
     speeds = case.kinematics
     places = 2 * pi * np.arange(geometry.balls) / geometry.balls
@@ -367,7 +367,7 @@ def test_balls_with_mass_follow_linear_theory(
 
     The centrifugal force makes the load on the inner raceway smaller than that on the outer.
     """
-    monkeypatch.setattr("rolling.bearing.motion.LONGEST_RUN_IN_S", 0.03)
+    monkeypatch.setattr("rolling.bearing.limits.LONGEST_RUN_IN_S", 0.03)
     geometry = bearing(angle_deg=25.0)
     one_turn = model(geometry, turning=turning, turns_hz=1.0).kinematics.ball_spin_hz
     case = model(
