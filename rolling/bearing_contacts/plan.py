@@ -24,6 +24,7 @@ from rolling.bearing_contacts.contacts import (
     rough_contact,
 )
 from rolling.bearing_contacts.faults import FaultStretch, fault_stretches
+from rolling.scene.bearing_rules import refuse_height_files
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.laws import Roughness
 from rolling.scene.scene import Scene
@@ -80,8 +81,9 @@ def contact_plan(scene: BearingScene) -> ContactPlan:
     Raises
     ------
     SceneError
-        A contact cannot be made with these values.
+        A contact cannot be made with these values, or a file of heights cannot be used.
     """
+    refuse_height_files(scene)
     bearing = scene.bearing
     surfaces = bearing.surfaces
     return plan_contacts(

@@ -15,13 +15,16 @@ from rolling.bearing.limits import motion_faults
 from rolling.bearing.model import BearingModel
 from rolling.bearing.static_load import least_axial_load, static_balance
 from rolling.bearing.waves import hertz_pressure
+from rolling.scene import height_files
 from rolling.scene.bearing_lengths import angle_of, clearance_of, groove_distance
+from rolling.scene.height_grid import faults_at
 from rolling.scene.laws import refuse_misplaced
-from rolling.scene.messages import Key, fault, plain_number
+from rolling.scene.messages import Key, SceneError, fault, plain_number
 from rolling.scene.surfaces import WAVE_NODES, BallSurface
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
 if TYPE_CHECKING:
+    from rolling.scene.bearing_scene import BearingQuantities
     from rolling.scene.bearing_sections import Bearing, BearingNumerics
 
 MAX_BALLS = 300  # of one row, in the largest thin-section bearings
@@ -361,3 +364,32 @@ def _faults_of_surface(
         refuse_misplaced(surface.faults or [], length_um, width_um, spacing_um, (*at, "faults"))
     except PydanticCustomError as error:
         yield error
+
+
+def refuse_height_files(scene: BearingQuantities) -> None:
+    """Refuse files of heights that are missing, or that hold no turn of their body.
+
+    Raise SceneError with all of them.
+    """
+    lines = []
+    for name, path in scene.height_paths.items():
+        body = name.rpartition(".")[2]
+        surface = getattr(scene.bearing.surfaces, body)
+        key = f"{name}.path"
+        try:
+            with faults_at(path, surface.path, key):
+                rows, _ = height_files.nodes(path)
+            nodes = round(1e6 * scene.circumferences[body] / surface.spacing_um)
+            if rows == nodes:
+                continue
+            spacing_um = 1e6 * scene.circumferences[body] / rows
+            raise fault(
+                f"{surface.path}: got {rows} nodes around, allowed: {nodes} nodes of"
+                f" {surface.spacing_um:g} um; {rows} nodes are a turn with a spacing_um of"
+                f" {rounded(spacing_um, 8)}"
+            )
+        except PydanticCustomError as error:
+            message = (error.context or {})["message"]
+            lines.append(f"{scene.place(key)}: {key}: {message}")
+    if lines:
+        raise SceneError(lines)

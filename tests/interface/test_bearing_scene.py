@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from ruamel.yaml import YAML
 from scene_text import BEARINGS, SCENES
@@ -279,3 +280,20 @@ def test_a_bad_file_is_refused_by_the_check(
     assert [path.name for path in tmp_path.iterdir()] == ["b.yaml"]
     assert cli.main(["schema", "--bearing"]) == 0
     assert "ball_diameter_mm" in capsys.readouterr().out
+
+
+def test_a_file_that_holds_no_turn_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "b.yaml"
+    surfaces = "  surfaces: {inner: {kind: file, path: turn.npy, spacing_um: 2}}\n"
+    file.write_text(TEXT + surfaces)
+    assert cli.main(["check", str(file)]) == 2
+    assert "bearing.surfaces.inner.path: turn.npy: " in capsys.readouterr().err
+    np.save(tmp_path / "turn.npy", np.zeros((100, 1)))
+    assert cli.main(["check", str(file)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()[-1:]
+    allowed = int(line.partition("allowed: ")[2].split()[0])
+    assert "got 100 nodes" in line
+    np.save(tmp_path / "turn.npy", np.zeros((allowed, 1)))
+    assert cli.main(["check", str(file)]) == 0
