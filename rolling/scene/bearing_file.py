@@ -60,7 +60,7 @@ def is_bearing_file(path: Path | str) -> bool:
         parsed = parse(read_text(found), str(found))
     except SceneError:
         return False
-    return file.is_of_bearing(parsed.value)
+    return file.bearing_key(parsed.value) is not None
 
 
 def bearing_schema() -> dict[str, Any]:

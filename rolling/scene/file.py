@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,6 +24,7 @@ from rolling.scene.sweep import with_value
 from rolling.scene.swept import AnyScene, SweptScene
 from rolling.scene.yaml_text import parse, read_text
 
+LIKE_BEARING = 0.8  # likeness from which on a section is taken for a misspelt bearing
 SET = "--set"  # place of the overrides in messages
 
 # ---- reading, writing, overriding
@@ -114,19 +116,29 @@ def loads_kind(
     return model.from_dict(changed.data, folder, places, [*parsed.faults, *changed.faults])
 
 
-def is_of_bearing(data: Any) -> bool:
-    """Tell whether plain values are those of a bearing, which has a section of that name."""
-    return isinstance(data, dict) and "bearing" in data
+def bearing_key(data: Any) -> str | None:
+    """Return the key of the section by which plain values are those of a bearing, None for others.
+
+    It may be misspelt where there is no sphere.
+    """
+    if not isinstance(data, dict):
+        return None
+    if "bearing" in data:
+        return "bearing"
+    if "sphere" in data:
+        return None
+    return next(iter(get_close_matches("bearing", data, 1, LIKE_BEARING)), None)
 
 
 def _refuse_other_kind(
     data: dict[str, Any], places: Mapping[Key, str], model: type[SweptScene]
 ) -> None:
     """Refuse the scene of a bearing where that of a sphere is read, and the other way round."""
-    if is_of_bearing(data) and model is Scene:
+    key = bearing_key(data)
+    if key is not None and model is Scene:
         advice = "rolling.read_bearing reads it, and `rolling run` and `rolling check` take it"
-        raise SceneError([f"{places[('bearing',)]}: bearing: the scene of a bearing; {advice}"])
-    if not is_of_bearing(data) and model is not Scene and "sphere" in data:
+        raise SceneError([f"{places[(key,)]}: {key}: the scene of a bearing; {advice}"])
+    if key is None and model is not Scene and "sphere" in data:
         advice = "a bearing has a section bearing; rolling.read_scene reads this scene"
         raise SceneError([f"{places[('sphere',)]}: sphere: the scene of a sphere; {advice}"])
 

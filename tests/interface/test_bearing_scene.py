@@ -64,6 +64,8 @@ def test_each_reader_refuses_the_other_kind() -> None:
         rolling.read_bearing(SCENES[0])
     assert is_bearing_file("bearing-6204") and not is_bearing_file("quickstart")
     assert not is_bearing_file("no-such-file.yaml")
+    text = faults(text=TEXT.replace("bearing:", "bearings:"))
+    assert text[0].startswith("b.yaml:2: bearings: unknown key, nearest: bearing")
 
 
 def test_a_sweep_has_runs_with_their_values() -> None:
