@@ -105,11 +105,14 @@ def move_ring(
             run.advance(state, first * factor, count * factor)
             bar.update(count / rate_hz)
         run.begin_balance()
-        parts = []
+        record = np.empty((samples, 9 + bearing.geometry.balls))
+        done = -2 * reach
         for first, count in _parts(-2 * reach, samples + 3 * reach, longest):
-            parts.append(decimator.add(run.advance(state, first * factor, count * factor)))
+            rows = decimator.add(run.advance(state, first * factor, count * factor))
+            kept = rows[max(-done, 0) :]
+            record[max(done, 0) : max(done, 0) + len(kept)] = kept
+            done += len(rows)
             bar.update(count / rate_hz)
-    record = np.concatenate(parts)[2 * reach :]
     time = np.arange(samples) / rate_hz
     mean = record[:, :3].mean(axis=0)
     return RingMotion(

@@ -17,7 +17,6 @@ from rolling.bearing_contacts.contact_doubts import contact_doubts, marched_cont
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
 from rolling.bearing_contacts.solving import Marches, solved_stages
-from rolling.bearing_run import stored_run
 from rolling.bearing_run.bearing_run import BearingRun
 from rolling.scene import library
 from rolling.scene.bearing_scene import BearingScene
@@ -77,8 +76,7 @@ def bearing_stages(
 def _moved(scene: BearingScene, plan: ContactPlan, marches: Marches) -> BearingRun:
     """Move the ring of a bearing over the tracks that the marches give."""
     tracks = bearing_tracks(plan, marches)
-    seconds = max(scene.sound.duration_s, stored_run.listened_s(scene))
-    motion = move_ring(scene.model, tracks, seconds, wav.SAMPLE_RATE_HZ)
+    motion = move_ring(scene.model, tracks, scene.moved, wav.SAMPLE_RATE_HZ)
     contacts = [asdict(contact) for contact in marched_contacts(plan, marches)]
     return BearingRun(
         scene=scene,

@@ -22,7 +22,6 @@ from rolling.figures.settings import left_out_if_it_fails
 from rolling.results import result_file
 from rolling.results.run_folder import MAX_SUMMARY, RESULT, SUMMARY
 from rolling.results.summary import program_provenance
-from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.height_files import read_regular
 from rolling.terminal import files
 from rolling.terminal.files import FolderError
@@ -48,7 +47,6 @@ _NEEDED = {
     "listen": dict,
 }
 _TITLE_LETTERS = 400
-_LISTENED_S = 5.0  # of a record where the scene does not say
 FADE_S = 0.05  # at the ends of a sound
 _MOST_BYTES = 4_000_000_000  # of a result
 _MIN_COMPRESSED = 10_000  # bytes of an array
@@ -197,18 +195,11 @@ class RingSound(NamedTuple):
     gain: float
 
 
-def listened_s(scene: BearingScene) -> float:
-    """Return the length of the record to listen to [s]: what the scene asks for, or 5 s."""
-    if scene.sound.listen_s is not None:
-        return scene.sound.listen_s
-    return max(_LISTENED_S, scene.sound.duration_s)
-
-
 def ring_sound(run: BearingRun) -> RingSound:
     """Return the acceleration of a run as it is heard: `sound.listen_s` long, with faded ends."""
     rate = wav.SAMPLE_RATE_HZ
     record = run.record.acceleration_m_s2[:, 0]
-    samples = min(len(record), round(listened_s(run.scene) * rate))
+    samples = min(len(record), round(run.scene.listened * rate))
     faded = resampling.fade(record[:samples] - record[:samples].mean(), round(FADE_S * rate))
     return RingSound(faded, wav.listening_gain(faded))
 

@@ -33,6 +33,8 @@ from rolling.scene.messages import faults_together
 from rolling.scene.surfaces import BallHeightFile
 from rolling.scene.swept import DEFAULT_NAME, PATTERN, SceneName, SweptScene
 
+LISTENED_S = 5.0  # length of a record to listen to, where the scene does not say
+
 
 class BearingQuantities(SweptScene):
     """Sections of the scene of a bearing, and its quantities in SI."""
@@ -241,6 +243,18 @@ class BearingQuantities(SweptScene):
     def duration(self) -> float:
         """Time [s] that is computed."""
         return self.sound.duration_s
+
+    @property
+    def listened(self) -> float:
+        """Length [s] of the record to listen to."""
+        if self.sound.listen_s is not None:
+            return self.sound.listen_s
+        return max(LISTENED_S, self.sound.duration_s)
+
+    @property
+    def moved(self) -> float:
+        """Time [s] in which the ring moves: that which is computed, or heard if that is longer."""
+        return max(self.duration, self.listened)
 
 
 def _sweep(value: Any) -> dict[str, Any]:
