@@ -19,6 +19,7 @@ from rolling.bearing.geometry import RacewayContact
 from rolling.bearing_contacts.contacts import (
     HIGHEST,
     ROOM,
+    WINDOW_NODES,
     MarchNumbers,
     contact_scene,
     overlap_reach,
@@ -190,18 +191,22 @@ def _fault_numbers(
     load_n: float,
 ) -> MarchNumbers:
     """Return the grid of the stretch around a fault, which is closed and holds the contact."""
-    spacing_um = min(numbers.spacing_um, float(f"{fault.size_um / NODES_PER_FAULT:.2g}"))
-    step_um = min(numbers.spacing_um * numbers.step_nodes, fault.size_um / STEPS_PER_FAULT)
-    fitting = [nodes for nodes in STEP_NODES if 1 <= nodes <= step_um / spacing_um]
-    step_nodes = max(fitting, default=1.0)
     roughness = law.rq_m if law is not None else 0.0
     reach_along, reach_across = overlap_reach(
         contact, load_n, roughness + fault.depth_um * 1e-6 / HIGHEST
     )
-    length = 2 * ROOM * (reach_along + _reach_along(fault))
+    # A small fault has fewer nodes where the window would have too many.
+    least_um = 1e6 * math.sqrt(4 * reach_along * reach_across / WINDOW_NODES)
+    wanted_um = min(max(fault.size_um / NODES_PER_FAULT, least_um), fault.size_um / 2)
+    spacing_um = min(numbers.spacing_um, float(f"{wanted_um:.2g}"))
+    step_um = min(numbers.spacing_um * numbers.step_nodes, fault.size_um / STEPS_PER_FAULT)
+    fitting = [nodes for nodes in STEP_NODES if 1 <= nodes <= step_um / spacing_um]
+    step_nodes = max(fitting, default=1.0)
+    longest = 1e-6 * max(fault.size_um, fault.length_um or 0.0)
+    length = ROOM * max(2 * (reach_along + _reach_along(fault)), longest)
     width = 2 * ROOM * reach_across
     if not fault.crosses:
-        width = max(width, 2 * ROOM * (abs(across_m) + _reach_across(fault)))
+        width = max(width, 2 * ROOM * (abs(across_m) + _reach_across(fault)), ROOM * longest)
     # An even number of steps puts a position on the fault.
     steps = 2 * math.ceil(length * 1e6 / (2 * step_nodes * spacing_um))
     nodes = 2 * math.ceil(max(width * 1e6, numbers.width_um) / (2 * spacing_um))
