@@ -125,7 +125,12 @@ def contact_doubts(plan: ContactPlan, marches: Marches, hardness_pa: float) -> t
         Hardness of rings and balls, infinite where it is unknown.
     """
     numbers = marched_contacts(plan, marches)
-    doubts = [*_superposition(plan), *_measured(plan), *_coarse_nodes(plan), *_steep_waves(plan)]
+    doubts = [
+        *_superposition(plan),
+        *_narrow_turns(plan),
+        *_coarse_nodes(plan),
+        *_steep_waves(plan),
+    ]
     doubts += _unmarched(plan, numbers)
     for contact in numbers:
         doubts += _stiffness(contact)
@@ -211,18 +216,17 @@ def _steep_waves(plan: ContactPlan) -> Iterator[Doubt]:
                 )
 
 
-def _measured(plan: ContactPlan) -> Iterator[Doubt]:
-    """State that measured turns enter by the linear response alone."""
-    measured = [
-        name for name, surface in plan.surfaces.items() if isinstance(surface, BallHeightFile)
-    ]
-    if measured:
-        yield Doubt(
-            "measured_turns",
-            f"the measured heights of {' and '.join(measured)} enter by the linear response of the"
-            " contact, which is off by up to 1.5 dB where roughness opens the contact",
-            Severity.INDICATIVE,
-        )
+def _narrow_turns(plan: ContactPlan) -> Iterator[Doubt]:
+    """State that measured turns narrower than a contact enter by the linear response alone."""
+    for body, surface in plan.surfaces.items():
+        if isinstance(surface, BallHeightFile) and kinds_of_contact(body)[0] not in plan.rough:
+            yield Doubt(
+                "narrow_turn",
+                f"the measured heights of {body} are narrower than the contact, so they are"
+                " repeated across, and enter by the linear response of the contact",
+                Severity.INDICATIVE,
+                advice="give a single line, or a wider measurement",
+            )
 
 
 def _unmarched(plan: ContactPlan, numbers: list[MarchedContact]) -> Iterator[Doubt]:

@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -22,6 +23,7 @@ from rolling.bearing.static_load import static_balance
 from rolling.scene.laws import Roughness, SurfaceFault
 from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
+from rolling.scene.surfaces import BallHeightFile
 from rolling.scene.track import MIN_NODES
 from rolling.surface.scene_surface import heights
 
@@ -99,7 +101,8 @@ class RoughContact:
         rows = waves.approach_of_heights(
             heights(self.scene), (spacing, spacing), self.contact, loads_n
         )
-        return np.asarray(rows[:, :: round(self.scene.step_nodes)])
+        places = np.arange(self.steps) * round(self.scene.step_nodes) % rows.shape[1]
+        return np.asarray(rows[:, places])
 
 
 # ---- loads
@@ -263,7 +266,7 @@ def contact_scene(
     SceneError
         A value is not allowed.
     """
-    tolerance = numbers.tolerance
+    tolerance: float | str = numbers.tolerance
     if tolerance == "auto":
         tolerance = _tolerance(contact, law, load_n)
     surface: dict[str, object] = {"kind": "smooth"}
@@ -274,27 +277,97 @@ def contact_scene(
     surface |= {"spacing_um": numbers.spacing_um, "width_um": numbers.width_um}
     if faults:
         surface["faults"] = [fault.model_dump(exclude_none=True) for fault in faults]
+    values = _scene_values(
+        name,
+        contact,
+        surface=surface,
+        numbers=numbers,
+        tolerance=tolerance,
+        load_n=load_n,
+        speed_m_s=speed_m_s,
+        body=body,
+    )
+    return Scene.from_values(values)
+
+
+def measured_scene(
+    name: str,
+    contact: RacewayContact,
+    turn: BallHeightFile,
+    *,
+    profile_width_um: float | None,
+    numbers: MarchNumbers,
+    load_n: float,
+    speed_m_s: float,
+    body: dict[str, float | str],
+    folder: Path,
+) -> Scene:
+    """Return the scene of a contact over a measured turn, all of which is marched.
+
+    Parameters
+    ----------
+    turn : BallHeightFile
+        File of the turn.
+    profile_width_um : float or None, um
+        Width of a single line, which is repeated across; None for a file that has a width.
+    folder : Path
+        Folder from which its path starts.
+    name, contact, numbers, load_n, speed_m_s, body : as in `contact_scene`
+
+    Raises
+    ------
+    SceneError
+        The file cannot be used.
+    """
+    surface: dict[str, object] = {
+        "kind": "file",
+        "path": turn.path,
+        "height_unit": turn.height_unit,
+        "spacing_um": turn.spacing_um,
+        "level": "none",
+    }
+    if profile_width_um is not None:
+        surface["width_um"] = profile_width_um
+    values = _scene_values(
+        name,
+        contact,
+        surface=surface,
+        numbers=numbers,
+        tolerance=numbers.tolerance,
+        load_n=load_n,
+        speed_m_s=speed_m_s,
+        body=body,
+    )
+    return Scene.from_dict(values, folder)
+
+
+def _scene_values(
+    name: str,
+    contact: RacewayContact,
+    *,
+    surface: dict[str, object],
+    numbers: MarchNumbers,
+    tolerance: float | str,
+    load_n: float,
+    speed_m_s: float,
+    body: dict[str, float | str],
+) -> dict[str, object]:
+    """Return the values of the scene of a contact; the track over a file is as long as it."""
+    rolling = {"load_n": load_n, "speed_m_s": speed_m_s}
+    if surface["kind"] != "file":
+        rolling["distance_mm"] = numbers.distance_mm
     radii = {
         "radius_mm": contact.radius_along_m * 1e3,
         "radius_across_mm": contact.radius_across_m * 1e3,
     }
-    return Scene.from_values(
-        {
-            "name": name,
-            "sphere": radii | body,
-            "plate": body | {"hardness_gpa": "none"},
-            "surface": surface,
-            "rolling": {
-                "load_n": load_n,
-                "speed_m_s": speed_m_s,
-                "distance_mm": numbers.distance_mm,
-            },
-            "numerics": {
-                "step_nodes": numbers.step_nodes,
-                "tolerance": tolerance,
-            },
-        }
-    )
+    return {
+        "name": name,
+        "sphere": radii | body,
+        "plate": body | {"hardness_gpa": "none"},
+        "surface": surface,
+        "rolling": rolling,
+        "numerics": {"step_nodes": numbers.step_nodes, "tolerance": tolerance},
+    }
 
 
 TOLERANCE = 1e-4  # of the solver, as `numerics.tolerance: auto` has it for moving bodies

@@ -138,9 +138,13 @@ def _body_tracks(
     parts = [np.zeros((len(loads), LEAST_POINTS))] * len(names)
     if names[0] in solved.rows:
         rows = np.concatenate([solved.rows[name] for name in names])
-        points = round(2 * np.pi * radius / plan.rough[names[0]].scene.step)
-        number = int(np.random.SeedSequence(seed).generate_state(1)[0])
-        parts = np.split(continued_turn(rows, points, number, keep_rows), len(names))
+        if isinstance(surface, BallHeightFile):  # a whole turn was marched
+            turn = without_eccentricity(rows)
+        else:
+            points = round(2 * np.pi * radius / plan.rough[names[0]].scene.step)
+            number = int(np.random.SeedSequence(seed).generate_state(1)[0])
+            turn = continued_turn(rows, points, number, keep_rows)
+        parts = np.split(turn, len(names))
     tracks = []
     for name, part in zip(names, parts, strict=True):
         track = BodyTrack(loads, part)
@@ -164,7 +168,7 @@ def _body_tracks(
 def _forms(
     plan: ContactPlan, name: str, surface: BallSurface, radius: float, points: int
 ) -> list[Array]:
-    """Return the changes of the approach by waves around a body, and by a measured turn."""
+    """Return the changes of the approach by waves around a body, and by a narrow measured turn."""
     contact = contact_of(plan.geometry, name)
     forms = []
     profile = np.zeros(points)
@@ -177,25 +181,20 @@ def _forms(
         profile += line[:, 0]
     if profile.any():
         forms.append(waves.approach_of_profile(profile, radius, contact, plan.loads_n))
-    if isinstance(surface, BallHeightFile):
+    if isinstance(surface, BallHeightFile) and name not in plan.rough:
         path = plan.folder / surface.path
-        read = levelling.read_heights(path, surface.height_unit, "bearing.surfaces")
-        heights = without_first_order(read)
-        if heights.shape[1] == 1:
-            line = heights[:, 0]
-            forms.append(waves.approach_of_profile(line, radius, contact, plan.loads_n))
-        else:
-            spacing = (2 * np.pi * radius / len(heights), surface.spacing_um * 1e-6)
-            forms.append(waves.approach_of_heights(heights, spacing, contact, plan.loads_n))
+        heights = levelling.read_heights(path, surface.height_unit, "bearing.surfaces")
+        spacing = (2 * np.pi * radius / len(heights), surface.spacing_um * 1e-6)
+        measured = waves.approach_of_heights(heights, spacing, contact, plan.loads_n)
+        forms.append(without_eccentricity(measured))
     return forms
 
 
-def without_first_order(heights: Array) -> Array:
-    """Return the heights of a turn without their mean wave of order 1, which is eccentricity."""
-    angle = 2 * np.pi * np.arange(len(heights)) / len(heights)
-    for wave in (np.cos(angle), np.sin(angle)):
-        heights = heights - np.outer(wave, 2 / len(wave) * (wave @ heights.mean(axis=1)))
-    return np.asarray(heights - heights.mean())
+def without_eccentricity(rows: Array) -> Array:
+    """Return rows around a turn without their wave of order 1, and with zero mean."""
+    waves_of_rows = np.fft.rfft(rows, axis=1)
+    waves_of_rows[:, :2] = 0.0
+    return np.asarray(np.fft.irfft(waves_of_rows, rows.shape[1], axis=1))
 
 
 # ---- marches

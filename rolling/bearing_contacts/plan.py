@@ -1,8 +1,8 @@
 """Plan of the contacts that a bearing needs: rough contacts and stretches around faults.
 
 A smooth raceway or ball needs none. A bearing has four kinds of rough contact at most: the surface
-of each raceway, and that of the balls on each raceway. Waves around a body and measured turns
-enter by the linear response of the contact, and need no march either.
+of each raceway, and that of the balls on each raceway. Waves around a body need no march either:
+they enter by the linear response of the contact.
 """
 
 from __future__ import annotations
@@ -21,9 +21,12 @@ from rolling.bearing_contacts.contacts import (
     RoughContact,
     contact_loads,
     march_numbers,
+    measured_scene,
+    overlap_reach,
     rough_contact,
 )
 from rolling.bearing_contacts.faults import FaultStretch, fault_stretches
+from rolling.scene import height_files
 from rolling.scene.bearing_rules import refuse_height_files
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.laws import Roughness
@@ -60,10 +63,14 @@ class ContactPlan:
     def stages(self) -> list[list[Scene]]:
         """Scenes to march, the most urgent first: all contacts at the middle load, then the rest.
 
-        After the first stage the tracks hold the roughness and the faults at the middle load.
+        After the first stage the tracks hold the roughness and the faults at the middle load. That
+        is all for a measured turn, which is long: other loads change its linear response only.
         """
         first = [contact.scene for contact in self.rough.values()]
-        rest = [scene for contact in self.rough.values() for scene in contact.scenes.values()]
+        rest = []
+        for contact in self.rough.values():
+            if not contact.scene.height_paths:
+                rest += contact.scenes.values()
         for stretch in self.faults:
             first += [stretch.with_fault, stretch.without]
             rest += [scene for pair in stretch.scenes.values() for scene in pair]
@@ -181,13 +188,16 @@ def plan_contacts(
     loads = contact_loads(
         geometry, axial_load_n=axial_load_n, radial_load_n=radial_load_n, gap_m=gap_m
     )
-    rough = {}
+    rough: dict[str, RoughContact] = {}
     faults: list[FaultStretch] = []
     for body_name, surface in surfaces.items():
         if surface is None:
             continue
         names = kinds_of_contact(body_name)
         law = law_of(surface)
+        nodes_um = spacing_um
+        if isinstance(surface, BallHeightFile):
+            nodes_um = surface.spacing_um
         radius = radius_of(geometry, body_name)
         numbers = _shared_numbers(
             [contact_of(geometry, name) for name in names],
@@ -196,9 +206,21 @@ def plan_contacts(
             speed_m_s=speed_m_s,
             turn_m=2 * math.pi * radius,
             window_mm=window_mm,
-            spacing_um=spacing_um,
+            spacing_um=nodes_um,
             tolerance=tolerance,
         )
+        if isinstance(surface, BallHeightFile):
+            measured = _measured_contacts(
+                geometry,
+                body_name,
+                surface,
+                loads,
+                numbers=numbers,
+                speed_m_s=speed_m_s,
+                body=body,
+                folder=folder,
+            )
+            rough |= {contact.name: contact for contact in measured}
         for name in names:
             if law is not None:
                 rough[name] = rough_contact(
@@ -230,6 +252,44 @@ def plan_contacts(
         rough=rough,
         faults=tuple(faults),
     )
+
+
+def _measured_contacts(
+    geometry: BearingGeometry,
+    body_name: str,
+    turn: BallHeightFile,
+    loads_n: Sequence[float],
+    *,
+    numbers: MarchNumbers,
+    speed_m_s: float,
+    body: dict[str, float | str],
+    folder: Path,
+) -> list[RoughContact]:
+    """Return the contacts over a measured turn; none where it is narrower than a contact."""
+    _, columns = height_files.nodes(folder / turn.path)
+    profile_width_um = None
+    if columns == 1:
+        nodes = math.ceil(numbers.width_um / turn.spacing_um)
+        profile_width_um = nodes * turn.spacing_um
+    contacts = []
+    for name in kinds_of_contact(body_name):
+        contact = contact_of(geometry, name)
+        _, reach = overlap_reach(contact, max(loads_n), 0.0)
+        if columns > 1 and columns * turn.spacing_um * 1e-6 < 2 * reach:
+            return []
+        scene = measured_scene(
+            name,
+            contact,
+            turn,
+            profile_width_um=profile_width_um,
+            numbers=numbers,
+            load_n=loads_n[len(loads_n) // 2],
+            speed_m_s=speed_m_s,
+            body=body,
+            folder=folder,
+        )
+        contacts.append(RoughContact(name, contact, scene, tuple(loads_n)))
+    return contacts
 
 
 def law_of(surface: BallSurface) -> Roughness | None:

@@ -146,7 +146,8 @@ def _solve(
         )
         for identity, scene in scenes.items():
             path = march_path(folder, identity).with_suffix(".yaml")
-            write_bytes(path, scene_file.dump(scene).encode())
+            text = scene_file.dump(folders.with_relative_paths(home, scene))
+            write_bytes(path, text.encode())
     marches = {}
     loop = RunLoop(runs, bar, files)
     for number, result in loop.finished_runs(pool):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,7 +27,7 @@ from rolling.bearing_contacts.solving import Marches, solved_stages
 from rolling.bearing_contacts.turns import continued_turn
 from rolling.scene.laws import Roughness, SurfaceFault
 from rolling.scene.scene import Scene
-from rolling.scene.surfaces import GradedBall, SmoothBall
+from rolling.scene.surfaces import BallHeightFile, GradedBall, SmoothBall
 from tests.support.bearings import STEEL, bearing
 
 INNER = bearing().inner
@@ -245,6 +246,35 @@ def test_other_specimens_have_other_heights_of_equal_level() -> None:
     assert np.abs(correlations).max() < 0.2  # balls of both specimens differ
     levels = 20 * np.log10(np.std(high, axis=1))
     assert np.ptp(levels) < 1.5
+
+
+@pytest.mark.law("Contacts of bearings: a measured turn stands at its angles, without order 1.")
+def test_a_measured_turn_is_marched_whole(tmp_path: Path) -> None:
+    radius = bearing(ball_mm=3).ball_radius_m
+    nodes = round(2 * np.pi * radius / 10e-6)
+    angle = 2 * np.pi * np.arange(nodes) / nodes
+    np.save(tmp_path / "turn.npy", 1e-8 * np.cos(6 * angle + 1) + 1e-7 * np.cos(angle))
+    plan = plan_contacts(
+        bearing(ball_mm=3),
+        {
+            "balls": BallHeightFile(path="turn.npy", spacing_um=10),
+            "inner": None,
+            "outer": None,
+        },
+        axial_load_n=5.0,
+        radial_load_n=0.0,
+        speed_m_s=SPEED,
+        body=BODY,
+        window_mm=1,
+        folder=tmp_path,
+    )
+    tracks = bearing_tracks(plan, marched(plan.stages[0]))
+    for track in (tracks.balls_on_inner[0], tracks.balls_on_outer[0]):
+        line = track.approach_m[1]
+        waves_of_line = 2 * np.fft.rfft(line)[:12] / len(line)
+        assert abs(waves_of_line[6]) == pytest.approx(1e-8, rel=0.01)
+        assert np.angle(-waves_of_line[6]) == pytest.approx(1.0, abs=0.05)
+        assert np.abs(np.delete(waves_of_line, 6)).max() < 0.03 * 1e-8
 
 
 def test_a_rule_knows_when_nodes_are_too_far_apart() -> None:
