@@ -67,7 +67,7 @@ class ContactPlan:
         is all for a measured turn, which is long: other loads change its linear response only.
         """
         first = [contact.scene for contact in self.rough.values()]
-        rest = []
+        rest: list[Scene] = []
         for contact in self.rough.values():
             if not contact.scene.height_paths:
                 rest += contact.scenes.values()
