@@ -11,6 +11,8 @@ INNER = "inner"
 OUTER = "outer"
 BALLS = "balls"
 BODIES = (BALLS, INNER, OUTER)
+_MAX_TURNS = 5  # multiples of the turn that are named
+_MAX_BESIDE = 3  # turns beside a multiple that are named
 MAX_WAVE_LINES = 24  # of orders of waviness that are named
 
 _MEANINGS = {
@@ -134,46 +136,71 @@ def _lines_of_ball(kinematics: Kinematics, order: int) -> list[BearingLine]:
 
 
 def family_lines(kinematics: Kinematics, balls: int, highest_hz: float) -> list[BearingLine]:
-    """Return all lines up to a frequency at which waves of any order can move the ring.
+    """Return all lines up to a frequency at which waves can move the ring, the simplest first.
 
     Multiples of the turn, of BPFO and of BPFI with the turn of its ring beside them, and even
     multiples of the ball spin with the cage beside them: a peak of a spectrum is named by them.
+    Under a radial load, waves that turn with a ring or the cage have more side bands.
     """
     lines = kinematic_lines(kinematics)
     for times in range(2, _MAX_TURNS + 1):
-        name = f"{times} turn"
-        lines.append(BearingLine(name, "multiple of the turn", times * kinematics.turning_hz))
+        meaning = "multiple of the turn"
+        lines.append(BearingLine(f"{times} turn", meaning, times * kinematics.turning_hz))
+    for beside in sorted(range(-_MAX_BESIDE, _MAX_BESIDE + 1), key=abs):
+        lines += _raceway_family(kinematics, balls, highest_hz, beside)
+        lines += _ball_family(kinematics, highest_hz, beside)
+    named = dict[str, BearingLine]()
+    for line in lines:
+        if 0 < line.frequency_hz <= highest_hz:
+            named.setdefault(line.name, line)
+    return list(named.values())
+
+
+def _raceway_family(
+    kinematics: Kinematics, balls: int, highest_hz: float, beside: int
+) -> list[BearingLine]:
+    """Return multiples of BPFO and BPFI with some turns of their ring beside them."""
+    lines = []
     rings = {
         "BPFO": (kinematics.ball_pass_outer_hz, kinematics.outer_hz, OUTER),
         "BPFI": (kinematics.ball_pass_inner_hz, kinematics.inner_hz, INNER),
     }
     for name, (pass_hz, ring_hz, body) in rings.items():
-        for q in range(1, int(highest_hz / pass_hz) + 2):
+        if beside and not ring_hz > 0:
+            continue
+        for q in range(1, int(highest_hz / pass_hz) + 1 + _MAX_BESIDE):
             multiple = name if q == 1 else f"{q} {name}"
-            for beside in (-1, 0, 1) if ring_hz > 0 else (0,):
-                hz = q * pass_hz + beside * ring_hz
-                orders = _orders_in_words(q * balls, beside, ring_hz)
-                meaning = f"waves of the {body} raceway, {orders}"
-                lines.append(BearingLine(f"{multiple}{_BESIDE[beside]}", meaning, hz))
-    for order in range(2, int(highest_hz / kinematics.ball_spin_hz) + 2, 2):
-        for beside in (-1, 0, 1):
-            hz = order * kinematics.ball_spin_hz + beside * kinematics.cage_hz
-            sides = _BESIDE[beside].replace("turn", "cage")
-            meaning = f"waves of balls, order {order}"
-            lines.append(BearingLine(f"{order} x spin{sides}", meaning, hz))
-    unique = {line.name: line for line in reversed(lines)}
-    return [line for line in unique.values() if 0 < line.frequency_hz <= highest_hz]
+            orders = f"order {q * balls + beside}"
+            if not ring_hz > 0:
+                orders = f"orders {q * balls - 1} to {q * balls + 1}"
+            line = BearingLine(
+                name=multiple + _beside_in_words(beside, "turn"),
+                meaning=f"waves of the {body} raceway, {orders}",
+                frequency_hz=q * pass_hz + beside * ring_hz,
+            )
+            lines.append(line)
+    return lines
 
 
-_MAX_TURNS = 5
-_BESIDE = {-1: " - turn", 0: "", 1: " + turn"}
+def _ball_family(kinematics: Kinematics, highest_hz: float, beside: int) -> list[BearingLine]:
+    """Return even multiples of the ball spin with some turns of the cage beside them."""
+    lines = []
+    for order in range(2, int(highest_hz / kinematics.ball_spin_hz) + 2 + _MAX_BESIDE, 2):
+        line = BearingLine(
+            name=f"{order} x spin" + _beside_in_words(beside, "cage"),
+            meaning=f"waves of balls, order {order}",
+            frequency_hz=order * kinematics.ball_spin_hz + beside * kinematics.cage_hz,
+        )
+        lines.append(line)
+    return lines
 
 
-def _orders_in_words(order: int, beside: int, ring_hz: float) -> str:
-    """Name the orders of a raceway that have a line; at rest three of them share it."""
-    if ring_hz > 0:
-        return f"order {order + beside}"
-    return f"orders {order - 1} to {order + 1}"
+def _beside_in_words(beside: int, turn: str) -> str:
+    """Write what is beside a multiple: nothing, - cage, + 2 turn."""
+    if not beside:
+        return ""
+    sign = "+" if beside > 0 else "-"
+    return f" {sign} {turn}" if abs(beside) == 1 else f" {sign} {abs(beside)} {turn}"
 
 
 def envelope_lines(kinematics: Kinematics) -> list[BearingLine]:

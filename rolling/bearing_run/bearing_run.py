@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -170,20 +170,14 @@ class BearingRun:
     def peaks(self) -> list[BearingLine]:
         """The largest peaks below 1,800 Hz, radial and axial, with the lines that they are."""
         families = lines.family_lines(self.kinematics, self.geometry.balls, HIGHEST_PEAK_HZ)
-        known = [*self.lines, *families]  # of equal lines, argmin takes the first
-        frequency_hz = np.array([line.frequency_hz for line in known])
         found = dict[str, BearingLine]()
         for spectrum in self.record.spectra.values():
             peaks_hz = spectrum.peaks_hz(MAX_PEAKS, LOWEST_HZ, HIGHEST_PEAK_HZ, LEAST_HEIGHT)
             for hz in peaks_hz:
                 if spectrum.line_rms(hz) < LEAST_SHARE * spectrum.line_rms(peaks_hz[0]):
                     break  # the rest is smaller still
-                nearest = int(np.argmin(np.abs(frequency_hz - hz)))
-                if abs(frequency_hz[nearest] - hz) <= spectrum.line_width_hz:
-                    found.setdefault(known[nearest].name, known[nearest])
-                else:
-                    name = f"{hz:.1f} Hz"
-                    found.setdefault(name, BearingLine(name, "none of the kinematics", hz))
+                line = _simplest([*self.lines, *families], hz, spectrum.line_width_hz)
+                found.setdefault(line.name, line)
         return list(found.values())
 
     @cached_property
@@ -245,6 +239,14 @@ class BearingRun:
     def __repr__(self) -> str:
         numbers = ", ".join(f"{value:.3g}" for value in self.bands_um_s[RADIAL].values())
         return f"<bearing run {self.scene.name}: radial {numbers} um/s>"
+
+
+def _simplest(known: Sequence[BearingLine], hz: float, within_hz: float) -> BearingLine:
+    """Return the first of known lines that is near a frequency, or one that has no other name."""
+    for line in known:
+        if abs(line.frequency_hz - hz) <= within_hz:
+            return line
+    return BearingLine(f"{hz:.1f} Hz", "none of the kinematics", hz)
 
 
 def _finite(value: float) -> float | None:

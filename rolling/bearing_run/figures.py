@@ -12,6 +12,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 from pandas import DataFrame
 
 from acoustics.arrays import Array
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 _SHOWN_HZ = (20.0, 20000.0)
 _DECADES = 5  # of velocity, at most
 _ENVELOPE_MULTIPLES = 3.2  # of the highest line of a fault, up to which an envelope is drawn
+_FIRST_LINE = 3  # of an envelope that is drawn; those below are its slow drift
 _TURNS = 2  # of the cage, over which ball forces are drawn
 _LETTERS_PER_IN = 14  # of a note
 _POLAR_IN = 5.3  # width of a figure with polar axes
@@ -73,6 +75,9 @@ def spectrum(run: BearingRun, ax: Axes) -> Axes:
             fontsize=10,
         )
     _draw_lines(ax, run.lines)
+    if run.scene.ring_bending_hz < _SHOWN_HZ[1]:
+        ax.axvspan(run.scene.ring_bending_hz, _SHOWN_HZ[1], fill=False, hatch="//", alpha=0.25)
+        ax.text(run.scene.ring_bending_hz, 0.02, " rings bend", transform=ax.get_xaxis_transform())
     gridded(ax, xlabel="frequency [Hz]", ylabel="rms velocity of a line [µm/s]")
     ax.xaxis.set_major_formatter("{x:g}")
     return ax
@@ -82,7 +87,7 @@ def envelope(run: BearingRun, ax: Axes) -> Axes:
     """Draw the spectrum of the squared envelope with the lines of faults."""
     narrow = run.record.envelope
     highest = highest_envelope_hz(run)
-    shown = (narrow.frequency_hz > 0) & (narrow.frequency_hz <= highest)
+    shown = shown_of_envelope(run)
     x, y = thinned(narrow.frequency_hz[shown], 100 * narrow.rms[shown])
     ax.plot(x, y, color=COLOURS[0], linewidth=0.9, label="squared envelope along x")
     ax.set_xlim(0, highest)
@@ -90,6 +95,14 @@ def envelope(run: BearingRun, ax: Axes) -> Axes:
     _draw_lines(ax, lines.envelope_lines(run.kinematics))
     gridded(ax, xlabel="frequency [Hz]", ylabel="share of the mean square [%]")
     return ax
+
+
+def shown_of_envelope(run: BearingRun) -> NDArray[np.bool_]:
+    """Return which lines of the envelope are shown."""
+    narrow = run.record.envelope
+    first_hz = _FIRST_LINE * narrow.line_width_hz
+    is_low = narrow.frequency_hz <= highest_envelope_hz(run)
+    return np.asarray(is_low & (narrow.frequency_hz >= first_hz))
 
 
 def highest_envelope_hz(run: BearingRun) -> float:

@@ -168,9 +168,8 @@ def data_of(run: BearingRun) -> dict[str, Any]:
     narrow = run.record.spectra[RADIAL]
     shown = (narrow.frequency_hz >= 20) & (narrow.frequency_hz <= 20000)
     log_hz, um_s = thinned(np.log(narrow.frequency_hz[shown]), UM_S * narrow.rms[shown])
-    highest = figures.highest_envelope_hz(run)
     pulses = run.record.envelope
-    in_view = (pulses.frequency_hz > 0) & (pulses.frequency_hz <= highest)
+    in_view = figures.shown_of_envelope(run)
     pulse_hz, share = thinned(pulses.frequency_hz[in_view], pulses.rms[in_view])
     return {
         "label": printable(run.label or run.scene.name),

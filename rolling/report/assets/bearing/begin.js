@@ -3,7 +3,7 @@
 import { drawEnvelope, drawSpectrum } from "./charts.js";
 import { drawBearing, showTurn, showZone, turn } from "./picture.js";
 import { hear, soundLatest } from "./sound.js";
-import { $, $$, data, digits, state } from "./state.js";
+import { $, $$, data, digits, state, velocity } from "./state.js";
 
 const motionUnwanted = matchMedia("(prefers-reduced-motion: reduce)");
 const sliders = ["rpm", "axial", "radial"];
@@ -43,7 +43,7 @@ function openWorker() {
 
 /** Say what the small model has at the settings, beside the run. */
 function showLevels() {
-  const numbers = state.moved.levels.map(({ radial }) => digits(1e6 * radial));
+  const numbers = state.moved.levels.map(({ radial }) => velocity(radial));
   const { rpm, axial, radial } = state.settings;
   const at = [`${digits(rpm, 4)} rpm`, axial > 0 && `${digits(axial)} N axial`, radial > 0 && `${digits(radial)} N radial`].filter(Boolean);
   $("#levels").textContent = `At ${at.join(", ")}: ${numbers.slice(0, -1).join(", ")} and ${numbers.at(-1)} µm/s radial.`;

@@ -1,7 +1,7 @@
 // Charts: the spectrum of velocity with bands and lines of the bearing, and that of the envelope.
 
 import { draw } from "./picture.js";
-import { $, data, digits, state } from "./state.js";
+import { $, data, digits, state, velocity } from "./state.js";
 
 const HEIGHT = 340;
 const LEFT = 52; // of the axes
@@ -12,6 +12,7 @@ const SHOWN_HZ = [20, 20000];
 const DECADES = 5; // of velocity, at most
 const NAME_ROWS = 3;
 const ROW = 14;
+const NARROW = 560; // width of a chart that has no room for units
 const LETTER = 6.6; // width of a letter
 const TICKS_HZ = [20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000];
 
@@ -101,7 +102,7 @@ export function drawSpectrum() {
     const width = chart.x(high) - from;
     draw(chart.svg, "rect", { class: k % 2 ? "band odd" : "band", x: from, y: TOP, width, height: bottom - TOP });
     const level = moved ? moved.levels[k].radial : run.bands[k];
-    draw(chart.svg, "text", { class: "level", x: from + width / 2, y: 14, "text-anchor": "middle" }, `${digits(1e6 * level)} µm/s`);
+    draw(chart.svg, "text", { class: "level", x: from + width / 2, y: 14, "text-anchor": "middle" }, chart.width < NARROW ? velocity(level) : `${velocity(level)} µm/s`);
   });
   for (let decade = top; decade >= top - DECADES; decade--) {
     const height = y(10 ** decade);

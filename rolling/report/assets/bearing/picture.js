@@ -82,7 +82,6 @@ export function showZone() {
   const points = loads.map((load, k) => placeOf(BASE + (LONGEST * load) / parts.largest, (2 * Math.PI * k) / ZONE_STEPS));
   const outline = points.map(([a, b]) => `${a.toFixed(2)} ${b.toFixed(2)}`).join("L");
   parts.zone.setAttribute("d", `M${outline}Z${ringPath(BASE - 0.01, BASE)}`);
-  parts.still = balanced.loads;
   const carrying = balanced.loads.filter((load) => load > 0).length;
   $("#zone").textContent = `${carrying} of ${bearing.balls} balls carry; the largest load of a ball is ${digits(parts.largest)}\u00a0N.`;
 }
@@ -110,10 +109,15 @@ export function showTurn() {
 function loadsNow() {
   const { moved, run } = state;
   const { balls } = run.bearing;
-  if (!moved) return parts.still;
-  const count = moved.loads.length / balls;
-  const sample = Math.floor(((state.time - moved.begin) * RATE) / moved.loadEvery);
-  const first = (((sample % count) + count) % count) * balls;
+  const cage = frequenciesAt(run.bearing, state.settings.rpm).cage;
+  // The record goes round in whole turns of the cage, so that the balls stay where they are drawn.
+  const turns = moved ? Math.floor((moved.loads.length / balls / RATE) * moved.loadEvery * cage) : 0;
+  if (turns < 1 || moved.settings.rpm !== state.settings.rpm) {
+    return rest(run.bearing, state.settings.axial, state.settings.radial, 2 * Math.PI * cage * state.time).loads;
+  }
+  const seconds = turns / cage;
+  const past = (((state.time - moved.begin) % seconds) + seconds) % seconds;
+  const first = Math.floor((past * RATE) / moved.loadEvery) * balls;
   return moved.loads.subarray(first, first + balls);
 }
 

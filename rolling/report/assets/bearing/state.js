@@ -31,3 +31,8 @@ export function digits(value, count = 3) {
   const places = Math.max(count - 1 - Math.floor(Math.log10(Math.abs(value))), 0);
   return value.toLocaleString("en-US", { minimumFractionDigits: places, maximumFractionDigits: places });
 }
+
+const FLOOR = 0.1; // um/s, below which the small model rounds
+
+/** Write a velocity [m/s] in micrometres per second. */
+export const velocity = (metres) => (1e6 * metres < FLOOR ? `< ${FLOOR}` : digits(1e6 * metres));
