@@ -38,7 +38,7 @@ from rolling.scene.laws import SelfAffineLaw
 from rolling.scene.messages import nearest
 from rolling.scene.scene import Scene
 from rolling.sound.wavelengths import wavelength_bands
-from rolling.studies import printed_truths
+from rolling.studies import bearing_truths, printed_truths
 from rolling.studies.output import markdown_table
 from rolling.surface.heights import statistics
 from rolling.surface.measured import HeightArray
@@ -436,6 +436,12 @@ def colliding_spheres() -> PublishedValues:
         yield PublishedValue(rule, item, published, ours)
 
 
+def bearings() -> PublishedValues:
+    """Compare speeds, loads and vibration of bearings with printed numbers and linear theory."""
+    for rule, item, published, ours in bearing_truths.bearing_rows():
+        yield PublishedValue(rule, item, published, ours)
+
+
 # ---- slopes of level
 
 
@@ -718,6 +724,7 @@ CASES: dict[str, Callable[[], PublishedValues]] = {
     "rough-contact": rough_contact,
     "surfaces": surfaces,
     "colliding-spheres": colliding_spheres,
+    "bearings": bearings,
     "speed-and-roughness": speed_and_roughness,
     "contact-filter": contact_filter,
     "synthetic-recording": synthetic_recording,

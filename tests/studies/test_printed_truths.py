@@ -1,11 +1,11 @@
-"""Parameters of surfaces beside other programs, and two spheres that collide."""
+"""Parameters of surfaces beside other programs, spheres that collide, and ball bearings."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from rolling.studies import printed_truths
+from rolling.studies import bearing_truths, printed_truths
 
 
 @pytest.mark.law("Surface parameters: surfalize and SurfaceTopography give the same ones.")
@@ -21,6 +21,15 @@ def test_parameters_are_those_of_other_programs() -> None:
 def test_colliding_spheres_sound_as_two_dipoles() -> None:
     for rule, item, published, ours in printed_truths.collision_rows():
         assert ours == pytest.approx(published, rel=1e-3, abs=1e-4), (rule, item)
+
+
+@pytest.mark.law("Bearings: lines, loads and waves are those that are printed, or of linear theory.")
+def test_bearings_turn_bear_and_move_as_printed() -> None:
+    rows = list(bearing_truths.bearing_rows())
+    assert len(rows) == 19
+    near = {"line over turns": 1e-3, "largest load": 0.01, "motion over wave": 0.03}
+    for rule, item, published, ours in rows:
+        assert ours == pytest.approx(published, rel=near[rule]), (rule, item)
 
 
 def test_the_closed_form_solves_its_equation() -> None:
