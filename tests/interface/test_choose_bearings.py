@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -31,6 +32,24 @@ def test_twice_the_waviness_is_six_decibels_more(tmp_path: Path) -> None:
     for apart in choice.differences[0]:
         assert apart.db == pytest.approx(6.02, abs=0.1)
     assert {path.name for path in (tmp_path / "out").iterdir()} >= {"choice.csv", "choice.png"}
+
+
+@pytest.mark.law("Bearing: twice a fine roughness of balls is 6 dB more in the high band.")
+def test_twice_the_roughness_of_balls_is_six_decibels_more() -> None:
+    """Between smooth raceways, by the linear response of the contacts.
+
+    That marches of fine roughness double, too, is a law of tests/physics/test_bearing_contacts.py.
+    """
+    balls = "{kind: gaussian, roughness_ra_um: 0.005, correlation_length_um: 15, seed: 1}"
+    rough = rc.read_bearing("bearing-6204", [f"bearing.surfaces.balls={balls}", *SMOOTH[1:]])
+    swept = rough.with_(sweep={"bearing.surfaces.balls.roughness_ra_um": [0.005, 0.01]})
+    one, two = choosing.candidates_of([swept])
+    for draw in (0, 3):
+        ratio = (
+            choosing.heard_specimen(two, {}, draw)["high"]
+            / choosing.heard_specimen(one, {}, draw)["high"]
+        )
+        assert 20 * math.log10(ratio) == pytest.approx(6.02, abs=0.05)
 
 
 def test_a_choice_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

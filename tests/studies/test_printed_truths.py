@@ -23,7 +23,9 @@ def test_colliding_spheres_sound_as_two_dipoles() -> None:
         assert ours == pytest.approx(published, rel=1e-3, abs=1e-4), (rule, item)
 
 
-@pytest.mark.law("Bearings: lines, loads and waves are those that are printed, or of linear theory.")
+@pytest.mark.law(
+    "Bearings: lines, loads and waves are those that are printed, or of linear theory."
+)
 def test_bearings_turn_bear_and_move_as_printed() -> None:
     rows = list(bearing_truths.bearing_rows())
     assert len(rows) == 19
