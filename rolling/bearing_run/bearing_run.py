@@ -17,12 +17,14 @@ from acoustics.traps import ignoring_underflow
 from rolling.bearing import lines
 from rolling.bearing.geometry import BearingGeometry, angle_under_load
 from rolling.bearing.kinematics import Kinematics
+from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.lines import BearingLine
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_record import DIRECTIONS, PLACES, RADIAL, UM_S, RingRecord
 from rolling.bearing.tracks import BearingTracks
 from rolling.bearing_contacts.bearing_check import departures
 from rolling.bearing_run import summary
+from rolling.bearing_run.housing import HousingSound, housing_of_scene
 from rolling.check.doubt import Doubt
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.sweep import Value
@@ -111,6 +113,11 @@ class BearingRun:
     def moving(self) -> str:
         """The ring that vibrates: inner or outer."""
         return self.kinematics.moving
+
+    @cached_property
+    def housing(self) -> HousingSound | None:
+        """Sound of the housing plate, None for a scene without one."""
+        return housing_of_scene(self.scene, linear_ring(self.model), self.record.velocity_m_s[:, 0])
 
     @cached_property
     def lines(self) -> list[BearingLine]:

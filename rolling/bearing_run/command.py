@@ -297,6 +297,8 @@ def _print_runs(folder: Path, done: Sequence[BearingFolder]) -> None:
             print(folded(sentence))
     _print_doubts(stored)
     print(f"listen: {printable(str(done[0].folder / stored_run.LISTEN))}")
+    if (done[0].folder / stored_run.HOUSING).is_file():
+        print(f"listen to the housing: {printable(str(done[0].folder / stored_run.HOUSING))}")
     if (folder / PAGE).is_file():
         print(f"page: {printable(str(folder / PAGE))}")
     else:

@@ -99,6 +99,8 @@ def _view(run: BearingRun) -> dict[str, Any]:
         "src": records.compressed(sound.gain * heard) if heard.any() else None,
         "heard": f"acceleration of the {run.moving} ring along x, {heard.size / 48000:.3g} s;"
         f" full scale is {rounded(1 / sound.gain, 3)} m/s2",
+        "housing_src": _housing_src(run),
+        "housing": f"plate of the housing at {run.scene.sound.distance_m:g} m",
         "lines": [_line_cells(row) for row in run.summary["lines"]],
         "envelope_lines": [
             (row["name"], f"{row['frequency_hz']:.2f}", _height(row["height"]))
@@ -108,6 +110,14 @@ def _view(run: BearingRun) -> dict[str, Any]:
         "doubts": [doubt.line for doubt in summary.doubts_of(run)],
         "facts": _facts(run),
     }
+
+
+def _housing_src(run: BearingRun) -> str | None:
+    """Return the sound of the housing plate for the page, None where there is none."""
+    sound = stored_run.housing_sound(run)
+    if sound is None or not sound.pressure.any():
+        return None
+    return records.compressed(sound.gain * sound.pressure)
 
 
 def _on_page(sentence: str) -> str:

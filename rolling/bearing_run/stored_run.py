@@ -36,6 +36,7 @@ SPECTRUM = "spectrum.csv"
 LINES = "lines.csv"
 ACCELERATION = "acceleration.wav"
 LISTEN = "listen.wav"
+HOUSING = "housing.wav"
 FIGURES = "figures"
 _NEEDED = {
     "bands_um_s": dict,
@@ -220,6 +221,38 @@ def write_listen(run: BearingRun, folder: Path, sound: RingSound, gain: float) -
     files.write_bytes(folder / LISTEN, content)
 
 
+def write_housing(run: BearingRun, folder: Path) -> None:
+    """Write housing.wav, the sound of the housing plate with a gain, where there is one."""
+    sound = housing_sound(run)
+    if sound is None:
+        return
+    distance = run.scene.sound.distance_m
+    comment = f"housing plate at {distance:g} m; full scale is {1 / sound.gain:.6g} Pa"
+    content = wav.listening(sound.pressure, sound.gain, comment, _title(run))
+    files.write_bytes(folder / HOUSING, content)
+
+
+class HousingRecord(NamedTuple):
+    """Sound of the housing plate to listen to: its samples [Pa] and its gain.
+
+    gain : float. Full scale per Pa.
+    """
+
+    pressure: Array
+    gain: float
+
+
+def housing_sound(run: BearingRun) -> HousingRecord | None:
+    """Return the sound of the housing plate as it is heard, None for a scene without one."""
+    if run.housing is None:
+        return None
+    rate = wav.SAMPLE_RATE_HZ
+    record = run.housing.pressure
+    samples = min(len(record), round(listened_s(run.scene) * rate))
+    faded = resampling.fade(record[:samples], round(FADE_S * rate))
+    return HousingRecord(faded, wav.listening_gain(faded))
+
+
 def _heard(run: BearingRun) -> str:
     """Say what is heard of a run."""
     return f"acceleration of the {run.moving} ring along x"
@@ -253,6 +286,7 @@ def write_run(run: BearingRun, folder: Path) -> None:
     files.write_bytes(folder / RESULT, result_bytes(run))
     sound = write_acceleration(run, folder)
     write_listen(run, folder, sound, sound.gain)
+    write_housing(run, folder)
     files.write_bytes(folder / SPECTRUM, csv_bytes(figures.spectrum_table(run)))
     files.write_bytes(folder / LINES, csv_bytes(figures.line_table(run)))
     facts = {

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from acoustics.numbers import rounded
+from acoustics.numbers import decibels_a, rounded
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.lines import FAULT_LINES
-from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL
+from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL, UM_S
 from rolling.bearing_contacts.bearing_check import scene_rules
 from rolling.check.doubt import Doubt, Severity, severity_of, sized
 
@@ -50,6 +50,7 @@ def summarize(run: BearingRun) -> dict[str, Any]:
             direction: run.record.bands[direction].uncertainty_db for direction in DIRECTIONS
         },
         "iso_departures": run.departures,
+        "housing": _housing(run),
         "moving_ring": run.moving,
         "duration_s": run.record.duration_s,
         "lines": run.lines_with_levels,
@@ -74,6 +75,20 @@ def summarize(run: BearingRun) -> dict[str, Any]:
         "lost_contact_share": run.record.lost_contact_share,
         "doubts": [doubt_as_json(doubt) for doubt in doubts],
         "sentences": sentences(run),
+    }
+
+
+def _housing(run: BearingRun) -> dict[str, Any] | None:
+    """Return the sound of the housing plate, None for a scene without one."""
+    sound = run.housing
+    if sound is None:
+        return None
+    return {
+        "laeq_db": sound.levels.laeq_db,
+        "third_octave_db": dict(sound.levels.third_octave_db),
+        "distance_m": run.scene.sound.distance_m,
+        "force_n": float(sound.force_n.std()),
+        "velocity_um_s": UM_S * float(sound.velocity_m_s.std()),
     }
 
 
@@ -144,6 +159,7 @@ def answer(run: BearingRun) -> str:
 def sentences(run: BearingRun) -> list[str]:
     """Say what a run has: bands, axial bands, lines that lead, faults, and its departures."""
     texts = [answer(run), f"Along its axis it moves at {_three(run.bands_um_s[AXIAL])} um/s."]
+    texts.append(housing_sentence(run))
     texts += [leading_lines(run), *fault_sentences(run), load_sentence(run)]
     if run.departures:
         texts.append(f"Not ISO 15242: {'; '.join(run.departures)}.")
@@ -159,6 +175,17 @@ def _three(bands: dict[str, float]) -> str:
 def velocity(um_s: float) -> str:
     """Write a velocity [um/s]; what is below a thousandth is nothing."""
     return "0" if um_s < _NOTHING_UM_S else rounded(um_s, 2)
+
+
+def housing_sentence(run: BearingRun) -> str:
+    """Say how loud the plate of the housing is; empty without one."""
+    sound = run.housing
+    if sound is None:
+        return ""
+    if sound.levels.laeq_db is None:
+        return "The plate of its housing is silent."
+    level = decibels_a(sound.levels.laeq_db)
+    return f"The plate of its housing is heard at {level} at {run.scene.sound.distance_m:g} m."
 
 
 def leading_lines(run: BearingRun) -> str:
@@ -253,6 +280,13 @@ def _with_share(run: BearingRun, doubt: Doubt) -> Doubt:
 def _lost_contact(run: BearingRun) -> Iterator[Doubt]:
     """Say that balls lose contact, where an axial load presses all of them."""
     share = run.record.lost_contact_share
+    if share > 0 and run.housing is not None:
+        yield Doubt(
+            key="housing_linear",
+            text=f"balls bear nothing for {rounded(100 * share)} % of the time, and the level of"
+            " the housing holds for balls that stay in contact",
+            severity=Severity.INDICATIVE,
+        )
     if share > 0 and not run.scene.radial_load > 0:
         yield Doubt(
             key="lost_contact",

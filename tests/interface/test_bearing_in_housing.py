@@ -1,0 +1,44 @@
+"""A bearing in a plate has the level of the plate in its summary, and a sound of it in its folder."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+from bearing_runs import WAVY
+
+import rolling as rc
+from rolling.scene.bearing_file import loads_bearing
+
+PLATE = {"material": "steel-s235", "length_mm": 200, "width_mm": 150, "thickness_mm": 6}
+
+
+def in_plate(**changes: object) -> rc.BearingScene:
+    return loads_bearing(WAVY).with_({"plate": {**PLATE, **changes}, "sound.duration_s": 0.2})
+
+
+def test_a_folder_has_the_sound_of_the_plate(tmp_path: Path) -> None:
+    run = rc.simulate_bearing(in_plate(), progress=False)
+    run.save(tmp_path / "run", report=False)
+    numbers = json.loads((tmp_path / "run" / "summary.json").read_text())["housing"]
+    assert numbers["laeq_db"] == pytest.approx(run.housing.levels.laeq_db)
+    samples, rate = soundfile.read(tmp_path / "run" / "housing.wav")
+    assert rate == 48000 and 0.01 < np.abs(samples).max() <= 1
+    assert any("housing" in sentence for sentence in run.summary["sentences"])
+
+
+def test_a_bearing_without_a_plate_has_none(tmp_path: Path) -> None:
+    run = rc.simulate_bearing(loads_bearing(WAVY), progress=False)
+    run.save(tmp_path / "run", report=False)
+    assert run.housing is None and run.summary["housing"] is None
+    assert not (tmp_path / "run" / "housing.wav").exists()
+
+
+def test_twice_the_distance_is_quieter() -> None:
+    near = rc.simulate_bearing(in_plate(), progress=False).housing.levels.laeq_db
+    far_scene = in_plate().with_({"sound.distance_m": 2})
+    far = rc.simulate_bearing(far_scene, progress=False).housing.levels.laeq_db
+    assert 3 < near - far < 9
