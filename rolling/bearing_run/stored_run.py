@@ -248,7 +248,7 @@ def housing_sound(run: BearingRun) -> HousingRecord | None:
         return None
     rate = wav.SAMPLE_RATE_HZ
     record = run.housing.pressure
-    samples = min(len(record), round(listened_s(run.scene) * rate))
+    samples = min(len(record), round(run.scene.listened * rate))
     faded = resampling.fade(record[:samples], round(FADE_S * rate))
     return HousingRecord(faded, wav.listening_gain(faded))
 

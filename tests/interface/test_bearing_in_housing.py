@@ -1,4 +1,4 @@
-"""A bearing in a plate has the level of the plate in its summary, and a sound of it in its folder."""
+"""A bearing in a plate states the level of the plate, and its folder has a sound of it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def in_plate(**changes: object) -> rc.BearingScene:
 
 def test_a_folder_has_the_sound_of_the_plate(tmp_path: Path) -> None:
     run = rc.simulate_bearing(in_plate(), progress=False)
-    run.save(tmp_path / "run", report=False)
+    rc.save_bearing(run, tmp_path / "run", report=False)
     numbers = json.loads((tmp_path / "run" / "summary.json").read_text())["housing"]
     assert numbers["laeq_db"] == pytest.approx(run.housing.levels.laeq_db)
     samples, rate = soundfile.read(tmp_path / "run" / "housing.wav")
@@ -32,7 +32,7 @@ def test_a_folder_has_the_sound_of_the_plate(tmp_path: Path) -> None:
 
 def test_a_bearing_without_a_plate_has_none(tmp_path: Path) -> None:
     run = rc.simulate_bearing(loads_bearing(WAVY), progress=False)
-    run.save(tmp_path / "run", report=False)
+    rc.save_bearing(run, tmp_path / "run", report=False)
     assert run.housing is None and run.summary["housing"] is None
     assert not (tmp_path / "run" / "housing.wav").exists()
 
