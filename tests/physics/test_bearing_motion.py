@@ -25,11 +25,12 @@ BEARINGS = {
 def amplitudes(motion: RingMotion, lines_hz: list[float]) -> tuple[np.ndarray, np.ndarray]:
     """Return the amplitudes of lines (lines, 3) by least squares, and the rms of what is left."""
     phase = 2 * pi * motion.time_s[:, None] * np.array(lines_hz)
-    waves = np.concatenate((np.cos(phase), np.sin(phase)), axis=1)
+    constant = np.ones((len(phase), 1))  # the mean of lines that do not end with a period
+    waves = np.concatenate((np.cos(phase), np.sin(phase), constant), axis=1)
     coefficients = np.linalg.lstsq(waves, motion.displacement_m, rcond=None)[0]
     left = motion.displacement_m - waves @ coefficients
     count = len(lines_hz)
-    return np.hypot(coefficients[:count], coefficients[count:]), left.std(axis=0)
+    return np.hypot(coefficients[:count], coefficients[count : 2 * count]), left.std(axis=0)
 
 
 @pytest.mark.law("Bearing: waves of a raceway move the ring at the lines of their orders only.")
@@ -63,7 +64,7 @@ def test_waves_of_a_raceway(name: str, turning: str, ring: str) -> None:
             frequency = q * passes + beside * turns
             moved = [radial, radial, 0.0] if beside else [0.0, 0.0, axial]
             expected[frequency] = expected.get(frequency, np.zeros(3)) + moved
-        motion = move_ring(case, tracks, 0.4)
+        motion = move_ring(case, tracks, 0.25)
         found, left = amplitudes(motion, list(expected))
         wanted = np.array(list(expected.values()))
         np.testing.assert_allclose(found, wanted, rtol=0.01, atol=0.01 * A)
@@ -80,7 +81,7 @@ def test_waves_of_a_ball(name: str) -> None:
     angle = case.geometry.contact_angle
     waves = dict.fromkeys((2, 3, 4, 5, 6, 7), A)
     tracks = with_waves(smooth_tracks(case.geometry), balls={balls - 2: waves})
-    motion = move_ring(case, tracks, 0.5)
+    motion = move_ring(case, tracks, 0.3)
     even = [n * speeds.ball_spin_hz for n in (2, 4, 6)]
     lines = [*even]
     lines += [f + speeds.cage_hz for f in even] + [f - speeds.cage_hz for f in even]
@@ -118,7 +119,7 @@ def test_varying_compliance_follows_the_static_balance(geometry, loads) -> None:
     than 2 % of the way.
     """
     case = model(geometry, turns_hz=1.0, **loads)
-    motion = move_ring(case, smooth_tracks(geometry), 0.5)
+    motion = move_ring(case, smooth_tracks(geometry), 0.4)
     places = np.linspace(0, len(motion.time_s) - 1, 40).astype(int)
     balances = [case.balance(motion.ball_angle[place]) for place in places]
     still = np.array([state.displacement_m for state in balances])
@@ -151,7 +152,7 @@ def test_a_ball_in_a_deep_valley_loses_its_contact() -> None:
 
     The valley is ten times as deep as the approach, and the cage is so slow that the ring follows.
     """
-    case = model(turns_hz=0.5)
+    case = model(turns_hz=1.0, contact_loss_factor=0.2)
     tracks = valley(smooth_tracks(case.geometry), 10e-6, 0.02)
     time = 0.3 / case.kinematics.cage_hz  # ball 0 is in the valley then
     motion = move_ring(case, tracks, time)
