@@ -119,37 +119,41 @@ def solved_stages(
         bar = stack.enter_context(progress.Bar(0.0, name, shown))
         pool = stack.enter_context(local_pool(workers, scenes))
         stack.enter_context(ended_by_signal())
-        for contacts in lacking:
-            marches |= _solve(contacts, pool, bar, folder)
+        # All loops begin before the first is run, so that the progress knows the time of all.
+        loops = [_contact_loop(contacts, bar, folder) for contacts in lacking]
+        for contacts, loop in zip(lacking, loops, strict=True):
+            marches |= _solve(contacts, loop, pool, folder)
             yield dict(marches)
 
 
+def _contact_loop(scenes: Mapping[str, Scene], bar: progress.Bar, folder: Path | None) -> RunLoop:
+    """Return the loop that marches contacts by their identities."""
+    runs = list(scenes.values())
+    if folder is None:
+        return RunLoop(runs, bar)
+    home = folder / CONTACTS
+    make_below(folder, home)
+    for identity, scene in scenes.items():
+        path = march_path(folder, identity).with_suffix(".yaml")
+        text = scene_file.dump(folders.with_relative_paths(home, scene))
+        write_bytes(path, text.encode())
+    files = RunFiles(
+        runs=[RunFolder({}, scene, home) for scene in runs],
+        labels=list(scenes),
+        pieces=folder / folders.PIECES,
+        stored={},
+        film=False,
+        finish=store_march,
+    )
+    return RunLoop(runs, bar, files)
+
+
 def _solve(
-    scenes: Mapping[str, Scene], pool: Pool, bar: progress.Bar, folder: Path | None
+    scenes: Mapping[str, Scene], loop: RunLoop, pool: Pool, folder: Path | None
 ) -> dict[str, ContactMarch]:
     """March contacts by their identities; raise ContactError where one has no solution."""
-    if not scenes:
-        return {}
     identities = list(scenes)
-    runs = list(scenes.values())
-    files = None
-    if folder is not None:
-        home = folder / CONTACTS
-        make_below(folder, home)
-        files = RunFiles(
-            runs=[RunFolder({}, scene, home) for scene in runs],
-            labels=identities,
-            pieces=folder / folders.PIECES,
-            stored={},
-            film=False,
-            finish=store_march,
-        )
-        for identity, scene in scenes.items():
-            path = march_path(folder, identity).with_suffix(".yaml")
-            text = scene_file.dump(folders.with_relative_paths(home, scene))
-            write_bytes(path, text.encode())
     marches = {}
-    loop = RunLoop(runs, bar, files)
     for number, result in loop.finished_runs(pool):
         identity = identities[number]
         if folder is None:
@@ -163,8 +167,8 @@ def _solve(
         folders.drop_pieces(folder, identity)
     if loop.failures:
         number = min(loop.failures)
-        load = runs[number].load
-        raise ContactError(f"{runs[number].name}, {load:g} N: {loop.failures[number]}")
+        scene = scenes[identities[number]]
+        raise ContactError(f"{scene.name}, {scene.load:g} N: {loop.failures[number]}")
     return marches
 
 
