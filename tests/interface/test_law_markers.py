@@ -10,6 +10,7 @@ TESTS = Path(__file__).parents[1]
 LAWS = {
     "A-weighting",
     "Ball on plate",
+    "Bearing",
     "Capacity",
     "Dense method",
     "Energy ledger",

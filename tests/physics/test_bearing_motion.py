@@ -115,8 +115,7 @@ def test_a_smooth_bearing_is_silent(inertia: bool) -> None:
 def test_varying_compliance_follows_the_static_balance(geometry, loads) -> None:
     """A slow ring goes through the balances of the cage's places, and moves at Z f_c.
 
-    The waviest part of the way, a ball's entry into the load zone, excites its resonance by less
-    than 2 % of the way.
+    Its inertia, and a ball's entry into the load zone, change that by less than 1e-3 of the way.
     """
     case = model(geometry, turns_hz=1.0, **loads)
     motion = move_ring(case, smooth_tracks(geometry), 0.4)
@@ -125,15 +124,15 @@ def test_varying_compliance_follows_the_static_balance(geometry, loads) -> None:
     still = np.array([state.displacement_m for state in balances])
     moved = (motion.displacement_m + motion.mean_displacement_m)[places]
     way = np.ptp(still, axis=0).max()
-    np.testing.assert_allclose(moved, still, atol=0.02 * way)
+    np.testing.assert_allclose(moved, still, atol=1e-3 * way)
     still_loads = np.array([state.ball_load_n for state in balances])
     np.testing.assert_allclose(
-        motion.ball_load_n[places], still_loads, atol=0.01 * still_loads.max()
+        motion.ball_load_n[places], still_loads, atol=1e-3 * still_loads.max()
     )
     period = 1 / (case.geometry.balls * case.kinematics.cage_hz)
     later = round(period * motion.rate_hz)
     repeated = motion.displacement_m[later:, 0] - motion.displacement_m[:-later, 0]
-    assert np.abs(repeated).max() < 0.02 * way
+    assert np.abs(repeated).max() < 2e-3 * way
 
 
 def valley(tracks: BearingTracks, depth_m: float, share: float) -> BearingTracks:
@@ -317,7 +316,8 @@ def test_mobility_is_that_of_the_linear_ring(name: str, ratio: float) -> None:
 def test_motion_agrees_with_another_solver() -> None:
     """Waves above the approach and a radial load; balls lose contact, and nothing is lost.
 
-    The comparison begins with a recorded state, whose filter passes 20 kHz to 1e-4.
+    The comparison begins with a recorded state. 160 steps in a period of the resonance leave 0.2 %
+    of the maximum after 60 periods.
     """
     from scipy.integrate import solve_ivp
 
@@ -353,7 +353,7 @@ def test_motion_agrees_with_another_solver() -> None:
     expected = solution.y[3:].T
     assert motion.ball_load_n.min() < 1.0  # a contact is lost
     size = np.abs(expected).max()
-    np.testing.assert_allclose(motion.velocity_m_s, expected, atol=0.02 * size)
+    np.testing.assert_allclose(motion.velocity_m_s, expected, atol=0.005 * size)
 
 
 @pytest.mark.law("Bearing: a ball with mass moves between its raceways as a mass on two springs.")
