@@ -207,8 +207,12 @@ class HousingPlate(Plate):
             "contact_end_mm",
             "contact_loss_factor",
         ):
-            if getattr(self, key) is not None:
-                raise fault("only goes with a sphere that rolls on the plate", at=f".{key}")
+            if getattr(self, key) is None:
+                continue
+            words = "only goes with a sphere that rolls on the plate"
+            if key == "contact_loss_factor":
+                words += "; that of the balls is bearing.contact_loss_factor"
+            raise fault(words, at=f".{key}")
         return self
 
 

@@ -69,8 +69,7 @@ def _refuse_half(section: Section, keys: tuple[str, str], rule: str) -> None:
     """Refuse one key of a pair without the other."""
     for missing, given in (keys, keys[::-1]):
         if getattr(section, missing) is None and getattr(section, given) is not None:
-            name = type(section).__name__.lower()
-            raise fault(f"missing beside {given}; {rule}", at=f"{name}.{missing}")
+            raise fault(f"missing beside {given}; {rule}", at=f".{missing}")
 
 
 class Sphere(Section):

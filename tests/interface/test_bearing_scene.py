@@ -226,6 +226,7 @@ def test_all_faults_stand_in_one_message() -> None:
         ("bearing.surfaces.outer={kind: smooth, waviness: {1: 0.1}}", "from 2 on"),
         ("bearing.surfaces.outer={kind: smooth, waviness: {99999: 0.1}}", "up to 6"),
         ("plate={material: steel-s235}", "missing"),
+        ("plate={material: steel-s235, length_mm: 300}", "plate.width_mm: missing"),
         ("sound.duration_s=-1", "greater than 0"),
     ],
 )

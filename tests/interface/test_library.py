@@ -52,11 +52,14 @@ def test_a_scene_is_copied_with_its_schema_and_nothing_is_replaced(
     assert capsys.readouterr().err.startswith("quickstart.yaml: exists, ")
     assert cli.main(["init", "smooth.yaml"]) == 0
     assert cli.main(["init", "lee2025/as-stated/rough"]) == 0
+    assert cli.main(["init", "bearing-6204"]) == 0
     assert {path.name for path in Path().iterdir()} == {
         "quickstart.yaml",
         "scene.schema.json",
         "smooth.yaml",
         "rough.yaml",
+        "bearing-6204.yaml",
+        "bearing.schema.json",
     }
     assert Path("quickstart.yaml").read_text() == Path("scene.schema.json").read_text() == "mine"
 
