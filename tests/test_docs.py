@@ -23,7 +23,7 @@ import rolling
 from rolling import cli, read_scene
 from rolling.scene import file as scene_file
 from rolling.scene import library as scene_library
-from rolling.scene.bearing_file import is_bearing_file
+from rolling.scene.bearing_file import is_bearing_file, read_either
 from rolling.terminal import parser as command_line
 
 ROOT = next(folder for folder in Path(__file__).parents if (folder / "pyproject.toml").exists())
@@ -101,7 +101,8 @@ def test_commands_have_options_scenes_and_keys_of_the_program(page: Path):
         if words == ["COMMAND", "--help"] or is_named_only:  # as in `rolling check -v`
             continue
         given = vars(parser.parse_args(words))
-        named = str(given.get("scene") or given.get("source") or given.get("name") or "SCENE")
+        chosen = [*map(str, given.get("scenes") or ["SCENE"])]
+        named = str(given.get("scene") or given.get("source") or given.get("name") or chosen[0])
         known = named.removesuffix(".yaml").removeprefix("scenarios/")
         if known.islower() and (named.endswith(".yaml") or "." not in named):
             assert known in library, words
@@ -110,7 +111,7 @@ def test_commands_have_options_scenes_and_keys_of_the_program(page: Path):
             if "folder" in given:
                 scene_file.resound(read_scene("steel-sheet"), overrides)
             else:
-                read_scene(library.get(known, library["quickstart"]), overrides)
+                read_either(library.get(known, library["quickstart"]), overrides)
     for options in re.findall(r"`(--set [^`]*)`", text):
         settings = [word for word in shlex.split(options) if word != "--set"]
         read_scene("ball-on-plate", ["sweep=", *settings])

@@ -15,10 +15,14 @@ grid_error, automatic_tolerance
     what the grid leaves in the release, and the tolerance of the solver beside it
 quantities, rules
     the sections together and their quantities in SI; the rules that join them
-sweep, scene
-    lists of values and their product; `Scene`, its changes and its runs
+sweep, swept, scene
+    lists of values and their product; a scene of any kind, its changes and its runs; `Scene`
+bearing_lengths, bearing_rules, bearing_sections, bearing_scene, bearing_sources
+    the scene of a bearing: lengths in closed form, what does not fit, its sections, `BearingScene`,
+    and where its values come from
 identity
     the keys that make a march, digests and differences of scenes
-yaml_text, file
-    plain values of a text with their lines; scenes as YAML, overrides, the JSON Schema
+yaml_text, file, bearing_file
+    plain values of a text with their lines; scenes as YAML, overrides, the JSON Schema; the same of
+    bearings, and of either kind
 """
