@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi
+from math import cos, log10, pi, sin
 
 import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array, short_repr
+from rolling.bearing.geometry import BearingGeometry
 from rolling.bearing.model import BearingModel
 
 _SOFT = 1e-6  # of the largest stiffness: nothing holds the ring in such a direction
@@ -105,3 +106,18 @@ def linear_ring(bearing: BearingModel) -> LinearRing:
         stiffness_n_m=(stiffness + stiffness.T) / 2,
         loss_factor=bearing.contact_loss_factor,
     )
+
+
+def free_tilt_db(geometry: BearingGeometry, radius_m: float, width_m: float) -> float:
+    """Return how many decibels less waves would move a ring along its radius if it could tilt.
+
+    A ring without guidance tilts about the point in which the contact lines of its balls meet, by
+    its inertia alone far above its rocking mode. Its ways x along the radius and phi in tilt share
+    the displacement w = x cos(alpha) + phi r sin(alpha) that the balls ask of it, r the radius of
+    the pitch circle, in proportion to what moves most easily. `radius_m` and `width_m` are the
+    mean radius and the width of the ring.
+    """
+    along = cos(geometry.contact_angle) ** 2
+    gyration = radius_m**2 / 2 + width_m**2 / 12  # squared, about a diameter
+    tilting = (geometry.pitch_radius_m * sin(geometry.contact_angle)) ** 2 / gyration
+    return 20 * log10(1 + tilting / along)

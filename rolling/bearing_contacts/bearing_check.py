@@ -14,11 +14,11 @@ from rolling.bearing import iso_15242
 from rolling.bearing.geometry import angle_under_load
 from rolling.bearing.kinematics import lines_of
 from rolling.bearing.limits import bounce_hz, motion_seconds
-from rolling.bearing.linear_ring import linear_ring
+from rolling.bearing.linear_ring import free_tilt_db, linear_ring
 from rolling.bearing.waves import hertz_pressure, semi_axes
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
 from rolling.check import cost, forecast
-from rolling.check.doubt import Doubt, Finding, Severity, sized
+from rolling.check.doubt import TRUSTED_DB, Doubt, Finding, Severity, sized
 from rolling.check.findings import Findings
 from rolling.scene import bearing_rules
 from rolling.scene.bearing_scene import BearingScene
@@ -209,6 +209,15 @@ def _ring(scene: BearingScene) -> Iterator[Finding | Doubt]:
             f"the ring bends from {si(bending, 'Hz')} on, and is rigid here",
             Severity.INDICATIVE,
             advice="velocities above are those of a rigid ring",
+        )
+    section = scene.ring_section
+    tilt_db = free_tilt_db(scene.geometry, section.radius, section.width)
+    if tilt_db > TRUSTED_DB:
+        yield sized(
+            "tilt",
+            f"the ring cannot tilt here; one without guidance would move {tilt_db:.1f} dB less"
+            " along its radius, well above its rocking mode",
+            tilt_db,
         )
     yield from _balls(scene)
 

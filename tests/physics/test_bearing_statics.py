@@ -16,6 +16,7 @@ from rolling.bearing.geometry import (
     ring_bending_hz,
 )
 from rolling.bearing.kinematics import kinematics_of, lines_of
+from rolling.bearing.linear_ring import free_tilt_db
 from rolling.bearing.static_load import least_axial_load, sjovall, static_balance
 from rolling.contact import closed_forms
 
@@ -201,6 +202,23 @@ def test_ring_bending_is_that_of_a_thin_ring() -> None:
     expected = 2 * 3 / np.sqrt(5) * np.sqrt(210e9 * inertia / (mass * radius**4)) / (2 * pi)
     found = ring_bending_hz(youngs_modulus=210e9, density=7800, radius_m=radius, thickness_m=height)
     assert found == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", GEOMETRIES)
+def test_a_ring_that_tilts_moves_less_along_its_radius(name: str) -> None:
+    """Two equations of motion of a ring on stiff balls, between its rocking mode and resonance."""
+    geometry = GEOMETRIES[name]
+    radius, width = 1.3 * geometry.pitch_radius_m, geometry.ball_radius_m
+    angle = geometry.contact_angle
+    way = np.array([cos(angle), geometry.pitch_radius_m * sin(angle)])
+    inertia = np.diag([1.0, radius**2 / 2 + width**2 / 12])  # of a ring of 1 kg
+    stiffness = 1e12
+    matrix = stiffness * np.outer(way, way) - inertia * 1e3**2
+    free = np.linalg.solve(matrix, stiffness * way)[0]
+    held = 1 / cos(angle)
+    assert 20 * np.log10(held / free) == pytest.approx(
+        free_tilt_db(geometry, radius, width), abs=1e-3
+    )
 
 
 def test_a_scene_has_the_same_geometry() -> None:
