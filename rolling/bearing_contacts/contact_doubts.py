@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from acoustics.numbers import rounded
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing import waves
 from rolling.bearing_contacts.contacts import RoughContact
 from rolling.bearing_contacts.joined_tracks import rough_rows
@@ -40,6 +41,7 @@ BRIDGED = 0.5  # pressure that presses waves flat over Hertz's, from which on it
 BRIDGED_DB = 1.0  # loss at a ratio of one [dB], which grows with its square
 FORM_POINTS = 2**14  # of a turn, which hold waves as short as any contact
 COARSE_DB = 0.3  # from which on nodes that are too far apart are a doubt
+WHOLE_TURN = 0.99  # of a turn, from which on a stretch is all of it
 SOFTER = 0.03  # change of the mean stiffness beside Hertz's, from which on it is a doubt
 
 
@@ -55,7 +57,7 @@ class MarchedContact:
     stiffness_change : float. Mean stiffness between the loads beside the middle one over Hertz's,
         less 1; NaN with fewer marches.
     max_pressure_pa : float, Pa. Maximum pressure.
-    seconds : float, s. Processor time of the marches at all loads.
+    seconds : float, s. Time of the marches at all loads, sum of their steps.
     """
 
     name: str
@@ -214,6 +216,43 @@ def _steep_waves(plan: ContactPlan) -> Iterator[Doubt]:
                     " their valleys; they enter by its linear response",
                     BRIDGED_DB * ratio**2,
                 )
+
+
+def window_scatter_db(length_m: float, speed_m_s: float, band_hz: tuple[float, float]) -> float:
+    """Return the standard deviation of a level that is known from a stretch of a surface [dB].
+
+    A band of a stretch has as many waves as its width allows, of which about half carry the power,
+    and the mean square of N random waves scatters by 1 / sqrt(N).
+    """
+    low, high = band_hz
+    count = max(length_m * (high - low) / speed_m_s / 2, 1.0)
+    return 10 / math.log(10) / math.sqrt(count)
+
+
+def _short_windows(plan: ContactPlan) -> Iterator[Doubt]:
+    """State the scatter of levels whose roughness is known from a stretch of track only."""
+    scatter = {"medium": 0.0, "high": 0.0}
+    shortest = math.inf
+    for contact in plan.rough.values():
+        scene = contact.scene
+        body = "balls" if contact.name.startswith("balls") else contact.name
+        length = contact.steps * scene.step
+        if length >= WHOLE_TURN * 2 * math.pi * radius_of(plan.geometry, body):
+            continue
+        shortest = min(shortest, length)
+        speed = scene.motion.fastest(scene.duration)
+        for band in scatter:
+            decibels = window_scatter_db(length, speed, VELOCITY_BANDS_HZ[band])
+            scatter[band] = max(scatter[band], decibels)
+    if scatter["high"]:
+        yield sized(
+            "window",
+            f"roughness is known from {rounded(shortest * 1e3)} mm of track, and goes on at random:"
+            f" what it adds to the high band scatters by {rounded(scatter['high'])} dB, and to the"
+            f" medium band by {rounded(scatter['medium'])} dB",
+            scatter["high"],
+            advice="choose a longer numerics.window_mm, which takes longer",
+        )
 
 
 def _narrow_turns(plan: ContactPlan) -> Iterator[Doubt]:

@@ -40,7 +40,7 @@ class ContactMarch:
     approach_m : (steps,) array, m. Approach at each position.
     max_pressure_pa : float, Pa. Maximum pressure along the track.
     contact_area_m2 : float, m2. Mean contact area.
-    seconds : float, s. Processor time of the march.
+    seconds : float, s. Time of the march, sum of its steps.
     """
 
     __repr__ = short_repr

@@ -12,7 +12,9 @@ import pytest
 
 import rolling
 from acoustics.arrays import Array
+from acoustics.ring_velocity import velocity_bands
 from rolling.bearing import waves
+from rolling.bearing.motion import move_ring
 from rolling.bearing_contacts.contact_doubts import coarse_nodes_db, contact_doubts
 from rolling.bearing_contacts.contacts import (
     RoughContact,
@@ -294,6 +296,32 @@ def test_a_bridged_wave_is_a_doubt() -> None:
         doubts = contact_doubts(contact_plan(scene), {}, np.inf)
         found.append([doubt.decibels for doubt in doubts if doubt.key == "steep_waves"])
     assert found[0][0] > 1.0 and not found[1]
+
+
+@pytest.mark.slow
+@pytest.mark.law("Bearings: twice the roughness of the balls is 6 dB more in the high band.")
+def test_twice_the_roughness_of_balls_is_6_db_in_the_high_band() -> None:
+    """The contacts of the smaller roughness are closed. The heights are the same, times two."""
+    levels = []
+    for ra_um in (0.01, 0.02):
+        balls = {
+            "kind": "gaussian",
+            "roughness_ra_um": ra_um,
+            "correlation_length_um": 20,
+            "seed": 1,
+        }
+        scene = rolling.read_bearing("bearing-6204").with_(
+            {
+                "bearing.surfaces": {"balls": balls},
+                "numerics.window_mm": 4,
+                "numerics.spacing_um": 8,
+            }
+        )
+        plan = contact_plan(scene)
+        motion = move_ring(scene.model, bearing_tracks(plan, marched(plan.stages[0])), 0.25)
+        bands = velocity_bands(motion.velocity_m_s[:, 0], motion.rate_hz)
+        levels.append(20 * np.log10(bands.rms_m_s["high"]))
+    assert levels[1] - levels[0] == pytest.approx(6.02, abs=0.3)  # 0.1 to 0.2 dB of open contact
 
 
 # ---- loads
