@@ -285,8 +285,8 @@ def test_balls_without_mass_serve_the_three_bands(name: str) -> None:
     if name == "608":
         case = model(miniature(), ring_mass_kg=5e-3, axial_load_n=20.0)
     tracks = rough_tracks(case, 20e-9)
-    light = bands(move_ring(case, tracks, 1.0))
-    heavy = bands(move_ring(replace(case, ball_inertia=True), tracks, 1.0))
+    light = bands(move_ring(case, tracks, 0.6))
+    heavy = bands(move_ring(replace(case, ball_inertia=True), tracks, 0.6))
     assert np.abs(10 * np.log10(heavy / light)).max() < 1.0
 
 
