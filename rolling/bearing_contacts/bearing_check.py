@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -367,30 +367,38 @@ def conclusion(findings: Findings) -> str:
 
 def lines_in_short(findings: Findings) -> list[str]:
     """Return the conclusion of a check, the numbers that a designer asks for, and the doubts."""
-    lines = [folded(conclusion(findings), "")]
+    texts: dict[str, list[str]] = {}  # with the runs that have them
     for name, rows in findings.runs.items():
-        values = {row.key: row.value for row in rows}
-        prefix = f"{name}: " if len(findings.runs) > 1 else ""
-        frequencies = ", ".join(
-            f"{line} {values[line]}" for line in ("cage", "BPFO", "BPFI", "2 x ball spin")
-        )
-        lines.append(folded(f"{prefix}{values['bearing']}: {frequencies}.", ""))
-        lines.append(
-            folded(
-                f"{prefix}Balls bear {values['ball_loads']}, Hertz pressure"
-                f" {values['inner_pressure']} inner and {values['outer_pressure']} outer. The ring"
-                f" resonates at {values['ring_resonances']}, and bends from"
-                f" {values['ring_bending'].partition(',')[0]} on.",
-                "",
-            )
-        )
-        if "not met" not in values["iso_15242"]:
-            lines.append(folded(f"{prefix}ISO 15242: {values['iso_15242']}.", ""))
+        for text in _sentences({row.key: row.value for row in rows}):
+            texts.setdefault(text, []).append(name)
+    lines = [folded(conclusion(findings), "")]
+    for text, names in texts.items():
+        prefix = ""
+        if len(names) < len(findings.runs):
+            prefix = f"{', '.join(names)}: "
+        lines.append(folded(f"{prefix}{text}", ""))
     lines += [folded(f"- {text[0].upper()}{text[1:]}.") for text in _doubts(findings)]
     return [*lines, "-v shows all quantities."]
 
 
-def _doubts(findings: Findings) -> Sequence[str]:
+def _sentences(values: Mapping[str, str]) -> Iterator[str]:
+    """Yield sentences on the lines, the loads, the ring and the standard from the rows of a run."""
+    lines = ("cage", "BPFO", "BPFI", "2 x ball spin")
+    frequencies = ", ".join(f"{line} {values[line]}" for line in lines)
+    yield f"{values['bearing']}: {frequencies}."
+    yield (
+        f"Balls bear {values['ball_loads']}, Hertz pressure {values['inner_pressure']} inner and"
+        f" {values['outer_pressure']} outer."
+    )
+    yield (
+        f"The ring resonates at {values['ring_resonances']}, and bends from"
+        f" {values['ring_bending'].partition(',')[0]} on."
+    )
+    if "not met" not in values["iso_15242"]:
+        yield f"ISO 15242: {values['iso_15242']}."
+
+
+def _doubts(findings: Findings) -> list[str]:
     """Return the doubts of all runs, the worst first, each once with the runs that have it."""
     runs: dict[Doubt, list[str]] = {}
     for name, doubts in findings.doubts.items():
