@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -242,6 +243,18 @@ class BearingRun:
         from rolling.bearing_run import stored_run
 
         return stored_run.result_dataset(self)
+
+    def _repr_html_(self) -> str:
+        """Write the sentences of a run and its bands for a notebook."""
+        said = "".join(f"<p>{html.escape(text)}</p>" for text in self.summary["sentences"])
+        rows = ""
+        for name, words in summary.BAND_WORDS.items():
+            cells = ""
+            for direction in DIRECTIONS:
+                cells += f"<td>{summary.velocity(self.bands_um_s[direction][name])}</td>"
+            rows += f"<tr><td>{words}</td>{cells}</tr>"
+        heads = "".join(f"<th>{direction} [um/s]</th>" for direction in DIRECTIONS)
+        return f"{said}<table><tr><th>band</th>{heads}</tr>{rows}</table>"
 
     def __repr__(self) -> str:
         numbers = ", ".join(f"{value:.3g}" for value in self.bands_um_s[RADIAL].values())

@@ -76,6 +76,7 @@ def run_bearing(
     """
     folder = out or folders.default_folder(scene)
     folders.refuse_other(folder, scene)
+    simulation.refuse(scene, workers)
     folder.mkdir(parents=True, exist_ok=True)
     with folders.locked(folder):
         if not folders.refuse_other(folder, scene):
@@ -235,10 +236,11 @@ def write_report(folder: Path, done: Sequence[BearingFolder], unsolved: Sequence
     """Write the figures of runs that are done and the page of a folder."""
     with progress.step("drawing the figures"):
         runs = opened(done[: defaults.MAX_RUNS_ON_PAGE])
+        not_shown = [*unsolved, *map(label_of, done[defaults.MAX_RUNS_ON_PAGE :])]
         for run in runs:
             stored_run.write_figures(run, run.folder)
     with progress.step("writing the page"):
-        files.write_bytes(folder / PAGE, page.page(runs, _scene_text(folder), unsolved))
+        files.write_bytes(folder / PAGE, page.page(runs, _scene_text(folder), not_shown))
 
 
 def _scene_text(folder: Path) -> str:
@@ -381,7 +383,9 @@ def report_bearing(run_folders: Sequence[Path], out: Path | None = None) -> list
     if out.suffix.lower() not in (".html", ".htm"):
         raise FolderError(f"{out}: a page ends in .html, such as --out {out.name}.html")
     with progress.step("writing the page"):
-        content = page.page(opened(done), _scene_text(folder), unsolved)
+        runs = opened(done[: defaults.MAX_RUNS_ON_PAGE])
+        not_shown = [*unsolved, *map(label_of, done[defaults.MAX_RUNS_ON_PAGE :])]
+        content = page.page(runs, _scene_text(folder), not_shown)
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
     return [out]

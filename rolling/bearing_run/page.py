@@ -40,14 +40,14 @@ PICTURES = {
 }
 
 
-def page(runs: Sequence[BearingRun], scene_text: str, unsolved: Sequence[str] = ()) -> bytes:
+def page(runs: Sequence[BearingRun], scene_text: str, not_shown: Sequence[str] = ()) -> bytes:
     """Write the page of bearing runs.
 
     Parameters
     ----------
     runs : sequence of BearingRun. The runs of a scene.
     scene_text : str. The scene file.
-    unsolved : sequence of str. Labels of runs that are not solved.
+    not_shown : sequence of str. Labels of other runs, not solved or beyond those of a page.
     """
     first = runs[0]
     title = printable(first.scene.title or first.scene.name)
@@ -61,7 +61,7 @@ def page(runs: Sequence[BearingRun], scene_text: str, unsolved: Sequence[str] = 
         title=title,
         views=[_view(run) for run in runs],
         band_names=list(summary.BAND_WORDS.values()),
-        unsolved=[printable(label) for label in unsolved],
+        not_shown=[printable(label) for label in not_shown],
         data=data,
         js=Markup(joined_script("bearing/begin.js")),
         engine=Markup(joined_script("bearing/worker.js")),

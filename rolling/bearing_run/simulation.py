@@ -18,6 +18,7 @@ from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
 from rolling.bearing_contacts.solving import Marches, solved_stages
 from rolling.bearing_run.bearing_run import BearingRun
+from rolling.check import refusals
 from rolling.scene import library
 from rolling.scene.bearing_scene import BearingScene
 
@@ -71,6 +72,20 @@ def bearing_stages(
     solving = solved_stages(stages, name=scene.name, folder=folder, workers=workers, shown=shown)
     for number, marches in enumerate(solving, start=1):
         yield BearingStage(_moved(scene, plan, marches), is_final=number == len(stages))
+
+
+def refuse(scene: BearingScene, workers: int) -> None:
+    """Refuse a scene with a run whose contacts cannot be marched here, before anything is written.
+
+    Raises
+    ------
+    SceneError : a height file cannot be used, or the memory does not suffice.
+    """
+    for run in scene.runs():
+        plan = contact_plan(run.scene)
+        for stage in plan.stages:
+            for contact in stage:
+                refusals.refuse(contact, workers)
 
 
 def _moved(scene: BearingScene, plan: ContactPlan, marches: Marches) -> BearingRun:

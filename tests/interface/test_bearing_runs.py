@@ -258,6 +258,19 @@ def test_bad_folders_are_refused(folder: Path, tmp_path: Path, capsys) -> None:
     assert not (tmp_path / "new").exists()
 
 
+def test_nothing_is_written_for_a_scene_that_cannot_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    missing = "bearing.surfaces.inner={kind: file, path: no.csv, height_unit: um, spacing_um: 2}"
+    huge = "numerics={spacing_um: 0.01, window_mm: 100}"
+    rough = "bearing.surfaces.balls={kind: graded, grade: G10, seed: 1}"
+    for words in (["--set", missing], ["--set", rough, "--set", huge]):
+        out = tmp_path / "out"
+        assert cli.main(["run", str(written(tmp_path)), "--out", str(out), *words]) == 2
+        assert capsys.readouterr().err.splitlines()[-1]
+        assert not out.exists()
+
+
 @pytest.mark.parametrize("name", ["result.h5", "summary.json"])
 def test_a_damaged_file_is_named(name: str, run: BearingRun, tmp_path: Path) -> None:
     folder = rolling.save_bearing(run, tmp_path / "own", report=False)
