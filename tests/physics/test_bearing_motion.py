@@ -277,17 +277,27 @@ def bands(motion: RingMotion) -> np.ndarray:
     return np.array([power[(frequency >= a) & (frequency < b)].sum(axis=0) for a, b in edges])
 
 
+BALLS_IN_BANDS = {
+    "6204": model(),
+    "608": model(miniature(), ring_mass_kg=5e-3, axial_load_n=20.0),
+}
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["6204", "608"])
+@pytest.mark.parametrize("name", BALLS_IN_BANDS)
 def test_balls_without_mass_serve_the_three_bands(name: str) -> None:
-    """Balls with mass bounce at 34 kHz and above, so they change the bands by less than 1 dB."""
-    case = model()
-    if name == "608":
-        case = model(miniature(), ring_mass_kg=5e-3, axial_load_n=20.0)
+    """Balls with mass bounce at 34 kHz and above; they change the bands by less than 0.5 dB.
+
+    Their mass lowers the resonance of the ring by some 2 %, where random tracks have other waves,
+    so the loss factor is high enough for many of them. The radial bands below differ by 0.1 dB.
+    """
+    case = replace(BALLS_IN_BANDS[name], contact_loss_factor=0.1)
     tracks = rough_tracks(case, 20e-9)
     light = bands(move_ring(case, tracks, 0.6))
     heavy = bands(move_ring(replace(case, ball_inertia=True), tracks, 0.6))
-    assert np.abs(10 * np.log10(heavy / light)).max() < 1.0
+    difference_db = np.abs(10 * np.log10(heavy / light))
+    assert difference_db.max() < 0.5
+    assert difference_db[:2, :2].max() < 0.1
 
 
 @pytest.mark.law("Bearing: small waves move the ring as a mass on the mean stiffness.")
