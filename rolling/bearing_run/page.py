@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 RING_PLACES = 16384  # of a raceway's track, at most
 BALL_PLACES = 4096  # of a ball's track, at most
+_LEAST_LOAD_N = 1e-9  # of a ball
 _STEPS = 2**15 - 1  # of 16 bits
 # Ends of the sliders over the value of the run, and places on them from nothing to this value.
 _LEAST = 0.1
@@ -207,17 +208,9 @@ def _mark(line: lines.BearingLine) -> dict[str, Any]:
 
 
 def _model_of(run: BearingRun) -> dict[str, Any]:
-    """Return the small model of a bearing: springs, mass, speeds, and tracks at the mean load."""
+    """Return the small model of a bearing: springs, mass, speeds, and tracks at some loads."""
     model = run.model
     speeds = model.kinematics
-    load = np.array([max(float(run.record.ball_load_n.mean()), 1e-9)])
-
-    def packed(track: BodyTrack, most: int) -> dict[str, Any]:
-        """Return a track at the mean load in steps of 16 bits."""
-        heights = track.resampled(min(track.points, most)).at_loads(load)[0]
-        return _packed(heights)
-
-    tracks = run.tracks
     return {
         "balls": model.geometry.balls,
         "stiffness": model.geometry.series_stiffness,
@@ -233,13 +226,33 @@ def _model_of(run: BearingRun) -> dict[str, Any]:
             "outer": speeds.outer_hz,
             "spin": speeds.ball_spin_hz,
         },
+        "loads": _loads_of_tracks(run).tolist(),
         "tracks": {
-            "inner": packed(tracks.inner, RING_PLACES),
-            "outer": packed(tracks.outer, RING_PLACES),
-            "ballsOnInner": [packed(track, BALL_PLACES) for track in tracks.balls_on_inner],
-            "ballsOnOuter": [packed(track, BALL_PLACES) for track in tracks.balls_on_outer],
+            "inner": _packed_track(run, run.tracks.inner, RING_PLACES),
+            "outer": _packed_track(run, run.tracks.outer, RING_PLACES),
+            "ballsOnInner": [
+                _packed_track(run, track, BALL_PLACES) for track in run.tracks.balls_on_inner
+            ],
+            "ballsOnOuter": [
+                _packed_track(run, track, BALL_PLACES) for track in run.tracks.balls_on_outer
+            ],
         },
     }
+
+
+def _loads_of_tracks(run: BearingRun) -> Array:
+    """Return the loads [N] at which the page knows the tracks: least, mean in the run, largest."""
+    tracks = run.tracks
+    every = (tracks.inner, tracks.outer, *tracks.balls_on_inner, *tracks.balls_on_outer)
+    known = [load for track in every if len(track.loads_n) > 1 for load in track.loads_n]
+    mean = max(float(run.record.ball_load_n.mean()), _LEAST_LOAD_N)
+    return np.unique([min([*known, mean]), mean, max([*known, mean])])
+
+
+def _packed_track(run: BearingRun, track: BodyTrack, most: int) -> list[dict[str, Any]]:
+    """Return a track at the loads of the page, each in steps of 16 bits."""
+    points = min(track.points, most)
+    return [_packed(row) for row in track.resampled(points).at_loads(_loads_of_tracks(run))]
 
 
 def _packed(heights: Array) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 //
 // Balls have no mass. A ball's force follows from Hertz' law of its two contacts in series, pressed by the
 // displacement of the ring along its contact line less the tracks: the change of the approach as ball and
-// raceways turn, as the run computed it at the mean load of a ball.
+// raceways turn, as the run computed it, at the mean load that the balls have at the settings.
 
 import { RATE } from "../engine/rate.js";
 
@@ -116,6 +116,11 @@ export function moveRing(bearing, settings, samples, loadEvery = 20) {
   const steps = Math.min(Math.max(Math.ceil(fastest / (RATE * FINE)), 2), MAX_STEPS);
   const step = 1 / (RATE * steps);
   const damping = dampingOf(modes, mass, lossFactor);
+  // Leapfrog steps raise a resonance; a heavier ring lowers it by as much.
+  const [mx, my, mz] = [0, 1, 2].map((row) => {
+    const half = (Math.sqrt(still.matrix[row][row] / mass) * step) / 2;
+    return half > 0 ? mass * (half / Math.sin(half)) ** 2 : mass;
+  });
   const hz = frequenciesAt(bearing, settings.rpm);
   const begin = Math.round(SETTLED_S * RATE);
   const record = () => [0, 1, 2].map(() => new Float64Array(samples));
@@ -127,7 +132,10 @@ export function moveRing(bearing, settings, samples, loadEvery = 20) {
   const across = own.map((share) => sign * Math.cos(alpha) * Math.cos(2 * Math.PI * share));
   const along = own.map((share) => sign * Math.cos(alpha) * Math.sin(2 * Math.PI * share));
   const sine = Math.sin(alpha);
-  const { inner, outer, ballsOnInner, ballsOnOuter } = tracks;
+  const meanLoad = still.loads.reduce((sum, load) => sum + load, 0) / balls;
+  const atLoad = (rows) => trackAtLoad(bearing.loads, rows, meanLoad);
+  const [inner, outer] = [tracks.inner, tracks.outer].map(atLoad);
+  const [ballsOnInner, ballsOnOuter] = [tracks.ballsOnInner, tracks.ballsOnOuter].map((each) => each.map(atLoad));
   const [[dxx, dxy, dxz], [, dyy, dyz], [, , dzz]] = damping;
   let [x, y, z] = still.place;
   let vx = 0;
@@ -161,15 +169,26 @@ export function moveRing(bearing, settings, samples, loadEvery = 20) {
         for (const [row, speed] of [vx, vy, vz].entries()) velocity[row][sample] += speed / steps;
         if (fine === 0 && sample % loadEvery === 0) loads.set(now, (sample / loadEvery) * balls);
       }
-      vx += (step * px) / mass;
-      vy += (step * py) / mass;
-      vz += (step * pz) / mass;
+      vx += (step * px) / mx;
+      vy += (step * py) / my;
+      vz += (step * pz) / mz;
       x += step * vx;
       y += step * vy;
       z += step * vz;
     }
   }
   return { velocity, acceleration, loads, loadEvery, begin: begin / RATE, still };
+}
+
+/** Return a track at a load, from rows at some ascending loads: linear in Q^(2/3), constant beyond them. */
+function trackAtLoad(loads, rows, load) {
+  const last = loads.length - 1;
+  if (load <= loads[0]) return rows[0];
+  if (load >= loads[last]) return rows[last];
+  const above = loads.findIndex((known) => known > load);
+  const [low, high, here] = [loads[above - 1], loads[above], load].map((each) => each ** (2 / 3));
+  const share = (here - low) / (high - low);
+  return rows[above].map((value, k) => rows[above - 1][k] + share * (value - rows[above - 1][k]));
 }
 
 /** Return the height of a track [m] at a number of turns of its body, between two places too. */

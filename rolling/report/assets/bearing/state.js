@@ -18,10 +18,10 @@ function numbersOf({ unit, text }) {
 for (const run of data.runs) {
   const { inner, outer, ballsOnInner, ballsOnOuter } = run.bearing.tracks;
   run.bearing.tracks = {
-    inner: numbersOf(inner),
-    outer: numbersOf(outer),
-    ballsOnInner: ballsOnInner.map(numbersOf),
-    ballsOnOuter: ballsOnOuter.map(numbersOf),
+    inner: inner.map(numbersOf),
+    outer: outer.map(numbersOf),
+    ballsOnInner: ballsOnInner.map((ball) => ball.map(numbersOf)),
+    ballsOnOuter: ballsOnOuter.map((ball) => ball.map(numbersOf)),
   };
 }
 
