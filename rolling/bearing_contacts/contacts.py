@@ -45,6 +45,7 @@ STEPS_PER_LENGTH = 1.25  # minimum number of steps in a correlation length along
 HEARD_HZ = 24e3  # that the steps hold with a margin
 MARGIN = 2.0  # of the Nyquist frequency of the steps over it
 HIGHEST = 4.0  # peaks of rough surfaces over their rms height
+LEAST_CONTACTS = 2.0  # minimum length of a track over that of the contact's overlap
 ROOM = 1.1  # of the width of a surface over that of the contact's overlap
 
 # ---- loads
@@ -178,7 +179,7 @@ def march_numbers(
     turn_m : float, m
         Circumference of the body, which the track does not exceed.
     window_mm : float, mm
-        Wanted length of the closed track.
+        Wanted length of the closed track; it holds two contacts at least.
     spacing_um : float, optional, um
         Distance of nodes. Default: as the contact and the surface need it.
     tolerance : float or "auto"
@@ -200,7 +201,7 @@ def march_numbers(
     fitting = [nodes for nodes in STEP_NODES if nodes >= 1 and nodes * spacing <= longest]
     step_nodes = max(fitting, default=1.0)
     width_nodes = rounded_width(2 * ROOM * reach[1] / spacing)
-    length = min(window_mm * 1e-3, turn_m)
+    length = min(max(window_mm * 1e-3, LEAST_CONTACTS * 2 * reach[0]), turn_m)
     steps = max(round(length / (step_nodes * spacing)), 2 * MIN_NODES)
     return MarchNumbers(
         spacing_um=spacing_um,

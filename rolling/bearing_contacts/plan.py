@@ -314,11 +314,10 @@ def _shared_numbers(
 ) -> MarchNumbers:
     """Return the grid on which all contacts of a surface are marched, so that they see it alike.
 
-    The shortest contact sets nodes and steps, and the widest one the width.
+    The shortest contact sets nodes and steps, and the largest one width and length.
     """
     laws = [] if law is None else [law]
     shortest = min(contacts, key=lambda contact: waves.semi_axes(contact, min(loads_n)).along)
-    widest = max(contacts, key=lambda contact: contact.radius_across_m)
     numbers = march_numbers(
         shortest,
         laws,
@@ -329,13 +328,20 @@ def _shared_numbers(
         spacing_um=spacing_um,
         tolerance=tolerance,
     )
-    wide = march_numbers(
-        widest,
-        laws,
-        loads_n,
-        speed_m_s=speed_m_s,
-        turn_m=turn_m,
-        window_mm=window_mm,
-        spacing_um=numbers.spacing_um,
+    each = [
+        march_numbers(
+            contact,
+            laws,
+            loads_n,
+            speed_m_s=speed_m_s,
+            turn_m=turn_m,
+            window_mm=window_mm,
+            spacing_um=numbers.spacing_um,
+        )
+        for contact in contacts
+    ]
+    return replace(
+        numbers,
+        width_um=max(other.width_um for other in each),
+        distance_mm=max([numbers.distance_mm, *(other.distance_mm for other in each)]),
     )
-    return replace(numbers, width_um=wide.width_um)

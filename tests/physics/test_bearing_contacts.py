@@ -298,6 +298,13 @@ def test_a_bridged_wave_is_a_doubt() -> None:
     assert found[0][0] > 1.0 and not found[1]
 
 
+def test_a_short_window_holds_the_contact() -> None:
+    numbers = march_numbers(INNER, [FINE], [500.0], speed_m_s=SPEED, turn_m=0.08, window_mm=0.01)
+    axes = waves.semi_axes(INNER, 500.0)
+    assert numbers.distance_mm > 2 * 2e3 * axes.along
+    assert numbers.width_um > 2e6 * axes.across
+
+
 @pytest.mark.slow
 @pytest.mark.law("Bearings: twice the roughness of the balls is 6 dB more in the high band.")
 def test_twice_the_roughness_of_balls_is_6_db_in_the_high_band() -> None:
