@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from rolling.bearing.kinematics import Kinematics
+from rolling.bearing.kinematics import Kinematics, lines_of
 
 INNER = "inner"
 OUTER = "outer"
@@ -21,7 +21,7 @@ _MEANINGS = {
     "BPFO": "balls pass a place of the outer raceway",
     "BPFI": "balls pass a place of the inner raceway",
     "ball spin": "turns of a ball",
-    "2 x spin": "a place of a ball meets a raceway",
+    "2 x ball spin": "a place of a ball meets a raceway",
 }
 
 
@@ -48,15 +48,7 @@ class BearingLine:
 
 def kinematic_lines(kinematics: Kinematics) -> list[BearingLine]:
     """Return the lines of a bearing that its speeds alone decide, lowest first."""
-    frequencies = {
-        "cage": kinematics.cage_hz,
-        "turn": kinematics.turning_hz,
-        "BPFO": kinematics.ball_pass_outer_hz,
-        "BPFI": kinematics.ball_pass_inner_hz,
-        "ball spin": kinematics.ball_spin_hz,
-        "2 x spin": 2 * kinematics.ball_spin_hz,
-    }
-    lines = [BearingLine(name, _MEANINGS[name], hz) for name, hz in frequencies.items()]
+    lines = [BearingLine(name, _MEANINGS[name], hz) for name, hz in lines_of(kinematics).items()]
     return sorted(lines, key=lambda line: line.frequency_hz)
 
 
@@ -187,7 +179,7 @@ def _ball_family(kinematics: Kinematics, highest_hz: float, beside: int) -> list
     lines = []
     for order in range(2, int(highest_hz / kinematics.ball_spin_hz) + 2 + _MAX_BESIDE, 2):
         line = BearingLine(
-            name=f"{order} x spin" + _beside_in_words(beside, "cage"),
+            name=f"{order} x ball spin" + _beside_in_words(beside, "cage"),
             meaning=f"waves of balls, order {order}",
             frequency_hz=order * kinematics.ball_spin_hz + beside * kinematics.cage_hz,
         )
@@ -216,7 +208,7 @@ def envelope_lines(kinematics: Kinematics) -> list[BearingLine]:
     centres = {
         "BPFO": (kinematics.ball_pass_outer_hz, kinematics.outer_hz, "turn"),
         "BPFI": (kinematics.ball_pass_inner_hz, kinematics.inner_hz, "turn"),
-        "2 x spin": (2 * kinematics.ball_spin_hz, kinematics.cage_hz, "cage"),
+        "2 x ball spin": (2 * kinematics.ball_spin_hz, kinematics.cage_hz, "cage"),
     }
     for name, (hz, side_hz, side) in centres.items():
         lines.append(BearingLine(name, _MEANINGS[name], hz))
@@ -229,5 +221,5 @@ def envelope_lines(kinematics: Kinematics) -> list[BearingLine]:
     return sorted(lines, key=lambda line: line.frequency_hz)
 
 
-FAULT_LINES = {INNER: "BPFI", OUTER: "BPFO", BALLS: "2 x spin"}
+FAULT_LINES = {INNER: "BPFI", OUTER: "BPFO", BALLS: "2 x ball spin"}
 """Line of the envelope at which a fault of each body shows."""

@@ -114,7 +114,7 @@ def test_faults_show_in_the_envelope(body: str, radial_n: float) -> None:
     faulty = BearingRun(scene=scene, record=record, tracks=tracks)
     heights = {line["name"]: line["height"] for line in faulty.envelope_lines}
     times = "" if radial_n else "2 "
-    sides = {"inner": ("BPFI", "turn"), "balls": ("2 x spin", "cage")}
+    sides = {"inner": ("BPFI", "turn"), "balls": ("2 x ball spin", "cage")}
     names = [lines.FAULT_LINES[body]]
     if body in sides:
         line, turn = sides[body]
