@@ -300,3 +300,11 @@ def test_a_file_that_holds_no_turn_is_refused(
     assert "got 100 nodes" in line
     np.save(tmp_path / "turn.npy", np.zeros((allowed, 1)))
     assert cli.main(["check", str(file)]) == 0
+
+
+@pytest.mark.parametrize("path", BEARINGS, ids=lambda path: path.stem)
+def test_every_bearing_of_the_library_runs_and_names_its_lines(path: Path) -> None:
+    findings = rolling.read_bearing(path).check()
+    assert findings.refusal is None and findings.seconds < 300
+    for rows in findings.runs.values():
+        assert {"BPFO", "BPFI", "ball_loads", "ring_bending"} <= {row.key for row in rows}
