@@ -330,12 +330,13 @@ def line_lines(numbers: dict[str, Any]) -> str:
 
 
 def _print_doubts(stored: Sequence[dict[str, Any]]) -> None:
-    """Print each doubt of runs once, the largest first; all of them if verbose."""
-    by_text: dict[str, dict[str, Any]] = {}
-    for numbers in stored:
-        for doubt in numbers["doubts"]:
-            by_text.setdefault(doubt["text"], doubt)
-    doubts = sorted(by_text.values(), key=lambda doubt: -(doubt["decibels"] or 0.0))
+    """Print each kind of doubt at its worst, the largest first; all of them if verbose."""
+    every = [doubt for numbers in stored for doubt in numbers["doubts"]]
+    every.sort(key=lambda doubt: -(doubt["decibels"] or 0.0))
+    by_key: dict[str, dict[str, Any]] = {}
+    for doubt in every:
+        by_key.setdefault(doubt["key"], doubt)
+    doubts = list(by_key.values())
     shown = doubts if progress.is_verbose() else doubts[:_MOST_DOUBTS]
     for doubt in shown:
         advice = f": {doubt['advice']}" if doubt["advice"] else ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from markupsafe import Markup
@@ -51,16 +51,17 @@ def page(runs: Sequence[BearingRun], scene_text: str, not_shown: Sequence[str] =
     not_shown : sequence of str. Labels of other runs, not solved or beyond those of a page.
     """
     first = runs[0]
+    gains = common_gains(runs)
     title = printable(first.scene.title or first.scene.name)
     data = {
         "bands": [list(band) for band in VELOCITY_BANDS_HZ.values()],
-        "runs": [data_of(run) for run in runs],
+        "runs": [{**data_of(run), "gain": gains.ring} for run in runs],
     }
     template = environment().get_template("bearing.html")
     return template.render(
         version=__version__,
         title=title,
-        views=[_view(run) for run in runs],
+        views=[_view(run, gains) for run in runs],
         band_names=list(summary.BAND_WORDS.values()),
         not_shown=[printable(label) for label in not_shown],
         data=data,
@@ -73,10 +74,28 @@ def page(runs: Sequence[BearingRun], scene_text: str, not_shown: Sequence[str] =
     ).encode()
 
 
-def _view(run: BearingRun) -> dict[str, Any]:
+class PageGains(NamedTuple):
+    """Gains of all runs of a page, so that a louder run sounds louder.
+
+    ring : float. Full scale per m/s2.
+    housing : float. Full scale per Pa.
+    """
+
+    ring: float
+    housing: float
+
+
+def common_gains(runs: Sequence[BearingRun]) -> PageGains:
+    """Return the gains at which all runs sound and none clips."""
+    rings = [stored_run.ring_sound(run).gain for run in runs]
+    sounds = [stored_run.housing_sound(run) for run in runs]
+    housings = [sound.gain for sound in sounds if sound is not None]
+    return PageGains(ring=min(rings), housing=min(housings, default=1.0))
+
+
+def _view(run: BearingRun, gains: PageGains) -> dict[str, Any]:
     """Return the words, tables, sound and pictures of a run."""
-    sound = stored_run.ring_sound(run)
-    heard = sound.acceleration_m_s2
+    heard = stored_run.ring_sound(run).acceleration_m_s2
     pictures = {}
     for name, words in PICTURES.items():
         with left_out_if_it_fails(name):
@@ -97,10 +116,10 @@ def _view(run: BearingRun) -> dict[str, Any]:
         "what": _on_page(first),
         "sentences": [_on_page(sentence) for sentence in others],
         "rows": rows,
-        "src": records.compressed(sound.gain * heard) if heard.any() else None,
+        "src": records.compressed(gains.ring * heard) if heard.any() else None,
         "heard": f"acceleration of the {run.moving} ring along x, {heard.size / 48000:.3g} s;"
-        f" full scale is {rounded(1 / sound.gain, 3)} m/s2",
-        "housing_src": _housing_src(run),
+        f" full scale is {rounded(1 / gains.ring, 3)} m/s2",
+        "housing_src": _housing_src(run, gains.housing),
         "housing": f"plate of the housing at {run.scene.sound.distance_m:g} m",
         "lines": [_line_cells(row) for row in run.summary["lines"]],
         "envelope_lines": [
@@ -113,12 +132,12 @@ def _view(run: BearingRun) -> dict[str, Any]:
     }
 
 
-def _housing_src(run: BearingRun) -> str | None:
-    """Return the sound of the housing plate for the page, None where there is none."""
+def _housing_src(run: BearingRun, gain: float) -> str | None:
+    """Return the sound of the housing plate at a gain, None where there is none."""
     sound = stored_run.housing_sound(run)
     if sound is None or not sound.pressure.any():
         return None
-    return records.compressed(sound.gain * sound.pressure)
+    return records.compressed(gain * sound.pressure)
 
 
 def _on_page(sentence: str) -> str:
