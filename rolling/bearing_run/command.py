@@ -263,6 +263,15 @@ def write_with_common_gain(done: Sequence[BearingFolder]) -> None:
         stored_run.write_listen(run, place.folder, sound, 1 / common)
         numbers["listen"]["full_scale_m_s2"] = common
         files.write_json(place.folder / SUMMARY, numbers)
+    _write_housings([place for place in done if place.scene.plate is not None])
+
+
+def _write_housings(done: Sequence[BearingFolder]) -> None:
+    """Write housing.wav of the runs of a sweep with one gain, that of the loudest run."""
+    sounds = [stored_run.housing_sound(read_run(place)) for place in done]
+    common = min((sound.gain for sound in sounds if sound is not None), default=1.0)
+    for place in done:
+        stored_run.write_housing(read_run(place), place.folder, common)
 
 
 def run_table(done: Sequence[BearingFolder]) -> DataFrame:

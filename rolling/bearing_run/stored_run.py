@@ -221,14 +221,18 @@ def write_listen(run: BearingRun, folder: Path, sound: RingSound, gain: float) -
     files.write_bytes(folder / LISTEN, content)
 
 
-def write_housing(run: BearingRun, folder: Path) -> None:
-    """Write housing.wav, the sound of the housing plate with a gain, where there is one."""
+def write_housing(run: BearingRun, folder: Path, common: float | None = None) -> None:
+    """Write housing.wav, the sound of the housing plate with a gain, where there is one.
+
+    The gain [full scale per Pa] is that of the sound, unless it is given.
+    """
     sound = housing_sound(run)
     if sound is None:
         return
+    gain = sound.gain if common is None else common
     distance = run.scene.sound.distance_m
-    comment = f"housing plate at {distance:g} m; full scale is {1 / sound.gain:.6g} Pa"
-    content = wav.listening(sound.pressure, sound.gain, comment, _title(run))
+    comment = f"housing plate at {distance:g} m; full scale is {1 / gain:.6g} Pa"
+    content = wav.listening(sound.pressure, gain, comment, _title(run))
     files.write_bytes(folder / HOUSING, content)
 
 

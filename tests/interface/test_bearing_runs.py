@@ -11,9 +11,10 @@ import numpy as np
 import pandas as pd
 import pytest
 import soundfile
-from bearing_runs import SWEPT, WAVY, written
+from bearing_runs import PLATE, SWEPT, WAVY, written
 
 import rolling
+from acoustics import wav
 from acoustics.arrays import Array
 from rolling import cli
 from rolling.bearing import lines
@@ -235,6 +236,17 @@ def test_a_sweep_has_a_row_for_each_run(tmp_path: Path, capsys: pytest.CaptureFi
     assert rolling.open_bearing(first).scene.bearing.axial_load_n == 65
     with pytest.raises(rolling.FolderError, match="holds 3 runs"):
         rolling.open_bearing(out)
+
+
+@pytest.mark.slow
+def test_housings_of_a_sweep_share_their_gain(tmp_path: Path) -> None:
+    """Their comments name the same full scale, and the levels are in the table."""
+    out = tmp_path / "out"
+    words = ["run", str(written(tmp_path, SWEPT + PLATE)), "--out", str(out), "--no-report", "-q"]
+    assert cli.main(words) == 0
+    comments = [wav.read(path)[2] for path in out.glob("*/housing.wav")]
+    assert len(comments) == 3 and len(set(comments)) == 1
+    assert pd.read_csv(out / "runs.csv")["housing_laeq_db"].notna().all()
 
 
 # ---- bad folders

@@ -19,6 +19,9 @@ bearing:
 sound: {duration_s: 0.5, listen_s: 0.5}
 """
 SWEPT = WAVY.replace("0.5", "0.2") + "sweep: {bearing.axial_load_n: [65, 70, 75]}\n"
+PLATE = """\
+plate: {material: steel-s235, thickness_mm: 3, length_mm: 100, width_mm: 80, edges: clamped}
+"""
 
 
 def written(folder: Path, text: str = WAVY, name: str = "wavy.yaml") -> Path:
