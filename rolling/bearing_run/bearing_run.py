@@ -32,6 +32,7 @@ from rolling.scene.sweep import Value
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.axes import Axes
 
 LOWEST_HZ = VELOCITY_BANDS_HZ["low"][0]
 HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
@@ -243,6 +244,43 @@ class BearingRun:
         from rolling.bearing_run import stored_run
 
         return stored_run.result_dataset(self)
+
+    def plot(self, name: str = "spectrum", ax: Axes | None = None) -> Axes:
+        """Draw a figure of the run.
+
+        Parameters
+        ----------
+        name : str
+            spectrum, envelope, load_distribution (on polar axes) or ball_forces.
+        ax : Axes
+            Axes of matplotlib. Default: new ones.
+
+        Returns
+        -------
+        ax : Axes
+
+        Raises
+        ------
+        ValueError
+            There is no figure of this name.
+        """
+        from rolling.bearing_run import figures
+
+        return figures.drawn(self, name, ax)
+
+    def play(self) -> Any:
+        """Return a player of the ring's acceleration for a notebook; a script gets the file named.
+
+        With a housing plate its sound is played. The gain makes all runs equally loud, so levels
+        are compared by their numbers.
+
+        Returns
+        -------
+        player : IPython.display.Audio, or None
+        """
+        from rolling.bearing_run import stored_run
+
+        return stored_run.play(self)
 
     def _repr_html_(self) -> str:
         """Write the sentences of a run and its bands for a notebook."""

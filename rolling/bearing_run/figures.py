@@ -25,7 +25,7 @@ from rolling.bearing.lines import BearingLine
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_record import AXIAL, PLACES, RADIAL, UM_S
 from rolling.bearing_run import summary
-from rolling.figures.picture import DPI, HEIGHT_IN, WIDTH_IN, Picture, drawable
+from rolling.figures.picture import DPI, HEIGHT_IN, WIDTH_IN, Picture, axes_of, drawable
 from rolling.figures.settings import own_settings
 
 if TYPE_CHECKING:
@@ -239,6 +239,22 @@ _FIGURES = {
     "ball_forces": _Figure("Loads of balls on the {ring} ring", ball_forces, None),
 }
 NAMES = tuple(_FIGURES)
+
+
+def drawn(run: BearingRun, name: str, ax: Axes | None) -> Axes:
+    """Draw a figure of a run on axes, or on new ones.
+
+    Raises
+    ------
+    ValueError : there is no figure of this name.
+    """
+    if name not in _FIGURES:
+        raise ValueError(f"name: got {name!r}, allowed: {', '.join(NAMES)}")
+    if ax is None and _FIGURES[name].polar:
+        from matplotlib import pyplot
+
+        ax = pyplot.figure().add_subplot(projection="polar")
+    return _FIGURES[name].draw(run, axes_of(ax))
 
 
 @own_settings()

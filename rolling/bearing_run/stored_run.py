@@ -23,7 +23,7 @@ from rolling.results import result_file
 from rolling.results.run_folder import MAX_SUMMARY, RESULT, SUMMARY
 from rolling.results.summary import program_provenance
 from rolling.scene.height_files import read_regular
-from rolling.terminal import files
+from rolling.terminal import files, progress
 from rolling.terminal.files import FolderError
 
 if TYPE_CHECKING:
@@ -275,6 +275,24 @@ def listen_facts(sound: RingSound, gain: float) -> dict[str, float]:
         "own_full_scale_m_s2": 1 / sound.gain,
         "full_scale_m_s2": 1 / gain,
     }
+
+
+def play(run: BearingRun) -> Any:
+    """Return a player in a notebook; in a script, write a sound to listen to and name it."""
+    housing = housing_sound(run)
+    if housing is not None:
+        samples = housing.gain * housing.pressure
+    else:
+        sound = ring_sound(run)
+        samples = sound.gain * sound.acceleration_m_s2
+    if progress.in_notebook():
+        from IPython.display import Audio
+
+        return Audio(samples, rate=wav.SAMPLE_RATE_HZ, normalize=False)
+    content = wav.listening(samples, 1.0, _heard(run), _title(run))
+    path = files.write_temporary(f"{run.scene.name}-listen-", ".wav", content)
+    print(f"listen: {path}")
+    return None
 
 
 # ---- a run folder
