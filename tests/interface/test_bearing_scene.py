@@ -289,7 +289,7 @@ def test_a_file_that_holds_no_turn_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "b.yaml"
-    surfaces = "  surfaces: {inner: {kind: file, path: turn.npy, spacing_um: 2}}\n"
+    surfaces = "  surfaces: {inner: {kind: file, path: turn.npy, spacing_um: 20}}\n"
     file.write_text(TEXT + surfaces)
     assert cli.main(["check", str(file)]) == 2
     assert "bearing.surfaces.inner.path: turn.npy: " in capsys.readouterr().err

@@ -189,6 +189,7 @@ def _run(code: str, **environment: str) -> subprocess.Popen[str]:
     )
 
 
+@pytest.mark.slow
 def test_one_of_several_processes_compiles_a_kernel(tmp_path: Path) -> None:
     (tmp_path / "slow_kernel.py").write_text(SLOW_KERNEL, encoding="utf-8")
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}

@@ -70,7 +70,13 @@ def drawn() -> dict[str, Any]:
 
 
 # Their examples choose between scenes, or compute the loudness in a room.
-LONG = ("acoustics.audibility", "rolling.choice.choice", "rolling.interface")
+LONG = (
+    "acoustics.audibility",
+    "rolling.choice.choice",
+    "rolling.interface",
+    "rolling.results.channels",
+    "rolling.sound.vibration_sound",
+)
 
 
 @pytest.mark.parametrize(

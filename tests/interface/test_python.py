@@ -240,7 +240,7 @@ def test_a_folder_that_holds_several_runs_or_none_is_refused(tmp_path: Path) -> 
         rc.open_run(out / "seed=2")
 
 
-@pytest.mark.parametrize("source", ["file", "input"])
+@pytest.mark.parametrize("source", ["file", pytest.param("input", marks=pytest.mark.slow)])
 def test_a_script_needs_no_guard(source: str, folder: Path, tmp_path: Path) -> None:
     """Workers do not run the main module again, whose output would come twice."""
     (tmp_path / "scene.yaml").write_text((folder / "scene.yaml").read_text())

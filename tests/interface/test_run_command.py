@@ -176,6 +176,7 @@ def test_a_run_that_fails_says_why_and_leaves_the_others_whole(
     assert list(table["laeq_db"].notna()) == [False, True]
 
 
+@pytest.mark.slow
 def test_workers_change_no_byte(tmp_path: Path) -> None:
     scene = write(tmp_path, SWEEP)
     assert run(scene, tmp_path / "one") == 0

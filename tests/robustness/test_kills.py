@@ -139,6 +139,7 @@ def workers_of(command: subprocess.Popen[str]) -> list[psutil.Process]:
     return [process for process in below if "popen_loky" in " ".join(process.cmdline())]
 
 
+@pytest.mark.slow
 def test_a_killed_worker_costs_its_piece_only(
     scene: Path, tmp_path: Path, whole: dict[str, bytes]
 ) -> None:
