@@ -272,6 +272,8 @@ def _short_record(run: BearingRun) -> Iterator[Doubt]:
 
 def _with_share(run: BearingRun, doubt: Doubt) -> Doubt:
     """Return the doubt about a ring that bends, with the part of the high band that it has."""
+    if run.bands_um_s[RADIAL]["high"] < _NOTHING_UM_S:
+        return doubt
     decibels = run.share_above_bending_db
     text = f"{doubt.text}; {decibels:.1f} dB of the high band lie above"
     return replace(doubt, text=text, severity=severity_of(decibels), decibels=decibels)
