@@ -12,6 +12,7 @@ OUTER = "outer"
 BALLS = "balls"
 BODIES = (BALLS, INNER, OUTER)
 _MAX_TURNS = 5  # multiples of the turn that are named
+_MAX_COMPLIANCE = 6  # multiples of the varying compliance that are named
 _MAX_BESIDE = 3  # turns beside a multiple that are named
 MAX_WAVE_LINES = 24  # of orders of waviness that are named
 
@@ -52,11 +53,19 @@ def kinematic_lines(kinematics: Kinematics) -> list[BearingLine]:
     return sorted(lines, key=lambda line: line.frequency_hz)
 
 
-def varying_compliance(kinematics: Kinematics, balls: int) -> BearingLine:
-    """Return the line of the stiffness that changes as balls pass under a radial load."""
-    hz = balls * kinematics.cage_hz
-    meaning = "the stiffness changes as balls pass under the radial load"
-    return BearingLine("varying compliance", meaning, hz)
+def varying_compliance(kinematics: Kinematics, balls: int) -> list[BearingLine]:
+    """Return the lines of the stiffness that changes as balls pass under a radial load."""
+    lines = []
+    for times in range(1, _MAX_COMPLIANCE + 1):
+        name = "varying compliance" if times == 1 else f"{times} varying compliance"
+        line = BearingLine(
+            name=name,
+            meaning="the stiffness changes as balls pass under the radial load",
+            frequency_hz=times * balls * kinematics.cage_hz,
+            minor=times > 1,
+        )
+        lines.append(line)
+    return lines
 
 
 def wave_lines(

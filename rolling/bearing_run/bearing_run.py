@@ -127,7 +127,7 @@ class BearingRun:
         bearing = self.scene.bearing
         found = lines.kinematic_lines(self.kinematics)
         if bearing.radial_load_n > 0:
-            found.append(lines.varying_compliance(self.kinematics, self.geometry.balls))
+            found += lines.varying_compliance(self.kinematics, self.geometry.balls)
         found += lines.wave_lines(self.kinematics, self.geometry.balls, self.waves)
         found = [line for line in found if 0 < line.frequency_hz < HIGHEST_HZ]
         return sorted(found, key=lambda line: line.frequency_hz)

@@ -8,6 +8,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from acoustics import wav
 from acoustics.arrays import short_repr
 from rolling.bearing.kinematics import Kinematics
@@ -119,12 +121,15 @@ def _without_unknown(numbers: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def record_of(motion: RingMotion, kinematics: Kinematics) -> RingRecord:
-    """Return what a run keeps of the motion of its ring."""
+    """Return what a run keeps of the motion of its ring.
+
+    The filter of the motion undershoots where a ball lifts off; no ball bears less than nothing.
+    """
     return RingRecord(
         rate_hz=motion.rate_hz,
         velocity_m_s=motion.velocity_m_s,
         acceleration_m_s2=motion.acceleration_m_s2,
-        ball_load_n=motion.ball_load_n,
+        ball_load_n=np.maximum(motion.ball_load_n, 0.0),
         cage_hz=kinematics.cage_hz,
         energy_error=motion.energy_error,
         lost_contact_share=motion.lost_contact_share,

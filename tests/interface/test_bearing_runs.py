@@ -138,6 +138,18 @@ def test_the_outer_ring_may_turn() -> None:
     assert run.bands_um_s["axial"]["low"] > 50
 
 
+def test_a_radial_load_alone_has_a_load_zone_and_varying_compliance() -> None:
+    """Clearance is open, so balls outside the zone bear nothing, and the ring moves at Z f_c."""
+    words = ["bearing.axial_load_n=0", "bearing.radial_load_n=200", "bearing.surfaces={}"]
+    run = rolling.simulate_bearing(loads_bearing(WAVY, words), progress=False)
+    assert run.record.ball_load_n.min() == 0 < run.record.lost_contact_share
+    around = run.mean_loads_n
+    assert around[0] == np.nanmax(around) and around[len(around) // 2] == 0
+    peak = max(run.lines_with_levels, key=lambda row: row["radial_um_s"])
+    assert peak["frequency_hz"] == pytest.approx(8 * run.kinematics.cage_hz)
+    assert any("varying compliance" in text for text in run.summary["sentences"])
+
+
 # ---- files
 
 
