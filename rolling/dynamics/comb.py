@@ -58,7 +58,8 @@ def speeds_of_comb(
 
     def at_speeds(ratios: Array) -> Iterator[LinesAtSpeed]:
         """Yield the lines at each ratio of speeds."""
-        for some in np.array_split(ratios, math.ceil(ratios.size * len(lines) / _LINES_AT_ONCE)):
+        parts = math.ceil(ratios.size * len(lines) / _LINES_AT_ONCE)
+        for some in np.array_split(ratios, min(parts, ratios.size)):
             frequencies = np.asarray(some[:, None] * order_hz, dtype=float)
             audible = (frequencies > AUDIBLE_HZ[0]) & (frequencies < AUDIBLE_HZ[1])
             gains = gain(frequencies[audible])

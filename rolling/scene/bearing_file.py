@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from acoustics.traps import ignoring_underflow
 from rolling.scene import file, library
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.messages import SceneError
@@ -11,6 +12,7 @@ from rolling.scene.scene import Scene
 from rolling.scene.yaml_text import parse, read_text
 
 
+@ignoring_underflow
 def read_bearing(path: Path | str, overrides: Sequence[str] = ()) -> BearingScene:
     """Read the scene file of a bearing.
 

@@ -13,7 +13,7 @@ from bearing_runs import WAVY
 import rolling as rc
 from rolling.scene.bearing_file import loads_bearing
 
-PLATE = {"material": "steel-s235", "length_mm": 200, "width_mm": 150, "thickness_mm": 6}
+PLATE = {"material": "steel-s235", "length_mm": 120, "width_mm": 90, "thickness_mm": 8}
 
 
 def in_plate(**changes: object) -> rc.BearingScene:
