@@ -44,6 +44,7 @@ def index_page(readme: str, repository: str | None, revision: str) -> str:
 
 
 TABLES = (
+    "bearing_run",
     "studies",
     "results",
     "scene",
@@ -68,7 +69,7 @@ if __name__ == "__main__":
             **{f"rolling.{room}": ["*.toml", "*.yaml"] for room in TABLES},
             "acoustics": ["py.typed", "*.pyi"],
             "rolling.report": ["assets/*", "assets/*/*.js"],
-            SCENES: ["*.yaml", "*.sdf", "scene.schema.json", "*/*/*.yaml", "validation/*"],
+            SCENES: ["*.yaml", "*.sdf", "*.schema.json", "*/*/*.yaml", "validation/*"],
         },
         include_package_data=False,
         long_description=project_page(),

@@ -595,7 +595,7 @@ def open_bearing(folder: Path | str) -> BearingRun:
     ...     sound={"duration_s": 0.2, "listen_s": 0.2},
     ... )
     >>> run = rolling.simulate_bearing(scene, progress=False)
-    >>> rolling.open_bearing(rolling.save_bearing(run, "mine", report=False)).scene.name
+    >>> rolling.open_bearing(rolling.save_bearing(run, "my-bearing", report=False)).scene.name
     'scene'
     """
     from rolling.bearing_run.command import only_place, read_run
@@ -636,7 +636,8 @@ def save_bearing(run: BearingRun, folder: Path | str, report: bool = True) -> Pa
     ...     sound={"duration_s": 0.2, "listen_s": 0.2},
     ... )
     >>> run = rolling.simulate_bearing(scene, progress=False)
-    >>> sorted(path.suffix for path in rolling.save_bearing(run, "kept", report=False).iterdir())
+    >>> folder = rolling.save_bearing(run, "kept-bearing", report=False)
+    >>> sorted(path.suffix for path in folder.iterdir())
     ['.csv', '.csv', '.csv', '.h5', '.json', '.wav', '.wav', '.yaml']
     """
     from rolling.bearing_run.bearing_run import BearingRun

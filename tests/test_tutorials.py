@@ -29,6 +29,11 @@ SHORTER = {
             'rc.read_scene("lee2025/as-stated/middle").with_(duration_s=0.005)'
         )
     },
+    "bearing": {
+        "window_mm=2": "window_mm=1",
+        "listen_s=4": "listen_s=0.5",
+        "duration_s=0.3": "duration_s=0.1",
+    },
     "bearing-ball": {
         "distance_mm=3": "distance_mm=1",
         "listen_s=5": "listen_s=1",

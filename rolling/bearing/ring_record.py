@@ -23,6 +23,7 @@ AXIAL = "axial"
 DIRECTIONS = (RADIAL, AXIAL)
 PLACES = 72  # around the bearing at which mean loads are stated
 UM_S = 1e6  # micrometres per second in a metre per second
+NOTHING_UM_S = 1e-3  # velocity below which nothing moves
 
 
 @dataclass(frozen=True, eq=False)

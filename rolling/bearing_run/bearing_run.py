@@ -21,7 +21,14 @@ from rolling.bearing.kinematics import Kinematics
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.lines import BearingLine
 from rolling.bearing.model import BearingModel
-from rolling.bearing.ring_record import DIRECTIONS, PLACES, RADIAL, UM_S, RingRecord
+from rolling.bearing.ring_record import (
+    DIRECTIONS,
+    NOTHING_UM_S,
+    PLACES,
+    RADIAL,
+    UM_S,
+    RingRecord,
+)
 from rolling.bearing.tracks import BearingTracks
 from rolling.bearing_contacts.bearing_check import departures
 from rolling.bearing_run import summary
@@ -183,7 +190,8 @@ class BearingRun:
         for spectrum in self.record.spectra.values():
             peaks_hz = spectrum.peaks_hz(MAX_PEAKS, LOWEST_HZ, HIGHEST_PEAK_HZ, LEAST_HEIGHT)
             for hz in peaks_hz:
-                if spectrum.line_rms(hz) < LEAST_SHARE * spectrum.line_rms(peaks_hz[0]):
+                least = max(LEAST_SHARE * spectrum.line_rms(peaks_hz[0]), NOTHING_UM_S / UM_S)
+                if spectrum.line_rms(hz) < least:
                     break  # the rest is smaller still
                 line = _simplest([*self.lines, *families], hz, spectrum.line_width_hz)
                 found.setdefault(line.name, line)

@@ -11,7 +11,7 @@ from acoustics.numbers import decibels_a, rounded
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.lines import FAULT_LINES
-from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL, UM_S
+from rolling.bearing.ring_record import AXIAL, DIRECTIONS, NOTHING_UM_S, RADIAL, UM_S
 from rolling.bearing_contacts.bearing_check import scene_rules
 from rolling.check.doubt import Doubt, Severity, severity_of, sized
 
@@ -24,7 +24,6 @@ BAND_WORDS = {
 }
 HEARD_LINE = 5.0  # height from which on a line stands out of its surroundings
 LEAST_SHARE = 0.1  # of the largest line, from which on another one is named
-_NOTHING_UM_S = 1e-3  # velocity below which nothing moves
 STRONG_LINE = 10.0  # height from which on a line of the envelope tells of a fault
 _MOST_LINES = 3  # that a sentence names
 _UNCERTAIN_DB = 0.05  # from which on a band is stated as uncertain
@@ -174,7 +173,7 @@ def _three(bands: dict[str, float]) -> str:
 
 def velocity(um_s: float) -> str:
     """Write a velocity [um/s]; what is below a thousandth is nothing."""
-    return "0" if um_s < _NOTHING_UM_S else rounded(um_s, 2)
+    return "0" if um_s < NOTHING_UM_S else rounded(um_s, 2)
 
 
 def housing_sentence(run: BearingRun) -> str:
@@ -202,7 +201,7 @@ def leading_lines(run: BearingRun) -> str:
             f"{row['name']} ({rounded(row['frequency_hz'], 4)} Hz,"
             f" {velocity(row[f'{direction}_um_s'])} um/s)"
             for row in rows[:_MOST_LINES]
-            if row[f"{direction}_um_s"] >= max(least, _NOTHING_UM_S)
+            if row[f"{direction}_um_s"] >= max(least, NOTHING_UM_S)
         ]
         if named:
             texts.append(f"{direction} {', '.join(named)}")
@@ -272,7 +271,7 @@ def _short_record(run: BearingRun) -> Iterator[Doubt]:
 
 def _with_share(run: BearingRun, doubt: Doubt) -> Doubt:
     """Return the doubt about a ring that bends, with the part of the high band that it has."""
-    if run.bands_um_s[RADIAL]["high"] < _NOTHING_UM_S:
+    if run.bands_um_s[RADIAL]["high"] < NOTHING_UM_S:
         return doubt
     decibels = run.share_above_bending_db
     text = f"{doubt.text}; {decibels:.1f} dB of the high band lie above"
