@@ -33,6 +33,9 @@ SHORTER = {
         "window_mm=2": "window_mm=1",
         "listen_s=4": "listen_s=0.5",
         "duration_s=0.3": "duration_s=0.1",
+        '"bearing-inner-fault", quick': (
+            '"bearing-inner-fault", [*quick, "bearing.radial_load_n=0"]'
+        ),
     },
     "bearing-ball": {
         "distance_mm=3": "distance_mm=1",

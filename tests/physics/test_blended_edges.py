@@ -91,7 +91,7 @@ def test_share_of_a_cell_and_its_gap(coarse: RollingContact) -> None:
 
 
 @pytest.mark.law("Blended edges: a march that begins anywhere has the same release.")
-@pytest.mark.parametrize("subcells", [1, 2])
+@pytest.mark.parametrize("subcells", [1, pytest.param(2, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("ra", [1e-7, 5e-7])
 def test_no_start_of_the_march_is_remembered(ra: float, subcells: int) -> None:
     """Edges belong to the solution: at 1e-7 pieces agree with the whole march to -60 dB."""
@@ -111,7 +111,7 @@ def test_second_lap_equals_the_first(subcells: int) -> None:
     assert error_db(signal[50:], signal[:50]) < -60
 
 
-@pytest.mark.parametrize("subcells", [1, 2])
+@pytest.mark.parametrize("subcells", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_history_stays_below_the_error_of_the_solver(subcells: int) -> None:
     """Any start agrees better than the solver at 1e-4, and from the fourth step on by 25 dB."""
     exact, track = (

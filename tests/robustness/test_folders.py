@@ -55,6 +55,7 @@ def run(scene: Path, out: Path, *more: str) -> int:
 # ---- two commands
 
 
+@pytest.mark.slow
 def test_a_second_command_is_refused_and_status_only_looks(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
