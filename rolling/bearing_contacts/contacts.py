@@ -186,7 +186,7 @@ def march_numbers(
         Tolerance of the solver. Default: as the roughness needs it.
     """
     lightest = waves.semi_axes(contact, min(loads_n)).along
-    roughness = math.hypot(*(law.rq_m for law in laws))
+    roughness = math.sqrt(sum(law.rq_m**2 for law in laws))
     reach = overlap_reach(contact, max(loads_n), roughness)
     if spacing_um is None:
         lengths = [min(law.lengths_um) / NODES_PER_LENGTH for law in laws]

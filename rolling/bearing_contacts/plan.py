@@ -340,8 +340,9 @@ def _shared_numbers(
         )
         for contact in contacts
     ]
+    longest = max(other.distance_mm for other in each)
     return replace(
         numbers,
         width_um=max(other.width_um for other in each),
-        distance_mm=max([numbers.distance_mm, *(other.distance_mm for other in each)]),
+        distance_mm=max(numbers.distance_mm, longest),
     )

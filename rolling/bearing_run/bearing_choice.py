@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from acoustics.arrays import Array
+from acoustics.level import level_db
 from acoustics.texts import printable
 from acoustics.traps import ignoring_underflow
 from rolling.bearing_run.band_difference import HOUSING, NAMES, BandDifference, band_difference
@@ -105,7 +106,7 @@ class BearingChoice:
                     "sureness": None,
                 }
                 if band == HOUSING:
-                    row["housing_laeq_db"] = level_db(row.pop("velocity_um_s"))
+                    row["housing_laeq_db"] = level_db(row.pop("velocity_um_s") ** 2)
                 if number:
                     apart = self.differences[number - 1][place]
                     row["more_db"] = apart.db if math.isfinite(apart.db) else None
@@ -157,7 +158,7 @@ class BearingChoice:
             row = [printable(label)]
             for place, (band, values) in enumerate(self.rms.items()):
                 mean = float(np.sqrt(np.mean(np.square(values[number]))))
-                row.append(f"{level_db(mean):.1f}" if band == HOUSING else f"{mean:.3g}")
+                row.append(_level(mean) if band == HOUSING else f"{mean:.3g}")
                 apart = self.differences[number - 1][place] if number else None
                 row.append("" if apart is None else _number(apart))
             rows.append(row)
@@ -173,11 +174,6 @@ class BearingChoice:
 
 
 # ---- sentences
-
-
-def level_db(pressure_rms: float) -> float | None:
-    """Return the level [dB re 20 uPa] of an rms sound pressure [Pa]; None for silence."""
-    return 20 * math.log10(pressure_rms / 2e-5) if pressure_rms > 0 else None
 
 
 def _verdicts(first: str, second: str, differences: list[BandDifference]) -> list[str]:
@@ -227,6 +223,12 @@ def _specimens(apart: BandDifference) -> str:
         return "one specimen, so it has no ±"
     sure = "over 99.9 %" if apart.sureness > _OVER else f"{math.floor(100 * apart.sureness)} %"
     return f"{apart.pairs} specimens; {sure} sure"
+
+
+def _level(pressure_rms: float) -> str:
+    """Write the level of an rms sound pressure [Pa] in dB(A), or silence."""
+    level = level_db(pressure_rms**2)
+    return "silent" if level is None else f"{level:.1f}"
 
 
 def _number(apart: BandDifference) -> str:

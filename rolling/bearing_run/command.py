@@ -325,7 +325,8 @@ def band_table(done: Sequence[BearingFolder]) -> str:
     rows = [["run, radial um/s", *summary.BAND_WORDS.values()]]
     for place in done:
         bands = stored_run.read_summary(place.folder / SUMMARY)["bands_um_s"]["radial"]
-        rows.append([label_of(place), *(summary.velocity(bands[name]) for name in bands)])
+        velocities = [summary.velocity(bands[name]) for name in summary.BAND_WORDS]
+        rows.append([label_of(place), *velocities])
     return columns(rows)
 
 

@@ -46,3 +46,10 @@ def test_sentences_name_each_band_once() -> None:
     assert len(choice.sentences) == 6
     assert len(choice.table()) == 9
     assert str(choice).count("\n") == 6 + 3
+
+
+def test_a_silent_housing_is_written() -> None:
+    rms = {"high": np.ones((2, 3)), "housing": np.zeros((2, 3))}
+    choice = BearingChoice(["a", "b"], rms, "", 1.0)
+    assert "silent" in str(choice)
+    assert choice.table()["housing_laeq_db"].isna().all()
