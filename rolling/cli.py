@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from rolling import __version__, _own_acoustics
 from rolling.terminal import (
+    addresses,
     arguments,
     defaults,
     parser,
@@ -69,6 +70,11 @@ def _run_command(argv: Sequence[str] | None) -> int:
         return OK
     arguments.refuse_unknown_command(command_line, words, list(COMMANDS))
     given, unknown = command_line.parse_known_args(words)
+    try:
+        addresses.refuse_few_for_libraries()
+    except MemoryError as error:
+        _print_error(str(error))
+        return FAILED
     if unknown:
         _print_faults_of_scene(given)
         arguments.refuse_unknown_arguments(given.parser, unknown)

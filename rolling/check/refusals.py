@@ -12,10 +12,10 @@ from rolling.check import cost, resolution
 from rolling.check.doubt import Doubt, Severity
 from rolling.scene.messages import SceneError, plain_number
 from rolling.scene.scene import Scene
+from rolling.terminal import addresses
 
 OUTPUTS = Path("outputs")  # where runs are written unless another folder is given
 SHARE = 0.8  # of memory or free disk that a run may take; the rest belongs to others
-ADDRESSES = Path("/proc/self/statm")
 # Address space that the rest of a run takes beyond the loaded solver: compiler, libraries of files
 # and pictures, stacks of threads. A run with a page was seen to take 380 MB, and 464 MB where it
 # compiled, from 524 to 594 MB on.
@@ -187,8 +187,8 @@ def refuse_few_addresses(scenes: Sequence[Scene]) -> None:
     MemoryError
         The limit (`ulimit -v`) leaves less than the runs need.
     """
-    limit = _address_limit()
-    taken = _addresses_taken()
+    limit = addresses.limit()
+    taken = addresses.taken()
     if limit is None or taken is None:
         return
     parts = cost.memory(scenes, workers=1)
@@ -200,25 +200,6 @@ def refuse_few_addresses(scenes: Sequence[Scene]) -> None:
             f" has {byte_size(taken)} and needs about {byte_size(need)} more; allow more, or take"
             " a smaller scene"
         )
-
-
-def _address_limit() -> float | None:
-    """Return the limit of the address space of a process [bytes], None without one."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return None
-    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
-    return None if limit == resource.RLIM_INFINITY else float(limit)
-
-
-def _addresses_taken() -> float | None:
-    """Return the size of the address space of this process [bytes], None where it is unknown."""
-    try:
-        pages = int(ADDRESSES.read_text().split()[0])
-        return float(pages * os.sysconf("SC_PAGE_SIZE"))
-    except (AttributeError, OSError, ValueError):
-        return None
 
 
 def free_disk(folder: Path) -> float:

@@ -4,7 +4,8 @@ import errno
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-WORDS = "not enough memory; take fewer workers or nodes, or allow more (`ulimit -v`)"
+NOT_ENOUGH = "not enough memory"  # the beginning of each sentence about it
+WORDS = f"{NOT_ENOUGH}; take fewer workers or nodes, or allow more (`ulimit -v`)"
 # A library that does not fit is an ImportError, and a thread whose stack does not fit is a
 # RuntimeError. Only words of the error tell the reason.
 _WORDS_OF_ERRORS = (
@@ -41,7 +42,7 @@ def _says_memory(error: BaseException) -> bool:
 def sentence(error: BaseException) -> str:
     """Say that memory was refused, with the words of the error if it has others."""
     text = str(error)
-    if text.startswith("not enough memory"):
+    if text.startswith(NOT_ENOUGH):
         return text
     if not text:
         return WORDS

@@ -98,7 +98,7 @@ sys.exit(cli.main(sys.argv[2:]))
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="address space is limited so on Linux only")
 @pytest.mark.parametrize("workers", ["1", "2"])
-@pytest.mark.parametrize("megabytes", [250, 600, 700])
+@pytest.mark.parametrize("megabytes", [200, 270, 600, 700])
 def test_too_little_address_space_ends_with_a_sentence(
     megabytes: int, workers: str, tmp_path: Path
 ) -> None:

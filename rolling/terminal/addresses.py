@@ -1,0 +1,50 @@
+"""Address space of this process, where it is limited (`ulimit -v`)."""
+
+import os
+from pathlib import Path
+
+from rolling.terminal import shortage
+
+STATE_OF_PROCESS = Path("/proc/self/statm")
+# Addresses [bytes] of the libraries and of the solver. A process that had loaded them was seen to
+# have taken 502 MB, of which Python itself takes some 20 MB.
+LIBRARIES = 480e6
+
+
+def limit() -> float | None:
+    """Return the limit of the address space of a process [bytes], None without one."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    bytes_, _ = resource.getrlimit(resource.RLIMIT_AS)
+    return None if bytes_ == resource.RLIM_INFINITY else float(bytes_)
+
+
+def taken() -> float | None:
+    """Return the size of the address space of this process [bytes], None where it is unknown."""
+    try:
+        pages = int(STATE_OF_PROCESS.read_text().split()[0])
+        return float(pages * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, OSError, ValueError):
+        return None
+
+
+def refuse_few_for_libraries() -> None:
+    """Refuse to load libraries into an address space that cannot hold them.
+
+    Without room for its buffers, a library of linear algebra asks for them again and again, and the
+    process neither goes on nor ends.
+
+    Raises
+    ------
+    MemoryError
+        The limit leaves less than the libraries need.
+    """
+    limited = limit()
+    if limited is not None and limited < (taken() or 0.0) + LIBRARIES:
+        raise MemoryError(
+            f"{shortage.NOT_ENOUGH}: a process may have {limited / 1e6:.0f} MB of addresses"
+            f" (`ulimit -v`), and the libraries alone need about {LIBRARIES / 1e6:.0f} MB; allow"
+            " more"
+        )
