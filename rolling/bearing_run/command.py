@@ -163,27 +163,6 @@ def opened(places: Sequence[BearingFolder]) -> list[BearingRun]:
     return [read_run(place) for place in places]
 
 
-def only_place(folder: Path, verb: str) -> BearingFolder:
-    """Return the only run of a folder; the verb says what a person wants to do with it.
-
-    Raises
-    ------
-    FolderError : the folder has no run of a bearing, several, or one that is not done.
-    """
-    if not folders.is_of_bearing(folder):
-        raise FolderError(f"{folder}: no run folder of a bearing")
-    places = folders.stored_bearing_runs(folder)
-    if len(places) > 1:
-        names = ", ".join(place.folder.name for place in places[:3])
-        raise FolderError(
-            f"{folder}: holds {len(places)} runs; {verb} one of the folders in it ({names}, ...)"
-        )
-    (place,) = places
-    if not place.is_done:
-        raise FolderError(f"{place.folder}: not done; the same `rolling run` goes on with it")
-    return place
-
-
 def save_run(run: BearingRun, folder: Path, report: bool) -> Path:
     """Write a run that is in memory into a new folder, and return the folder."""
     with folders.locked(folder):
@@ -431,7 +410,7 @@ def listen_bearing(folder: Path, seconds: float) -> list[Path]:
     ------
     FolderError : the folder holds several runs, or its run is not done.
     """
-    run = read_run(only_place(folder, "listen to"))
+    run = read_run(folders.done_bearing_run(folder, "listen to"))
     motion = move_ring(run.model, run.tracks, seconds, wav.SAMPLE_RATE_HZ)
     acceleration = motion.acceleration_m_s2[:, 0] - motion.acceleration_m_s2[:, 0].mean()
     samples = round(stored_run.FADE_S * wav.SAMPLE_RATE_HZ)

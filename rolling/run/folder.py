@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TypeVar
 
 from rolling.results.run_folder import FAILED, RESULT, BearingFolder, RunFolder, RunPlace
 from rolling.scene import bearing_file, file
@@ -35,6 +36,7 @@ LOCK_SECONDS = 2.0  # of waiting for `status`, which locks a folder for a moment
 MAX_NAMED = 20  # runs of a state that the status names
 STATES = ("done", "running", "waiting", "failed")
 
+Place = TypeVar("Place", bound=RunPlace)
 Part = tuple[int, int]  # number from 1 on, and count of the parts of a sweep
 
 
@@ -94,8 +96,7 @@ def done_runs(folder: Path) -> list[RunFolder]:
     """Return the runs of a run folder; raise FolderError for a run that is not done."""
     runs = stored_runs(folder)
     for run in runs:
-        if not run.is_done:
-            raise FolderError(f"{run.folder}: not done; the same `rolling run` goes on with it")
+        _refuse_undone(run)
     return runs
 
 
@@ -104,13 +105,39 @@ def done_run(folder: Path, verb: str) -> RunFolder:
 
     The verb tells what a person wants to do with the run, such as "open".
     """
-    runs = stored_runs(folder)
+    run = _only(stored_runs(folder), folder, verb)
+    _refuse_undone(run)
+    return run
+
+
+def done_bearing_run(folder: Path, verb: str) -> BearingFolder:
+    """Return the only run of a bearing in a folder, as `done_run` does.
+
+    Raises
+    ------
+    FolderError : the folder has no run of a bearing, several, or one that is not done.
+    """
+    if not is_of_bearing(folder):
+        raise FolderError(f"{folder}: no run folder of a bearing")
+    run = _only(stored_bearing_runs(folder), folder, verb)
+    _refuse_undone(run)
+    return run
+
+
+def _only(runs: Sequence[Place], folder: Path, verb: str) -> Place:
+    """Return the only run of a folder; refuse a folder of several runs."""
     if len(runs) > 1:
         names = ", ".join(run.folder.name for run in runs[:3])
         raise FolderError(
             f"{folder}: holds {len(runs)} runs; {verb} one of the folders in it ({names}, ...)"
         )
-    return done_runs(folder)[0]
+    return runs[0]
+
+
+def _refuse_undone(run: RunPlace) -> None:
+    """Refuse a run that is not done."""
+    if not run.is_done:
+        raise FolderError(f"{run.folder}: not done; the same `rolling run` goes on with it")
 
 
 def stored_scene(folder: Path) -> Scene:
@@ -238,6 +265,21 @@ def free_name(folder: Path) -> Path:
         if not free.exists():
             return free
         number += 1
+
+
+def new_folder(folder: Path) -> Path:
+    """Make a folder for a run that is saved from memory, and return it.
+
+    Raises
+    ------
+    FolderError : there is a file of this name, or a folder that holds files.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise FolderError(f"{folder}: is a file; take another name for the folder")
+    if folder.exists() and any(folder.iterdir()):
+        raise FolderError(f"{folder}: holds files; take another, as {free_name(folder)}")
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
 
 
 def write_scene(folder: Path, scene: Scene | BearingScene) -> None:

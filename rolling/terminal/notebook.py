@@ -6,6 +6,8 @@ tracebacks as ever.
 
 import sys
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +37,15 @@ class Interrupted(KeyboardInterrupt):
     """An interrupt with a message that a notebook shows without the frames of the program."""
 
     _render_traceback_ = short_traceback
+
+
+@contextmanager
+def interrupt_with_message() -> Iterator[None]:
+    """Say after Ctrl-C that nothing of a simulation in memory is kept."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise Interrupted("the simulation was interrupted, and nothing of it is kept") from None
 
 
 def _is_foreign(path: Path) -> bool:

@@ -65,6 +65,19 @@ def begin(level: Level) -> Iterator[None]:
         _current().has_solved = command.has_solved
 
 
+@contextmanager
+def shown(is_shown: bool | None) -> Iterator[None]:
+    """Print nothing until the end where a caller from Python asks for silence.
+
+    is_shown : bool. False for silence; otherwise nothing changes.
+    """
+    if is_shown is not False:
+        yield
+        return
+    with begin(Level.QUIET):
+        yield
+
+
 def silence() -> None:
     """Print nothing from now on: a worker process leaves the terminal to its parent."""
     _current().level = Level.QUIET

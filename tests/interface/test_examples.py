@@ -72,7 +72,9 @@ def drawn() -> dict[str, Any]:
 # Their examples choose between scenes, or compute the loudness in a room.
 LONG = (
     "acoustics.audibility",
+    "rolling.bearing_interface",
     "rolling.choice.choice",
+    "rolling.choice_interface",
     "rolling.interface",
     "rolling.results.channels",
     "rolling.sound.vibration_sound",

@@ -27,7 +27,7 @@ FLOORS = {
         ("figures", "run"),
         ("bearing_contacts", "plot", "report"),
         ("bearing_run", "choice", "commands", "studies", "surface_command"),
-        ("cli", "interface"),
+        ("bearing_interface", "choice_interface", "cli", "interface"),
     ),
     "acoustics": (
         ("arrays", "matplotlib_import", "numbers", "texts", "traps"),

@@ -1,0 +1,321 @@
+"""Choices for Python: which is quieter, what would help, and what stays below a level."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+from acoustics.arrays import instance
+from acoustics.traps import ignoring_underflow
+from rolling.scene.bearing_scene import BearingScene
+from rolling.scene.scene import Scene
+from rolling.scene.swept import AnyScene
+from rolling.terminal import defaults
+from rolling.terminal import progress as terminal
+
+if TYPE_CHECKING:
+    from rolling.bearing_run.bearing_choice import BearingChoice
+    from rolling.choice.choice import Choice
+    from rolling.choice.limit import Limit
+    from rolling.choice.sensitivity import Sensitivities
+
+
+@ignoring_underflow
+def choose(
+    scenes: Scene | Sequence[Scene],
+    within_db: float = defaults.WITHIN_DB,
+    minutes: float = defaults.CHOICE_MINUTES,
+    folder: Path | str | None = None,
+    workers: int = 0,
+    progress: bool | None = None,
+) -> Choice:
+    """Choose the quietest of some scenes, and say by how much and how sure that is.
+
+    All scenes are heard on the same random surfaces, or at several places of their scans, and each
+    difference has its scatter over these pairs as a ±. Pairs are added until it is the wanted one.
+
+    Parameters
+    ----------
+    scenes : Scene or sequence of Scene
+        The candidates. One scene with a sweep has a candidate for each run, one with single faults
+        is compared with itself without them.
+    within_db : float, dB
+        Wanted standard uncertainty of the differences. Default: 1.
+    minutes : float
+        Time after which no more pairs begin; four are always heard. Default: 10.
+    folder : Path or str
+        Folder that keeps the runs of all specimens; a choice that was interrupted goes on there.
+        Default: none, and only the numbers are kept.
+    workers, progress : int, bool
+        As in `simulate`.
+
+    Returns
+    -------
+    choice : Choice
+        Candidates in order, differences, sentences, table and plot.
+
+    Raises
+    ------
+    SceneError
+        The scenes are not comparable, or one of them cannot run.
+    FolderError
+        The folder holds something else.
+    ContactError
+        A contact has no solution.
+    KeyboardInterrupt
+        Ctrl-C was pressed.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> words = ["sweep.surface.roughness_ra_um=[0.05, 0.2]", "rolling.duration_s=0.005"]
+    >>> scene = rolling.read_scene("quickstart", [*words, "rolling.load_n=1"])
+    >>> choice = rolling.choose(scene, within_db=3, workers=1, progress=False)
+    >>> choice.contenders[0].label, choice.differences[0].pairs >= 6
+    ('Ra 0.05 µm', True)
+
+    References
+    ----------
+    C. Stein, Annals of Mathematical Statistics 16, 1945, 243-258, for the number of pairs.
+    """
+    from rolling.choice.choosing import Budget, choose_scenes
+
+    listed = _listed(scenes, Scene)
+    budget = Budget(within_db=within_db, minutes=minutes)
+    with _kept_in(folder, progress) as kept:
+        return choose_scenes(listed, kept, budget, workers)
+
+
+@ignoring_underflow
+def choose_bearings(
+    scenes: BearingScene | Sequence[BearingScene],
+    within_db: float = defaults.WITHIN_DB,
+    minutes: float = defaults.CHOICE_MINUTES,
+    folder: Path | str | None = None,
+    workers: int = 0,
+    progress: bool | None = None,
+) -> BearingChoice:
+    """Choose between bearings by the three bands of ISO 15242, and say how sure that is.
+
+    All bearings are heard on specimens with the same random numbers, and each difference has its
+    scatter over these pairs as a ±. Specimens are added until it is the wanted one.
+
+    Parameters
+    ----------
+    scenes : BearingScene or sequence of BearingScene
+        The bearings. One scene with a sweep has a bearing for each run, one with single faults is
+        compared with itself without them.
+    within_db, minutes, folder, workers, progress
+        As in `choose`.
+
+    Returns
+    -------
+    choice : BearingChoice
+        Differences by band, sentences, table and plot.
+
+    Raises
+    ------
+    SceneError
+        The bearings are not comparable, or one of them cannot run.
+    FolderError
+        The folder holds something else.
+    ContactError
+        A contact has no solution.
+    KeyboardInterrupt
+        Ctrl-C was pressed.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> words = ["bearing.surfaces.balls={kind: smooth, waviness: {4: 0.02}}"]
+    >>> words += ["bearing.surfaces.inner=", "bearing.surfaces.outer=", "sound.duration_s=0.1"]
+    >>> scene = rolling.read_bearing("bearing-6204", words)
+    >>> twice = scene.with_({"name": "twice", "bearing.surfaces.balls.waviness": {4: 0.04}})
+    >>> choice = rolling.choose_bearings([scene, twice], progress=False)
+    >>> round(choice.differences[0][0].db)
+    6
+    """
+    from rolling.bearing_run import choosing
+
+    listed = _listed(scenes, BearingScene)
+    with _kept_in(folder, progress) as kept:
+        return choosing.choose_bearings(listed, kept, within_db, minutes, workers)
+
+
+@ignoring_underflow
+def sensitivities(
+    scene: Scene,
+    keys: Sequence[str] | None = None,
+    within_db: float = defaults.IMPROVED_WITHIN_DB,
+    minutes: float = defaults.CHOICE_MINUTES,
+    folder: Path | str | None = None,
+    workers: int = 0,
+    progress: bool | None = None,
+) -> Sensitivities:
+    """Find how much louder a scene becomes when a value of its drawing is a little larger.
+
+    Every value is changed by a tenth, a ball by a grade, and a skewness by 0.1. The scene and the
+    changed scene are heard on the same specimens, at least six. Where a larger value is not
+    allowed, the value is divided by 1.1. The linear chain gives every change a second time.
+
+    Parameters
+    ----------
+    scene : Scene
+        A scene without a sweep.
+    keys : sequence of str
+        Keys of the values. Default: all that stand on a drawing and that the scene has.
+    within_db : float, dB
+        Wanted standard uncertainty of every change. Default: 0.1.
+    minutes : float
+        Time after which no more specimens begin; the first six are always heard. Default: 10.
+    folder : Path or str
+        Folder that keeps the specimens, so that the same call goes on. Default: none, and only the
+        numbers are kept.
+    workers, progress : int, bool
+        As in `simulate`.
+
+    Returns
+    -------
+    sensitivities : Sensitivities
+        Changes of the level, the largest first, with `table()`, `plot(ax)` and `sentences`.
+
+    Raises
+    ------
+    SceneError
+        The scene sweeps, cannot run, makes no sound, or has no value of a key.
+    FolderError
+        The folder holds something else.
+    ContactError
+        The contact of the scene has no solution.
+    KeyboardInterrupt
+        Ctrl-C was pressed.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> words = ["rolling.load_n=1", "rolling.duration_s=0.003"]
+    >>> scene = rolling.read_scene("quickstart", words)
+    >>> found = rolling.sensitivities(scene, ["distance_m"], workers=1, progress=False)
+    >>> round(found.rows[0].db, 2)
+    -0.83
+    """
+    from rolling.choice.sensitivity import improve_scene
+
+    instance("scene", scene, Scene)
+    if isinstance(keys, str):
+        raise TypeError(f"keys: got {keys!r}, allowed: a list of keys, as in [{keys!r}]")
+    with _kept_in(folder, progress) as kept:
+        return improve_scene(
+            scene=scene,
+            folder=kept,
+            keys=keys,
+            within_db=within_db,
+            minutes=minutes,
+            workers=workers,
+        )
+
+
+@ignoring_underflow
+def coarsest_below(
+    scene: Scene,
+    key: str,
+    level_db: float,
+    between: tuple[float | str, float | str] | None = None,
+    seeds: int = defaults.LIMIT_SEEDS,
+    folder: Path | str | None = None,
+    workers: int = 0,
+    progress: bool | None = None,
+) -> Limit:
+    """Find the coarsest value of a key with which a scene stays below a level.
+
+    Below means that 95 % of specimens lie below the level, with a confidence of 95 %. Where a
+    larger value is quieter, the smallest value that stays below is found.
+
+    Parameters
+    ----------
+    scene : Scene
+        A scene without a sweep, on a random or a measured surface.
+    key : str
+        Key of a number above 0, of the finish, or of the grade of the ball.
+    level_db : float, dB(A)
+        The level of the vibration at the listener of the scene.
+    between : pair of float or str
+        Range of the search. Default: a fifth of the value of the scene to five times it, as far as
+        scenes are allowed, or all finishes or grades.
+    seeds : int
+        Number of specimens, from 3 to 60. Default: 12.
+    folder : Path or str
+        Folder that keeps the specimens, so that the same call goes on. Default: none, and only the
+        numbers are kept.
+    workers, progress : int, bool
+        As in `simulate`.
+
+    Returns
+    -------
+    limit : Limit
+        The answer, with `value`, `table()`, `plot(ax)` and `sentences`.
+
+    Raises
+    ------
+    SceneError
+        The scene sweeps or cannot run, the key is unknown or has no such value, the range is not
+        allowed, or nothing is random in the scene.
+    FolderError
+        The folder holds something else.
+    ContactError
+        A contact has no solution.
+    KeyboardInterrupt
+        Ctrl-C was pressed.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> words = ["rolling.load_n=1", "rolling.duration_s=0.003"]
+    >>> scene = rolling.read_scene("quickstart", words)
+    >>> limit = rolling.coarsest_below(
+    ...     scene, "distance_m", 200, between=(1, 1.1), seeds=3, workers=1, progress=False
+    ... )
+    >>> limit.value, limit.rises
+    (1.0, False)
+
+    References
+    ----------
+    ISO 16269-6:2014, for the tolerance limit.
+    """
+    from rolling.choice.limit import coarsest_value
+
+    instance("scene", scene, Scene)
+    with _kept_in(folder, progress) as kept:
+        return coarsest_value(
+            scene=scene,
+            key=key,
+            level_db=level_db,
+            between=between,
+            seeds=seeds,
+            folder=kept,
+            workers=workers,
+        )
+
+
+def _listed(scenes: AnyScene | Sequence[AnyScene], kind: type[AnyScene]) -> list[AnyScene]:
+    """Return scenes of a kind as a list; refuse anything else."""
+    if isinstance(scenes, kind):
+        return [scenes]
+    listed = list(cast("Sequence[AnyScene]", scenes))
+    for scene in listed:
+        instance("scenes", scene, kind)
+    return listed
+
+
+@contextmanager
+def _kept_in(folder: Path | str | None, progress: bool | None) -> Iterator[Path]:
+    """Give a folder of specimens, a temporary one without a name, and be silent if asked to."""
+    with terminal.shown(progress):
+        if folder is not None:
+            yield Path(folder)
+            return
+        with tempfile.TemporaryDirectory() as parent:
+            yield Path(parent) / "choice"
