@@ -2,9 +2,6 @@
 
 from rolling import check as check
 from rolling import plot as plot
-from rolling.bearing_interface import open_bearing as open_bearing
-from rolling.bearing_interface import save_bearing as save_bearing
-from rolling.bearing_interface import simulate_bearing as simulate_bearing
 from rolling.bearing_run.bearing_choice import BearingChoice as BearingChoice
 from rolling.bearing_run.bearing_run import BearingRun as BearingRun
 from rolling.check.doubt import Doubt as Doubt
@@ -14,10 +11,6 @@ from rolling.choice.choice import Choice as Choice
 from rolling.choice.difference import Difference as Difference
 from rolling.choice.limit import Limit as Limit
 from rolling.choice.sensitivity import Sensitivities as Sensitivities
-from rolling.choice_interface import choose as choose
-from rolling.choice_interface import choose_bearings as choose_bearings
-from rolling.choice_interface import coarsest_below as coarsest_below
-from rolling.choice_interface import sensitivities as sensitivities
 from rolling.contact import closed_forms as closed_forms
 from rolling.contact.half_space import HalfSpace as HalfSpace
 from rolling.contact.march import march as march
@@ -27,11 +20,18 @@ from rolling.contact.single_contact import solve_contact as solve_contact
 from rolling.contact.solver import ContactError as ContactError
 from rolling.contact.state import ContactState as ContactState
 from rolling.contact.state import RollingContact as RollingContact
-from rolling.interface import live as live
-from rolling.interface import open_run as open_run
-from rolling.interface import save_run as save_run
-from rolling.interface import simulate as simulate
-from rolling.interface import simulate_sweep as simulate_sweep
+from rolling.interface.bearings import open_bearing as open_bearing
+from rolling.interface.bearings import save_bearing as save_bearing
+from rolling.interface.bearings import simulate_bearing as simulate_bearing
+from rolling.interface.choices import choose as choose
+from rolling.interface.choices import choose_bearings as choose_bearings
+from rolling.interface.choices import coarsest_below as coarsest_below
+from rolling.interface.choices import sensitivities as sensitivities
+from rolling.interface.runs import live as live
+from rolling.interface.runs import open_run as open_run
+from rolling.interface.runs import save_run as save_run
+from rolling.interface.runs import simulate as simulate
+from rolling.interface.runs import simulate_sweep as simulate_sweep
 from rolling.results.channels import Channel as Channel
 from rolling.results.run_result import Run as Run
 from rolling.run.sweep_runs import Runs as Runs

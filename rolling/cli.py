@@ -152,7 +152,7 @@ def _run(given: argparse.Namespace) -> int:
     if isinstance(scene, BearingScene):
         return _run_bearing(scene, given)
     with progress.step(LOADING):
-        from rolling.commands import run_scene
+        from rolling.commands.run import run_scene
     failures = run_scene(
         scene,
         given.out,
@@ -262,14 +262,14 @@ def _table(given: argparse.Namespace) -> int:
 
         return _print_paths(table_bearing(given.folder))
     with progress.step(LOADING):
-        from rolling.commands import table
+        from rolling.commands.stored import table
     return _print_paths(table(given.folder, given.numbers, given.against, given.over))
 
 
 def _plot(given: argparse.Namespace) -> int:
     """Draw single figures of a run."""
     with progress.step(LOADING):
-        from rolling.commands import plot
+        from rolling.commands.stored import plot
     paths = plot(given.folder, given.names, given.form, given.out)
     if not paths:  # a warning says why no picture could be drawn
         return FAILED
@@ -279,7 +279,7 @@ def _plot(given: argparse.Namespace) -> int:
 def _resound(given: argparse.Namespace) -> int:
     """Run a stored scene with another sound, speed or body."""
     with progress.step(LOADING):
-        from rolling.commands import resound
+        from rolling.commands.run import resound
     failures = resound(
         given.folder,
         given.overrides,
@@ -297,14 +297,14 @@ def _report(given: argparse.Namespace) -> int:
             from rolling.bearing_run.command import report_bearing
         return _print_paths(report_bearing(given.run_folders, given.out))
     with progress.step(LOADING):
-        from rolling.commands import report
+        from rolling.commands.stored import report
     return _print_paths(report(given.run_folders, given.out))
 
 
 def _gallery(given: argparse.Namespace) -> int:
     """Write one page of many runs."""
     with progress.step(LOADING):
-        from rolling.commands import gallery
+        from rolling.commands.stored import gallery
     return _print_paths(gallery(given.run_folders, given.out))
 
 
@@ -316,7 +316,7 @@ def _listen(given: argparse.Namespace) -> int:
             from rolling.bearing_run.command import listen_bearing
         return _print_paths(listen_bearing(given.folder, given.seconds))
     with progress.step(LOADING):
-        from rolling.commands import listen
+        from rolling.commands.stored import listen
     return _print_paths(listen(given.folder, given.seconds, given.speed, given.seed))
 
 
@@ -412,7 +412,7 @@ def _below(scene: Scene, given: argparse.Namespace) -> int:
     """Find the coarsest value with which a scene stays below a level."""
     with progress.step(LOADING):
         from rolling.choice.command import print_advice
-        from rolling.choice.limit import coarsest_value, write_limit
+        from rolling.choice.limit_search import coarsest_value, write_limit
     limit = coarsest_value(
         scene=scene,
         key=given.key,
@@ -442,7 +442,7 @@ def _compare(given: argparse.Namespace) -> int:
     if given.recording is None:
         _refuse_options_of_bench(given)
     with progress.step(LOADING):
-        from rolling.commands import compare, compare_bench
+        from rolling.commands.compare import compare, compare_bench
     if given.recording is None:
         return _print_paths(compare_bench(given.folder))
     paths = compare(
@@ -471,7 +471,7 @@ def _refuse_options_of_bench(given: argparse.Namespace) -> None:
 def _surface(given: argparse.Namespace) -> int:
     """Describe measured heights, or the surface of a scene."""
     with progress.step(LOADING):
-        from rolling.surface_command import surface
+        from rolling.commands.surface import surface
     paths = surface(
         given.source,
         given.overrides,

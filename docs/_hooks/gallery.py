@@ -82,7 +82,7 @@ SHOWN = "![Gallery of scenes that come with the program](pictures/gallery.png)"
 def main(words: list[str]) -> int:
     """Run the scenes and write the gallery with its picture; return the exit code."""
     sys.path.insert(0, str(ROOT))
-    from rolling.commands import PAGE
+    from rolling.results.run_folder import PAGE
     from rolling.scene import library
     from rolling.scene.bearing_file import is_bearing_file
 
@@ -107,15 +107,16 @@ def main(words: list[str]) -> int:
 
 def made(scenes: Mapping[str, Sequence[str]], out: Path, workers: int, report: bool = True) -> Path:
     """Run scenes with their settings into folders of their names; return the gallery of them."""
-    from rolling import commands, read_scene
+    from rolling import read_scene
+    from rolling.commands import run, stored
 
     for name, settings in scenes.items():
         print(f"== {name}", flush=True)
         scene = read_scene(name, settings)
-        commands.run_scene(scene, out / name, workers=workers, report=report)
-    page = out / commands.GALLERY
+        run.run_scene(scene, out / name, workers=workers, report=report)
+    page = out / stored.GALLERY
     page.unlink(missing_ok=True)
-    print(*commands.gallery([out / name for name in scenes], page))
+    print(*stored.gallery([out / name for name in scenes], page))
     return page
 
 

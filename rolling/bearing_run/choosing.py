@@ -108,7 +108,7 @@ def choose_bearings(
     ContactError
         A contact has no solution.
     OSError, KeyboardInterrupt
-        As `rolling.commands.run_scene`; what was heard is kept.
+        As `rolling.commands.run.run_scene`; what was heard is kept.
     """
     candidates = candidates_of(scenes)
     target = folder or default_folder(candidates)

@@ -8,8 +8,6 @@ a single run in the folder itself, a run of a sweep in a folder below.
 from __future__ import annotations
 
 import shutil
-import sys
-import webbrowser
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -26,17 +24,16 @@ from rolling.bearing_run import page, simulation, stored_run, summary
 from rolling.bearing_run.bearing_run import BearingRun
 from rolling.contact.solver import ContactError
 from rolling.figures.picture import csv_bytes
-from rolling.results.run_folder import FAILED, PAGE, RESULT, SUMMARY, BearingFolder
+from rolling.results.run_folder import FAILED, PAGE, RESULT, SUMMARY, TABLE, BearingFolder
 from rolling.run import folder as folders
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.height_files import read_regular
 from rolling.scene.messages import SceneError, table
 from rolling.scene.sweep import Value
-from rolling.terminal import defaults, files, progress, system_errors
+from rolling.terminal import defaults, files, pages, progress, system_errors
 from rolling.terminal.files import FolderError
 from rolling.terminal.streams import columns, folded
 
-TABLE = "runs.csv"
 LONG = "long.wav"
 WORDS = table("rolling.bearing_run", "words")
 MAX_SCENE = 1_000_000  # bytes of a scene file on the page
@@ -92,7 +89,7 @@ def run_bearing(
     if done:
         _print_runs(folder, done)
     if open:
-        _open_page(folder / PAGE)
+        pages.open_page(folder / PAGE)
     return failures
 
 
@@ -334,14 +331,6 @@ def _print_doubts(stored: Sequence[dict[str, Any]]) -> None:
         print(f"{len(doubts) - len(shown)} more on the page and in {SUMMARY}")
 
 
-def _open_page(path: Path) -> None:
-    """Open a page in a browser, or say why it is not open."""
-    if not path.is_file():
-        print("--open: there is no report page to open", file=sys.stderr)
-    elif not webbrowser.open(path.resolve().as_uri()):
-        print(f"--open: no browser was found; open {path} in one", file=sys.stderr)
-
-
 # ---- stored runs
 
 
@@ -368,10 +357,7 @@ def report_bearing(run_folders: Sequence[Path], out: Path | None = None) -> list
     if out is None:
         write_report(folder, done, unsolved)
         return [folder / PAGE]
-    if out.exists():
-        raise FolderError(f"{out}: exists; take another --out, or remove it")
-    if out.suffix.lower() not in (".html", ".htm"):
-        raise FolderError(f"{out}: a page ends in .html, such as --out {out.name}.html")
+    pages.refuse_page(out)
     with progress.step("writing the page"):
         runs = opened(done[: defaults.MAX_RUNS_ON_PAGE])
         not_shown = [*unsolved, *map(label_of, done[defaults.MAX_RUNS_ON_PAGE :])]

@@ -81,7 +81,7 @@ def choose_scenes(
     SceneError : the scenes are not comparable, or cannot run.
     FolderError : the folder holds another choice.
     ContactError : a contact has no solution.
-    OSError, KeyboardInterrupt : as `rolling.commands.run_scene`; finished pieces are kept.
+    OSError, KeyboardInterrupt : as `rolling.commands.run.run_scene`; finished pieces are kept.
     """
     candidates = candidates_of(scenes)
     target = folder or default_folder("choice", [one.scene for one in candidates])

@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from acoustics.texts import printable
-from rolling.report.recorded import FORMATS, PRESSURE, QUANTITIES, MeasuredQuantity
-from rolling.report.recording import RecordingComparison, compare, lacking_channels
+from rolling.recordings.comparison import RecordingComparison, compare
+from rolling.recordings.pairs import lacking_channels
+from rolling.recordings.recorded import FORMATS, PRESSURE, QUANTITIES, MeasuredQuantity
 from rolling.results.run_folder import RESULT
 from rolling.results.run_result import Run
 from rolling.run import folder as folders

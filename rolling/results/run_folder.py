@@ -21,6 +21,7 @@ RESULT = "result.h5"
 SUMMARY = "summary.json"
 FAILED = "failed.json"
 PAGE = "report.html"  # of all runs of a folder
+TABLE = "runs.csv"
 MAX_FAILURE = 1_000_000  # bytes of a failed.json
 
 

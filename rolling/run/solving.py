@@ -94,7 +94,7 @@ def solve_folder(
     scene : Scene. A scene with or without a sweep.
     folder : Path. Its run folder, which may exist.
     sources : sequence of RunFolder. Runs elsewhere that are done, whose marches are taken.
-    part, workers, cluster : as in `rolling.commands.run_scene`.
+    part, workers, cluster : as in `rolling.commands.run.run_scene`.
 
     Returns
     -------
@@ -102,7 +102,7 @@ def solve_folder(
 
     Raises
     ------
-    SceneError, FolderError, OSError, KeyboardInterrupt : as in `rolling.commands.run_scene`.
+    SceneError, FolderError, OSError, KeyboardInterrupt : as in `rolling.commands.run.run_scene`.
     """
     refusals.refuse(scene, workers, folder)
     if part is not None and not scene.sweep:

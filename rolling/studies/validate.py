@@ -28,7 +28,9 @@ from rolling.contact.half_space import HalfSpace
 from rolling.contact.single_contact import solve_contact
 from rolling.contact.solver import ContactError
 from rolling.dynamics import drop, of_scene
-from rolling.report import recording, synthetic_bench
+from rolling.recordings.comparison import THIRD_OCTAVE, compare
+from rolling.recordings.levels import TOTALS
+from rolling.report import synthetic_bench
 from rolling.report.bench import compare_all, read_bench
 from rolling.results.run_result import Run
 from rolling.run.solving import Values, simulate_runs
@@ -662,7 +664,7 @@ def _compared(run: Run, sound: Array, rng: np.random.Generator) -> pd.DataFrame:
         background = Path(folder, "background.wav")
         soundfile.write(recorded, (sound + noise[0]) / full_scale, RATE_HZ, "PCM_24")
         soundfile.write(background, noise[1] / full_scale, RATE_HZ, "PCM_24")
-        return recording.compare(run, recorded, f"{full_scale:.9g}", background).table
+        return compare(run, recorded, f"{full_scale:.9g}", background).table
 
 
 def _played(pressure: Array) -> Array:
@@ -692,7 +694,7 @@ def bench_rows(folders: Sequence[Path], kind: str = "measured") -> PublishedValu
                 rows = table[table["channel"] == pair.name]
                 name = pair.name or quantity.name
                 item = f"{name}, re {quantity.reference_text} ({folder.name}/{result.name})"
-                total = rows[rows["quantity"].isin(recording.TOTALS)].iloc[0]
+                total = rows[rows["quantity"].isin(TOTALS)].iloc[0]
                 yield PublishedValue(
                     rule=f"{kind} level",
                     item=item,
@@ -700,7 +702,7 @@ def bench_rows(folders: Sequence[Path], kind: str = "measured") -> PublishedValu
                     ours=total["run_db"],
                     bound=2 * total["difference_uncertainty_db"] if kind == "measured" else None,
                 )
-                bands = rows[rows["quantity"] == recording.THIRD_OCTAVE]
+                bands = rows[rows["quantity"] == THIRD_OCTAVE]
                 loud = bands["recording_db"] >= bands["recording_db"].max() - LOUD_DB
                 yield PublishedValue(
                     rule=f"{kind} third octaves, rms difference",

@@ -72,10 +72,10 @@ def drawn() -> dict[str, Any]:
 # Their examples choose between scenes, or compute the loudness in a room.
 LONG = (
     "acoustics.audibility",
-    "rolling.bearing_interface",
     "rolling.choice.choice",
-    "rolling.choice_interface",
-    "rolling.interface",
+    "rolling.interface.bearings",
+    "rolling.interface.choices",
+    "rolling.interface.runs",
     "rolling.results.channels",
     "rolling.sound.vibration_sound",
 )

@@ -23,7 +23,8 @@ from scene_text import TINY
 
 import rolling as rc
 from acoustics import wav
-from rolling import cli, interface
+from rolling import cli
+from rolling.interface import runs as interface
 from rolling.results.run_result import Run
 from rolling.run import pools
 from rolling.terminal import progress as terminal_progress

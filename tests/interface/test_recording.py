@@ -14,8 +14,8 @@ from finished import VIBRATING, marched
 
 from acoustics import BAND_NAMES, resampling
 from rolling import cli, open_run, save_run
-from rolling.report import recording
-from rolling.report.recorded import Recording
+from rolling.recordings import comparison
+from rolling.recordings.recorded import Recording
 from rolling.results.run_result import Run
 
 RATE = 44100
@@ -249,7 +249,7 @@ def test_slow_changes_widen_all_bands_alike_and_a_drop_has_none(run: Run, tmp_pa
     soundfile.write(tmp_path / "falling.wav", falling / 10, RATE, "FLOAT")
     tables = []
     for scene in (run.scene, run.scene.with_(drop_mm=0.01)):
-        table, notes, _ = recording.compare(replace(run, scene=scene), tmp_path / "falling.wav")
+        table, notes, _ = comparison.compare(replace(run, scene=scene), tmp_path / "falling.wav")
         tables.append(bands(table)["recording_uncertainty_db"])
         assert table["difference_uncertainty_db"].max() < 10
         assert "uncertain by 10 dB or more, left out: 20, 25" in notes[-1]
@@ -270,7 +270,7 @@ def test_the_uncertainty_of_a_band_with_a_sharp_resonance_is_that_of_its_lines()
     for seed in range(200):
         noise = np.random.default_rng(seed).standard_normal(48000)
         samples = np.fft.irfft(gain * np.fft.rfft(noise))
-        found = recording._bands(Recording("noise", samples, 24000.0, 1.0))
+        found = levels.third_octave_levels(Recording("noise", samples, 24000.0, 1.0))
         levels.append(found[0])
         spreads.append(found[2])
     resonant = BAND_NAMES.index("1000")

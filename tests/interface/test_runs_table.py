@@ -13,7 +13,7 @@ import pytest
 from finished import run_of
 from scene_text import TINY
 
-from rolling.commands import write_table
+from rolling.commands.derived import write_table
 from rolling.figures.picture import csv_bytes
 from rolling.results import verdict
 from rolling.results.answer import uncertain

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rolling as rc
-from rolling import commands
+from rolling.commands import run as commands
 from rolling.results.long_record import ListeningError
 from rolling.run import folder as folders
 from rolling.run.folder import FolderError

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rolling.report.stretch import fitting_stretch
+from rolling.recordings.stretch import fitting_stretch
 
 RATE = 48000
 

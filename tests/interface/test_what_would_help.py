@@ -12,14 +12,8 @@ from scipy.stats import norm
 import rolling as rc
 from rolling import cli
 from rolling.choice import drawing, solving
-from rolling.choice.limit import (
-    LimitSearch,
-    Point,
-    coarsest_value,
-    falls,
-    from_quiet,
-    tolerance_factor,
-)
+from rolling.choice.limit import Point, falls, from_quiet, tolerance_factor
+from rolling.choice.limit_search import LimitSearch, coarsest_value
 from rolling.choice.sensitivity import improve_scene
 from rolling.marches.piece import contact_identity
 

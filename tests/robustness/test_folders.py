@@ -280,7 +280,7 @@ def test_little_memory_ends_in_a_sentence(
     def exhausted(*_: object, **__: object) -> int:
         raise MemoryError
 
-    monkeypatch.setattr("rolling.surface_command.surface", exhausted)
+    monkeypatch.setattr("rolling.commands.surface.surface", exhausted)
     assert cli.main(["surface", str(scene)]) == 1
     assert "not enough memory" in capsys.readouterr().err
 

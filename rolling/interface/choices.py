@@ -285,7 +285,7 @@ def coarsest_below(
     ----------
     ISO 16269-6:2014, for the tolerance limit.
     """
-    from rolling.choice.limit import coarsest_value
+    from rolling.choice.limit_search import coarsest_value
 
     instance("scene", scene, Scene)
     with _kept_in(folder, progress) as kept:

@@ -1,6 +1,6 @@
 """Runs for Python: simulated in memory, opened from their folders, saved into new ones, rolled.
 
-Those of bearings are in `bearing_interface`, choices in `choice_interface`.
+Those of bearings are in `bearings`, choices in `choices`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 
 from acoustics.arrays import instance
 from acoustics.traps import ignoring_underflow
-from rolling.commands import write_derived
+from rolling.commands.derived import write_derived
 from rolling.contact.solver import ContactError
 from rolling.results import labels
 from rolling.results.run_folder import PAGE

@@ -1,0 +1,149 @@
+"""Compare runs with recordings: print tables, write them and a page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rolling.commands.run import run_scene
+from rolling.figures.picture import csv_bytes, slug
+from rolling.recordings.comparison import RecordingComparison, words
+from rolling.recordings.comparison import compare as compare_record
+from rolling.recordings.recorded import quantity_of
+from rolling.report import bench as benches
+from rolling.report import recording_page, synthetic_bench
+from rolling.results.run_result import Run
+from rolling.run import folder as folders
+from rolling.run.solving import open_runs
+from rolling.terminal import files, progress
+from rolling.terminal.files import FolderError
+from rolling.terminal.streams import folded
+
+
+def compare(
+    folder: Path,
+    recording: Path,
+    calibration: str | None = None,
+    background: Path | None = None,
+    quantity: str = "pressure",
+    channels: Sequence[str] = (),
+) -> list[Path]:
+    """Compare a run with a recording: print a table, write it and a page, and return its path.
+
+    Parameters
+    ----------
+    folder : Path. The folder of one run, which gets compare-NAME.html and compare-NAME.csv, with a
+        number where another comparison has the name.
+    recording : Path. Sound file of the real thing, whose name is NAME.
+    calibration : str. TONE.wav=LEVEL, a recorded tone of known level (dB re 20 uPa of sound,
+        otherwise the rms in the SI unit), or the value of full scale in the SI unit. Default: none;
+        the recording gets the total level of the run.
+    background : Path. Recording of the background alone, which is subtracted. Default: none.
+    quantity : str. What is recorded: pressure, acceleration, velocity, displacement or force.
+        Default: pressure.
+    channels : sequence of str. Names of the run's channels, in the order of the recording's.
+        Default: those of the quantity in their order.
+
+    Raises
+    ------
+    FolderError : the folder holds no single run that is done, or a recording cannot be compared.
+        Nothing is written.
+    """
+    quantity_of(quantity)
+    run = _run_to_compare(folder)
+    with progress.step("comparing it with the recording"):
+        comparison = compare_record(
+            run=run,
+            path=recording,
+            calibration=calibration,
+            background=background,
+            quantity=quantity,
+            channels=channels,
+        )
+    return [_write_comparison(run, folder, recording, comparison)]
+
+
+def compare_bench(folder: Path) -> list[Path]:
+    """Run the scene of a bench unless it has run, and compare it with each of its recordings.
+
+    Parameters
+    ----------
+    folder : Path. Folder with scene, scan, recordings and calibration.txt; its run is in the folder
+        run. The name synthetic-bench, where there is no such folder, makes one below outputs.
+
+    Returns
+    -------
+    pages : list of Path. A page for each recording.
+
+    Raises
+    ------
+    FolderError : something is missing in the folder, and nothing is written; or a run failed, or a
+        recording cannot be compared, after all others were.
+    """
+    if folder == synthetic_bench.NAME and not folder.exists():
+        folder = synthetic_bench.make(Path("outputs") / folder)
+    bench = benches.read_bench(folder)
+    place = benches.run_folder(bench)
+    failures = run_scene(bench.scene, place)
+    if failures:
+        raise FolderError("; ".join(f"{place}: {reason}" for reason in failures.values()))
+    run = _run_to_compare(place)
+    pages = []
+    faults = []
+    for item in bench.recordings:
+        try:
+            with progress.step(f"comparing it with {item.path.name}"):
+                comparison = benches.compare_recording(run, item)
+        except FolderError as error:
+            faults.append(str(error))
+            continue
+        pages.append(_write_comparison(run, place, item.path, comparison))
+    if faults:
+        raise FolderError("\n".join(faults))
+    progress.line(f"as rows of the validation: rolling validate --bench {folder}")
+    return pages
+
+
+def _run_to_compare(folder: Path) -> Run:
+    """Return the only run of a folder, with its sound."""
+    stored = folders.done_run(folder, "compare")
+    with progress.step("reading the run, making its sound"):
+        (run,) = open_runs([stored])
+    return run
+
+
+def _write_comparison(
+    run: Run, folder: Path, recording: Path, comparison: RecordingComparison
+) -> Path:
+    """Write page and table of a comparison into a run folder, and print them; return the page."""
+    content = recording_page.page(run, comparison)
+    numbers = csv_bytes(comparison.table)
+    page = _free_page(folder / f"compare-{slug(recording.name)[:80]}.html", content, numbers)
+    files.write_bytes(page.with_suffix(".csv"), numbers)
+    files.write_bytes(page, content)
+    if not progress.is_quiet():
+        print(*map(folded, comparison.notes), sep="\n")
+        for heading, table in words(comparison).items():
+            print(f"\n{heading}\n{table.to_string(index=False)}")
+        print()
+    return page
+
+
+def _free_page(page: Path, content: bytes, numbers: bytes) -> Path:
+    """Return a page, with a number where another comparison has its name.
+
+    A comparison that is there already keeps its name.
+    """
+    free = page
+    number = 1
+    while free.exists() or free.with_suffix(".csv").exists():
+        if _holds(free, content) and _holds(free.with_suffix(".csv"), numbers):
+            return free
+        number += 1
+        free = page.with_name(f"{page.stem}-{number}{page.suffix}")
+    return free
+
+
+def _holds(path: Path, content: bytes) -> bool:
+    """Tell whether a file has this content."""
+    return path.is_file() and path.read_bytes() == content

@@ -1,0 +1,136 @@
+"""Run a scene into a folder, or make new sound of the marches that a folder holds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from acoustics.texts import printable
+from rolling.commands.answers import print_answers
+from rolling.commands.derived import write_derived_alone
+from rolling.results import labels, run_lines
+from rolling.results.run_folder import PAGE, RunFolder
+from rolling.results.run_result import PASSES
+from rolling.run import folder as folders
+from rolling.run.solving import runs_of_part, solve_folder
+from rolling.scene import file
+from rolling.scene.scene import Scene
+from rolling.terminal import pages, progress
+from rolling.terminal.files import FolderError
+
+
+def run_scene(
+    scene: Scene,
+    out: Path | None = None,
+    *,
+    part: folders.Part | None = None,
+    workers: int = 0,
+    cluster: str | None = None,
+    report: bool = True,
+    open: bool = False,
+) -> dict[str, str]:
+    """Run a scene into a folder, or the part of it that the folder lacks.
+
+    Parameters
+    ----------
+    scene : Scene. The scene.
+    out : Path. Run folder. Default: outputs/NAME-DIGITS, which the scene decides.
+    part : pair. Number K and count N: every N-th march from march K on. Default: all.
+    workers : int. Number of processes; 0: one per core. Default: 0.
+    cluster : str. Address of a Dask scheduler, whose workers solve. Default: none.
+    report : bool. Whether page and figures are written. Default: true.
+    open : bool. Whether the page is opened in a browser. Default: false.
+
+    Returns
+    -------
+    failures : dict. Reasons by the label of each run that failed.
+
+    Raises
+    ------
+    SceneError, FolderError : before anything is computed or written.
+    OSError : a disk is full, or a cluster is gone; finished pieces are kept.
+    KeyboardInterrupt : Ctrl-C or SIGTERM; finished pieces are kept.
+    """
+    folder = out or folders.default_folder(scene)
+    failures = solve_folder(scene, folder, part=part, workers=workers, cluster=cluster)
+    runs = folders.runs_in(folder, scene)
+    write_derived_alone(folder, runs, report, part)
+    _print_runs(folder, runs_of_part(runs, part))
+    if open:
+        pages.open_page(folder / PAGE)
+    return failures
+
+
+def resound(
+    folder: Path,
+    overrides: Sequence[str],
+    out: Path | None = None,
+    *,
+    workers: int = 0,
+    report: bool = True,
+) -> dict[str, str]:
+    """Run the scene of a run folder with other values, with the marches that are stored there.
+
+    Parameters
+    ----------
+    folder : Path. The run folder.
+    overrides : sequence of str. Assignments such as "sound.distance_m=2".
+    out, workers, report : as in `run_scene`.
+
+    Returns
+    -------
+    failures : dict. Reasons by the label of each run that failed.
+
+    Raises
+    ------
+    FolderError : nothing is solved in the run folder, or `out` holds another scene.
+    SceneError : the overrides are not allowed.
+    """
+    stored = [run for run in folders.stored_runs(folder) if run.is_done]
+    if not stored:
+        raise FolderError(f"{folder}: no run in it is done, so there is no march to take")
+    scene = file.resound(folders.stored_scene(folder), overrides)
+    program = folders.made_by(stored[0].home)
+    if program != folders.this_program():
+        progress.line(f"{folder}: marched by {program}, heard by {folders.this_program()}")
+    target = out or folders.default_folder(scene)
+    failures = solve_folder(scene, target, sources=stored, workers=workers)
+    runs = folders.runs_in(target, scene)
+    write_derived_alone(target, runs, report)
+    _print_runs(target, runs)
+    return failures
+
+
+def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
+    """Print the levels of runs and the files that a person opens first; the folder if quiet."""
+    if progress.is_quiet():
+        print(folder)
+        return
+    done = [run for run in runs if run.is_done]
+    if not done:
+        return
+    shown = print_answers(done)
+    for line in run_lines.channel_lines(shown):
+        print(line)
+    for line in run_lines.doubt_lines(shown):
+        print(line)
+    _print_files(folder, done)
+    if progress.is_verbose():
+        print()
+        for line in run_lines.further_lines(shown):
+            print(line)
+
+
+def _print_files(folder: Path, done: Sequence[RunFolder]) -> None:
+    """Print the files that a person opens first."""
+    first = done[0]
+    heard = ["released power" if first.scene.sound.source == "release" else "vibration"]
+    if len(done) > 1:
+        heard.insert(0, labels.labels(done)[0])
+    print(f"listen: {printable(str(first.folder / 'listen.wav'))} ({', '.join(heard)})")
+    if (first.folder / PASSES).is_file():
+        print(f"pass by pass: {printable(str(first.folder / PASSES))}")
+    if (folder / PAGE).is_file():
+        print(f"page: {printable(str(folder / PAGE))}")
+    else:
+        print(f"folder: {printable(str(folder))}")

@@ -1,0 +1,1 @@
+"""Recordings of the real thing beside runs: records, their pairs, levels and differences."""
