@@ -76,6 +76,14 @@ class ContactPlan:
             rest += [scene for pair in stretch.scenes.values() for scene in pair]
         return [first, rest]
 
+    def without_faults(self) -> ContactPlan:
+        """Return the plan of the same bearing without its single faults; it needs no more march."""
+        surfaces = {
+            body: None if surface is None else surface.model_copy(update={"faults": None})
+            for body, surface in self.surfaces.items()
+        }
+        return replace(self, surfaces=surfaces, faults=())
+
 
 def contact_plan(scene: BearingScene) -> ContactPlan:
     """Return the contacts that the scene of a bearing needs.

@@ -33,6 +33,7 @@ from rolling.bearing.tracks import BearingTracks
 from rolling.bearing_contacts.bearing_check import departures
 from rolling.bearing_run import summary
 from rolling.bearing_run.housing import HousingSound, housing_of_scene
+from rolling.bearing_run.without_faults import WithoutFaults
 from rolling.check.doubt import Doubt
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.sweep import Value
@@ -66,6 +67,8 @@ class BearingRun:
         Doubts about the rough contacts, from their marches.
     contacts : tuple of dict
         Numbers of the rough contacts that were marched.
+    without_faults : WithoutFaults, optional
+        Numbers of the same bearing without its single faults; None where it has none.
     values : dict
         Swept values of the run, by dotted key.
     label : str
@@ -91,6 +94,7 @@ class BearingRun:
     tracks: BearingTracks
     solved: tuple[Doubt, ...] = ()
     contacts: tuple[dict[str, Any], ...] = ()
+    without_faults: WithoutFaults | None = None
     values: Mapping[str, Value] = field(default_factory=dict)
     label: str = ""
     folder: Path = Path()

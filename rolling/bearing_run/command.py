@@ -22,6 +22,7 @@ from rolling.bearing.motion import move_ring
 from rolling.bearing.ring_record import DIRECTIONS
 from rolling.bearing_run import page, simulation, stored_run, summary
 from rolling.bearing_run.bearing_run import BearingRun
+from rolling.bearing_run.without_faults import stored_without_faults
 from rolling.contact.solver import ContactError
 from rolling.figures.picture import csv_bytes
 from rolling.results.run_folder import FAILED, PAGE, RESULT, SUMMARY, TABLE, BearingFolder
@@ -184,6 +185,7 @@ def read_run(place: BearingFolder) -> BearingRun:
         tracks=tracks,
         solved=tuple(summary.stored_doubts(stored)),
         contacts=tuple(stored.get("contacts", ())),
+        without_faults=stored_without_faults(stored.get("without_faults")),
         values=place.values,
         label=label_of(place),
         folder=place.folder,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
 from rolling.bearing_contacts.solving import Marches, solved_stages
 from rolling.bearing_run.bearing_run import BearingRun
+from rolling.bearing_run.without_faults import without_faults_of_record
 from rolling.check import refusals
 from rolling.scene import library
 from rolling.scene.bearing_scene import BearingScene
@@ -69,11 +70,15 @@ def bearing_stages(
     plan = contact_plan(scene)
     stages = [stage for stage in plan.stages if stage]
     if not stages:
-        yield BearingStage(_moved(scene, plan, {}), is_final=True)
+        yield BearingStage(_final(_moved(scene, plan, {}), plan, {}), is_final=True)
         return
     solving = solved_stages(stages, name=scene.name, folder=folder, workers=workers, shown=shown)
     for number, marches in enumerate(solving, start=1):
-        yield BearingStage(_moved(scene, plan, marches), is_final=number == len(stages))
+        run = _moved(scene, plan, marches)
+        is_final = number == len(stages)
+        if is_final:
+            run = _final(run, plan, marches)
+        yield BearingStage(run, is_final)
 
 
 def refuse(scene: BearingScene, workers: int) -> None:
@@ -102,6 +107,20 @@ def _moved(scene: BearingScene, plan: ContactPlan, marches: Marches) -> BearingR
         solved=contact_doubts(plan, marches, hardness_pa(scene)),
         contacts=tuple(_without_unknown(contact) for contact in contacts),
     )
+
+
+def _final(run: BearingRun, plan: ContactPlan, marches: Marches) -> BearingRun:
+    """Return a run with the numbers of the same bearing without its single faults, if it has some.
+
+    The heights, the seeds and the places of the balls are the same.
+    """
+    if not run.faulty:
+        return run
+    tracks = bearing_tracks(plan.without_faults(), marches)
+    scene = run.scene
+    motion = move_ring(scene.model, tracks, scene.moved, wav.SAMPLE_RATE_HZ)
+    record = record_of(motion, scene.kinematics)
+    return replace(run, without_faults=without_faults_of_record(record, scene.kinematics))
 
 
 def hardness_pa(scene: BearingScene) -> float:

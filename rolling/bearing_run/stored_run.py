@@ -17,6 +17,7 @@ from acoustics.texts import printable
 from rolling.bearing.ring_record import DIRECTIONS, RingRecord
 from rolling.bearing.tracks import BearingTracks, BodyTrack
 from rolling.bearing_run import figures
+from rolling.bearing_run.without_faults import stored_without_faults
 from rolling.figures.picture import csv_bytes
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.results import result_file
@@ -347,9 +348,10 @@ def read_summary(path: Path) -> dict[str, Any]:
                     float(bands[direction][band])
         float(summary["listen"]["own_full_scale_m_s2"])
         float(summary["listen"]["full_scale_m_s2"])
+        stored_without_faults(summary.get("without_faults"))
     except OSError as error:
         raise FolderError(f"{path}: not readable ({error.strerror or error}); {advice}") from error
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise FolderError(
             f"{path}: not readable ({type(error).__name__}: {error}); {advice}"
         ) from error

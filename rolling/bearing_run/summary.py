@@ -17,6 +17,7 @@ from rolling.check.doubt import Doubt, Severity, severity_of, sized
 
 if TYPE_CHECKING:
     from rolling.bearing_run.bearing_run import BearingRun
+    from rolling.bearing_run.without_faults import WithoutFaults
 
 FORMAT = 1  # of summary.json
 BAND_WORDS = {
@@ -25,6 +26,7 @@ BAND_WORDS = {
 HEARD_LINE = 5.0  # height from which on a line stands out of its surroundings
 LEAST_SHARE = 0.1  # of the largest line, from which on another one is named
 STRONG_LINE = 10.0  # height from which on a line of the envelope tells of a fault
+RISE = 2.0  # of that height over the height without the fault, from which on the fault shows
 _MOST_LINES = 3  # that a sentence names
 _UNCERTAIN_DB = 0.05  # from which on a band is stated as uncertain
 _LEAST_DB = 0.1  # effects below it have no sentence
@@ -54,6 +56,7 @@ def summarize(run: BearingRun) -> dict[str, Any]:
         "duration_s": run.record.duration_s,
         "lines": run.lines_with_levels,
         "envelope_lines": run.envelope_lines,
+        "without_faults": run.without_faults and run.without_faults.to_dict(),
         "kinematics": {
             "cage_hz": run.kinematics.cage_hz,
             "ball_pass_outer_hz": run.kinematics.ball_pass_outer_hz,
@@ -165,7 +168,7 @@ def sentences(run: BearingRun) -> list[str]:
     return [text for text in texts if text]
 
 
-def _three(bands: dict[str, float]) -> str:
+def _three(bands: Mapping[str, float]) -> str:
     """Write three velocities with two digits."""
     low, medium, high = (velocity(value) for value in bands.values())
     return f"{low}, {medium} and {high}"
@@ -216,18 +219,51 @@ def _stands_out(height: float | None) -> bool:
 
 
 def fault_sentences(run: BearingRun) -> Iterator[str]:
-    """Say for each body with faults whether its line stands in the envelope."""
+    """Say for each body with faults whether its line rises in the envelope, and what they add.
+
+    Balls meet the same roughness turn after turn, so a healthy bearing has these lines too.
+    """
     rows = {row["name"]: row for row in run.envelope_lines}
     for body in run.faulty:
         name = FAULT_LINES[body]
-        height = rows[name]["height"]
         ring = "a ball" if body == "balls" else f"the {body} raceway"
         at = f"{name}, {rounded(rows[name]['frequency_hz'], 4)} Hz"
-        if height is None or height >= STRONG_LINE:
-            size = "alone" if height is None else f"{rounded(height)} times its surroundings"
-            yield f"The fault of {ring} shows in the envelope at {at}: {size}."
-        else:
-            yield f"The fault of {ring} does not show in the envelope at {at}."
+        size = _height(rows[name]["height"])
+        rises = _level(rows[name]["height"]) >= STRONG_LINE
+        if run.without_faults is not None:
+            before = run.without_faults.heights.get(name, 0.0)
+            size += f", and {_height(before, short=True)} without the fault"
+            rises = rises and _level(rows[name]["height"]) >= RISE * _level(before)
+        verb = "shows" if rises else "does not show"
+        yield f"The fault of {ring} {verb} in the envelope at {at}: {size}."
+    if run.without_faults is not None:
+        yield _added_by_faults(run, run.without_faults)
+
+
+def _added_by_faults(run: BearingRun, healthy: WithoutFaults) -> str:
+    """Say by how many decibels faults raise the radial velocity in the three bands."""
+    if min(healthy.bands_um_s[RADIAL].values()) < NOTHING_UM_S:
+        return f"Without faults the ring moves at {_three(healthy.bands_um_s[RADIAL])} um/s."
+    added = []
+    for band, um_s in run.bands_um_s[RADIAL].items():
+        decibels = 20 * math.log10(max(um_s, NOTHING_UM_S) / healthy.bands_um_s[RADIAL][band])
+        added.append(f"{round(decibels, 1) + 0.0:+.1f}")  # no "-0.0"
+    low, medium, high = added
+    noun = "The fault changes" if len(run.faulty) == 1 else "The faults change"
+    return f"{noun} the three bands by {low}, {medium} and {high} dB."
+
+
+def _height(height: float | None, short: bool = False) -> str:
+    """Write how far a line stands over its surroundings; None: there is nothing around it."""
+    if height is None:
+        return "alone"
+    times = f"{rounded(height)} times"
+    return times if short else f"{times} its surroundings"
+
+
+def _level(height: float | None) -> float:
+    """Return the height of a line, infinite for one that stands alone."""
+    return math.inf if height is None else height
 
 
 def load_sentence(run: BearingRun) -> str:

@@ -124,6 +124,33 @@ def test_faults_show_in_the_envelope(body: str, radial_n: float) -> None:
         assert heights[name] > 10, name
 
 
+@pytest.mark.law("Bearing faults: what a fault adds is told against the same bearing without it.")
+def test_a_bearing_with_a_fault_is_also_moved_without_it(tmp_path: Path) -> None:
+    """A step enters by its form, so it needs no march."""
+    step = {"kind": "step", "at_mm": [10, 0], "depth_um": 1, "size_um": 300}
+    waves = {"kind": "smooth", "waviness": {9: 0.1}}
+    short = ["sound.duration_s=0.2", "sound.listen_s=0.2"]
+    healthy = rolling.simulate_bearing(
+        loads_bearing(WAVY, [*short, f"bearing.surfaces.inner={json.dumps(waves)}"]), progress=False
+    )
+    faulty = rolling.simulate_bearing(
+        loads_bearing(
+            WAVY, [*short, f"bearing.surfaces.inner={json.dumps(waves | {'faults': [step]})}"]
+        ),
+        progress=False,
+    )
+    assert healthy.without_faults is None
+    without = faulty.without_faults
+    assert without is not None
+    for direction, bands in healthy.bands_um_s.items():
+        assert without.bands_um_s[direction] == pytest.approx(bands, rel=1e-6, abs=1e-6)
+    assert faulty.bands_um_s["radial"]["high"] > 2 * without.bands_um_s["radial"]["high"]
+    (said,) = [text for text in faulty.summary["sentences"] if "fault of" in text]
+    assert "shows in the envelope at BPFI" in said and "without the fault" in said
+    opened = rolling.open_bearing(rolling.save_bearing(faulty, tmp_path / "run", report=False))
+    assert opened.without_faults == without
+
+
 def test_a_smooth_bearing_under_an_axial_load_is_silent() -> None:
     scene = loads_bearing(WAVY, ["bearing.surfaces={}"])
     quiet = rolling.simulate_bearing(scene, progress=False)
