@@ -108,10 +108,11 @@ def _print_faults_of_scene(given: argparse.Namespace) -> None:
     """Print the faults of the scene that a command names, before those of its options."""
     if "scene" not in given or _own_acoustics.fault():
         return
+    from rolling.scene.bearing_file import read_either
     from rolling.scene.messages import SceneError
 
     try:
-        _read_scene(given)
+        read_either(given.scene, given.overrides)
     except SceneError as error:
         _print_error(str(error))
 
@@ -236,7 +237,7 @@ def _check_bearing(given: argparse.Namespace) -> int:
         print(f"{findings}\n\n{streams.folded(conclusion(findings), '')}")
     else:
         print("\n".join(lines_in_short(findings)))
-    return OK
+    return OK if findings.refusal is None else BAD_INPUT
 
 
 def _status(given: argparse.Namespace) -> int:

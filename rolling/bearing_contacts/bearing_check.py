@@ -16,8 +16,9 @@ from rolling.bearing.kinematics import lines_of
 from rolling.bearing.limits import bounce_hz, motion_seconds
 from rolling.bearing.linear_ring import free_tilt_db, linear_ring
 from rolling.bearing.waves import hertz_pressure, semi_axes
+from rolling.bearing_contacts import needs
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
-from rolling.check import cost, forecast
+from rolling.check import cost, forecast, refusals
 from rolling.check.doubt import TRUSTED_DB, Doubt, Finding, Severity, sized
 from rolling.check.findings import Findings
 from rolling.scene import bearing_rules
@@ -69,7 +70,8 @@ def check_bearing(scene: BearingScene) -> Findings:
     for values, run in scene.runs():
         name = run_name(values) or run.name
         plan = contact_plan(run)
-        found = [*scene_rules(run), *_cost(plan)]
+        lacking = needs.excess(run, plan, workers=0, folder=refusals.OUTPUTS)
+        found = [*scene_rules(run), *_cost(plan), *lacking]
         rows[name] = [row for row in found if isinstance(row, Finding)]
         doubts[name] = [doubt for doubt in found if isinstance(doubt, Doubt)]
         marches |= _marches(plan)
@@ -357,6 +359,8 @@ def _assumed(scene: BearingScene) -> Iterator[Finding | Doubt]:
 
 def conclusion(findings: Findings) -> str:
     """State in a sentence how long a scene takes, and with which verdict at best."""
+    if findings.refusal is not None:
+        return f"It does not run: {findings.refusal.text}."
     doubts = [doubt for of_run in findings.doubts.values() for doubt in of_run]
     worst = max((doubt.severity for doubt in doubts), default=Severity.NOTE)
     time = f"It runs in {forecast.takes(findings.seconds)}."

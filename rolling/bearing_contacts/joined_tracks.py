@@ -29,6 +29,7 @@ from rolling.surface.heights import add_faults
 from rolling.surface.scene_surface import form_heights
 
 LEAST_POINTS = 4096  # of a turn without roughness
+POINTS_PER_WAVE = 8  # at least, so that a wave of a high order is not taken for one of a low order
 # Parts of seeds, so that roughness and place of balls differ.
 _ROUGHNESS = 1
 _PLACE = 2
@@ -70,6 +71,22 @@ def bearing_tracks(
         balls_on_inner=tuple(tracks[0] for tracks in balls),
         balls_on_outer=tuple(tracks[1] for tracks in balls),
     )
+
+
+def points_of_turn(plan: ContactPlan, body: str) -> int:
+    """Return the number of points of the track around "inner", "outer" or "balls"."""
+    surface = plan.surfaces[body]
+    if surface is None:
+        return smooth_track().points
+    name = kinds_of_contact(body)[0]
+    turn = 2 * np.pi * radius_of(plan.geometry, body)
+    points = LEAST_POINTS
+    if name in plan.rough:
+        points = round(turn / plan.rough[name].scene.step)
+    for stretch in plan.faults:
+        if stretch.name == name:
+            points = max(points, int(np.ceil(turn / stretch.with_fault.step)))
+    return max(points, POINTS_PER_WAVE * max(surface.waviness or {0: 0.0}))
 
 
 @dataclass(frozen=True)
@@ -135,6 +152,7 @@ def _body_tracks(
     names = kinds_of_contact(body)
     radius = radius_of(plan.geometry, body)
     loads = np.array(plan.loads_n)
+    points_of_waves = POINTS_PER_WAVE * max(surface.waviness or {0: 0.0})
     parts = [np.zeros((len(loads), LEAST_POINTS))] * len(names)
     if names[0] in solved.rows:
         rows = np.concatenate([solved.rows[name] for name in names])
@@ -155,6 +173,7 @@ def _body_tracks(
         for stretch, _ in faults:
             points = int(np.ceil(2 * np.pi * radius / stretch.with_fault.step))
             track = track.resampled(max(points, track.points))
+        track = track.resampled(max(points_of_waves, track.points))
         for form in _forms(plan, name, surface, radius, track.points):
             track = track.plus(BodyTrack(loads, form))
         values = track.approach_m

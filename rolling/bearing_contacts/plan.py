@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Literal
 
 from acoustics.arrays import short_repr
+from acoustics.numbers import rounded, rounded_down
 from rolling.bearing import waves
 from rolling.bearing.geometry import BearingGeometry, RacewayContact
 from rolling.bearing_contacts.contacts import (
@@ -26,10 +27,12 @@ from rolling.bearing_contacts.contacts import (
     rough_contact,
 )
 from rolling.bearing_contacts.faults import FaultStretch, fault_stretches
+from rolling.check import resolution
 from rolling.scene import height_files
 from rolling.scene.bearing_rules import refuse_height_files
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.laws import Roughness
+from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import BallHeightFile, BallSurface
 
@@ -101,7 +104,7 @@ def contact_plan(scene: BearingScene) -> ContactPlan:
     refuse_height_files(scene)
     bearing = scene.bearing
     surfaces = bearing.surfaces
-    return plan_contacts(
+    plan = plan_contacts(
         scene.geometry,
         {"inner": surfaces.inner, "outer": surfaces.outer, "balls": surfaces.balls},
         axial_load_n=scene.axial_load,
@@ -118,6 +121,41 @@ def contact_plan(scene: BearingScene) -> ContactPlan:
         fault_ball=surfaces.fault_ball,
         folder=scene.folder,
     )
+    _refuse_long_steps(scene, plan)
+    return plan
+
+
+def _refuse_long_steps(scene: BearingScene, plan: ContactPlan) -> None:
+    """Refuse nodes so far apart that a step leads over several contacts.
+
+    Raise SceneError with the distance of nodes that would fit, for each key that gives one.
+    """
+    allowed_um: dict[str, float] = {}
+    step_um: dict[str, float] = {}
+    for march in (march for stage in plan.stages for march in stage):
+        longest = resolution.MAX_RADII * resolution.contact_radius(march)
+        if march.step <= longest:
+            continue
+        key = "numerics.spacing_um"
+        if march.height_paths:
+            key = f"bearing.surfaces.{_body_of(march.name)}.spacing_um"
+        nodes_um = 1e6 * longest / march.step_nodes
+        allowed_um[key] = min(nodes_um, allowed_um.get(key, nodes_um))
+        step_um[key] = max(1e6 * march.step, step_um.get(key, 0.0))
+    lines = []
+    for key, longest_um in allowed_um.items():
+        lines.append(
+            f"{scene.place(key)}: {key}: steps of {rounded(step_um[key], 4)} um are longer than"
+            f" {resolution.MAX_RADII:g} semi-axes of a contact at the least load; allowed: at most"
+            f" {rounded_down(longest_um)}"
+        )
+    if lines:
+        raise SceneError(lines)
+
+
+def _body_of(name: str) -> str:
+    """Return the body whose surface a kind of contact meets, by its name."""
+    return name.partition("-")[0]
 
 
 def stages_of(plans: Sequence[ContactPlan]) -> list[list[Scene]]:

@@ -74,7 +74,7 @@ def run_bearing(
     """
     folder = out or folders.default_folder(scene)
     folders.refuse_other(folder, scene)
-    simulation.refuse(scene, workers)
+    simulation.refuse(scene, workers, folder)
     folder.mkdir(parents=True, exist_ok=True)
     with folders.locked(folder):
         if not folders.refuse_other(folder, scene):

@@ -15,6 +15,7 @@ from acoustics.arrays import short_repr
 from rolling.bearing.kinematics import Kinematics
 from rolling.bearing.motion import RingMotion, move_ring
 from rolling.bearing.ring_record import RingRecord
+from rolling.bearing_contacts import needs
 from rolling.bearing_contacts.contact_doubts import contact_doubts, marched_contacts
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
@@ -24,6 +25,7 @@ from rolling.bearing_run.without_faults import without_faults_of_record
 from rolling.check import refusals
 from rolling.scene import library
 from rolling.scene.bearing_scene import BearingScene
+from rolling.scene.messages import SceneError
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,7 @@ def bearing_stages(
     SceneError, ContactError, OSError, KeyboardInterrupt
         As `solving.solved_stages`.
     """
+    refuse(scene, workers, folder)
     plan = contact_plan(scene)
     stages = [stage for stage in plan.stages if stage]
     if not stages:
@@ -81,15 +84,18 @@ def bearing_stages(
         yield BearingStage(run, is_final)
 
 
-def refuse(scene: BearingScene, workers: int) -> None:
-    """Refuse a scene with a run whose contacts cannot be marched here, before anything is written.
+def refuse(scene: BearingScene, workers: int, folder: Path | None = None) -> None:
+    """Refuse a scene with a run that cannot be computed here, before anything is written.
 
     Raises
     ------
-    SceneError : a height file cannot be used, or the memory does not suffice.
+    SceneError : a height file cannot be used, or memory or disk do not suffice.
     """
-    for run in scene.runs():
-        plan = contact_plan(run.scene)
+    for _, run in scene.runs():
+        plan = contact_plan(run)
+        lines = [need.line for need in needs.excess(run, plan, workers, folder)]
+        if lines:
+            raise SceneError(lines)
         for stage in plan.stages:
             for contact in stage:
                 refusals.refuse(contact, workers)

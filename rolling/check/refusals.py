@@ -96,35 +96,31 @@ def excess(scenes: Sequence[Scene], workers: int, folder: Path | None, of: str =
     Counts of nodes and steps decide, so that no surface is made and no height file is read. The
     words `of` name the runs.
     """
-    needs = []
-    parts = cost.memory(scenes, workers)
-    limit = memory_limit()
-    if sum(parts.values()) > SHARE * limit:
-        largest = max(parts, key=parts.__getitem__)
-        needs.append(
-            Doubt(
-                "memory",
-                f"memory{of}: needs {memory_text(parts)}, allowed: {_share(limit)} this machine "
-                "allows",
-                Severity.REFUSED,
-                advice=ADVICE[largest],
-            )
-        )
-    if folder is None:
-        return needs
-    disk = cost.disk(scenes)
-    free = free_disk(folder)
-    if disk > SHARE * free:
-        needs.append(
-            Doubt(
-                "disk",
-                f"disk{of}: needs about {byte_size(disk)}, allowed: {_share(free)} free where "
-                f"{folder} is",
-                Severity.REFUSED,
-                advice=ADVICE["record"],
-            )
-        )
+    needs = lacking_memory(cost.memory(scenes, workers), ADVICE, of)
+    if folder is not None:
+        needs += lacking_disk(cost.disk(scenes), folder, ADVICE["record"], of)
     return needs
+
+
+def lacking_memory(parts: dict[str, float], advice: dict[str, str], of: str = "") -> list[Doubt]:
+    """Return the doubt "memory" where its parts [bytes] do not fit, with advice for the largest."""
+    limit = memory_limit()
+    if sum(parts.values()) <= SHARE * limit:
+        return []
+    largest = max(parts, key=parts.__getitem__)
+    text = f"needs {memory_text(parts)}, allowed: {_share(limit)} this machine allows"
+    return [
+        Doubt("memory", f"memory{of}: {text}", Severity.REFUSED, advice=advice.get(largest, ""))
+    ]
+
+
+def lacking_disk(size: float, folder: Path, advice: str, of: str = "") -> list[Doubt]:
+    """Return the doubt "disk" where files [bytes] do not fit where a folder is or will be."""
+    free = free_disk(folder)
+    if size <= SHARE * free:
+        return []
+    text = f"needs about {byte_size(size)}, allowed: {_share(free)} free where {folder} is"
+    return [Doubt("disk", f"disk{of}: {text}", Severity.REFUSED, advice=advice)]
 
 
 def refuse_large_files(scenes: Sequence[Scene]) -> None:

@@ -285,6 +285,25 @@ def test_a_bad_file_is_refused_by_the_check(
     assert "ball_diameter_mm" in capsys.readouterr().out
 
 
+def test_nodes_too_far_apart_for_the_contacts_are_refused_with_a_distance_that_fits() -> None:
+    """The check refuses what a run would, and names a key of the bearing."""
+    surface = "{kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 900, seed: 1}"
+    rough = f"bearing.surfaces.inner={surface}"
+    with pytest.raises(SceneError, match=r"^--set: numerics\.spacing_um: .* allowed: ") as error:
+        bearing(rough, "numerics.spacing_um=300").check()
+    allowed = str(error.value).rpartition(" ")[2]
+    assert bearing(rough, f"numerics.spacing_um={allowed}").check().refusal is None
+
+
+def test_an_unknown_option_beside_a_bearing_is_the_only_fault(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(SystemExit):
+        cli.main(["run", "bearing-6204", "sound.listen_s=3"])
+    said = capsys.readouterr().err
+    assert "got sound.listen_s=3" in said and "bearing:" not in said
+
+
 def test_a_file_that_holds_no_turn_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -217,6 +217,24 @@ def test_a_fault_stands_at_its_place_in_the_tracks() -> None:
     assert not tracks.outer.approach_m.any()
 
 
+@pytest.mark.parametrize("order", [3000, 4100])
+def test_a_wave_of_a_high_order_is_no_wave_of_a_low_order(order: int) -> None:
+    """A smooth raceway has points enough for its shortest wave."""
+    plan = plan_contacts(
+        bearing(),
+        {"balls": None, "inner": SmoothBall(waviness={order: 0.05}), "outer": None},
+        axial_load_n=LOAD,
+        radial_load_n=0.0,
+        speed_m_s=SPEED,
+        body=BODY,
+        window_mm=1,
+    )
+    heights = bearing_tracks(plan).inner.approach_m[0]
+    spectrum = np.abs(np.fft.rfft(heights))
+    assert spectrum.argmax() == order
+    assert np.delete(spectrum, order).max() < 1e-6 * spectrum[order]
+
+
 # ---- plan
 
 

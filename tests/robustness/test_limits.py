@@ -15,6 +15,7 @@ from large_scenes import FILE, LAPS, scene_of
 from scene_text import MADE, TEXT, TINY
 
 import rolling
+from rolling import cli
 from rolling.check import findings, refusals
 from rolling.run.executor import RunLoop
 from rolling.scene.file import loads, read_scene
@@ -65,6 +66,35 @@ def test_check_says_how_much_memory_and_disk(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(refusals, "free_disk", lambda folder: 1e6)
     text = str(findings.check_scene(scene, solve=False))
     assert "warning: disk of all: needs about" in text
+
+
+MANY_BALLS = """
+name: many
+bearing: {balls: 200, ball_diameter_mm: 5, pitch_diameter_mm: 400, contact_angle_deg: 15,
+  speed_rpm: 600, axial_load_n: 500, surfaces: {inner: {kind: smooth, waviness: {9: 0.1}}}}
+sound: {listen_s: 120}
+"""
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+@pytest.mark.parametrize("lacking", ["memory", "disk"])
+def test_a_bearing_that_does_not_fit_is_refused(
+    tmp_path: Path,
+    command: str,
+    lacking: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Loads of 200 balls over two minutes take 50 GB, and are 5 GB on disk."""
+    monkeypatch.setattr(refusals, "memory_limit", lambda: 32e9 if lacking == "memory" else 1e12)
+    monkeypatch.setattr(refusals, "free_disk", lambda folder: 1e12 if lacking == "memory" else 1e9)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "many.yaml").write_text(MANY_BALLS)
+    assert cli.main([command, "many.yaml"]) == 2
+    said = capsys.readouterr()
+    text = " ".join((said.out + said.err).split())
+    assert f"{lacking}: needs about" in text and "sound.listen_s" in text
+    assert [path.name for path in tmp_path.iterdir()] == ["many.yaml"]
 
 
 def test_height_file_of_50_gb_is_refused_by_its_header(
