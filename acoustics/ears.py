@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.loudness import MIN_RATE_HZ, import_mosqito
-from acoustics.spectrum import checked_record
+from acoustics.loudness import heard_fluctuation
 from acoustics.traps import ignoring_underflow
 
 # Two windows of 0.2 s, so that a record is no single window.
@@ -44,7 +43,7 @@ def roughness_asper(pressure_pa: Array, sample_rate_hz: float) -> float | None:
     P. Daniel and R. Weber, Psychoacoustical roughness: implementation of an optimized model,
     Acustica 83 (1997) 113-123. 1 asper is a tone of 1 kHz and 60 dB, all modulated by 70 Hz.
     """
-    record = _checked(pressure_pa, sample_rate_hz)
+    record = heard_fluctuation(pressure_pa, sample_rate_hz)
     if not record.any():
         return 0.0
     if len(record) < MIN_ROUGHNESS_S * sample_rate_hz:
@@ -113,7 +112,7 @@ def tones(pressure_pa: Array, sample_rate_hz: float) -> Tones | None:
     ----------
     ECMA-418-1:2022, tone-to-noise ratio and prominence ratio.
     """
-    record = _checked(pressure_pa, sample_rate_hz)
+    record = heard_fluctuation(pressure_pa, sample_rate_hz)
     if not record.any():
         return Tones(None, None)
     if len(record) < MIN_TONES_S * sample_rate_hz:
@@ -124,17 +123,6 @@ def tones(pressure_pa: Array, sample_rate_hz: float) -> Tones | None:
         tone_to_noise=_largest(tnr_ecma_st(record, sample_rate_hz, prominence=False)),
         prominence=_largest(pr_ecma_st(record, sample_rate_hz, prominence=False)),
     )
-
-
-def _checked(pressure_pa: Array, sample_rate_hz: float) -> Array:
-    """Return the fluctuation of a record; raise for a missing package and for a low rate."""
-    record = checked_record(pressure_pa, sample_rate_hz, "pressure_pa")
-    import_mosqito()
-    if sample_rate_hz < MIN_RATE_HZ:
-        raise ValueError(
-            f"sample_rate_hz: got {sample_rate_hz:g}, allowed: {MIN_RATE_HZ} Hz or more"
-        )
-    return record - np.mean(record)
 
 
 def _largest(found: tuple[Any, Any, Any, Any]) -> Tone | None:

@@ -83,20 +83,14 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
     ----------
     ISO 532-1:2017, method 1, for stationary sounds; DIN 45692:2009 for sharpness.
     """
-    refuse_masked("pressure_pa", pressure_pa)
-    import_mosqito()
+    fluctuation = heard_fluctuation(pressure_pa, sample_rate_hz)
     from mosqito.sq_metrics import loudness_zwst, sharpness_din_from_loudness
 
-    record = checked_record(pressure_pa, sample_rate_hz)
-    if sample_rate_hz < MIN_RATE_HZ:
-        raise ValueError(
-            f"loudness needs a sample rate of {MIN_RATE_HZ} Hz or more, got {sample_rate_hz:g}"
-        )
-    # the onset of a mean would excite the filters like a bang
-    fluctuation = record - np.mean(record)
     if not np.any(fluctuation):
         return Loudness(0.0, None)
-    rounds = math.ceil(_PLAYED_S * sample_rate_hz / len(record)) if closed else 1
+    rounds = 1
+    if closed:
+        rounds = math.ceil(_PLAYED_S * sample_rate_hz / len(fluctuation))
     try:
         played = np.tile(fluctuation, rounds)
         sone, specific, _ = loudness_zwst(played, sample_rate_hz, field_type="free")
@@ -155,15 +149,11 @@ def varying_loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) ->
     ISO 532-1:2017, method 2, for time-varying sounds; H. Fastl and E. Zwicker, Psychoacoustics, 3rd
     ed., Springer 2007, 8.7, for N5.
     """
-    refuse_masked("pressure_pa", pressure_pa)
-    record = checked_record(pressure_pa, sample_rate_hz)
-    import_mosqito()
+    fluctuation = heard_fluctuation(pressure_pa, sample_rate_hz)
     _check_varying_rate(sample_rate_hz)
-    # the onset of a mean would be heard as a bang
-    fluctuation = record - np.mean(record)
     if not np.any(fluctuation):
         return VaryingLoudness(0.0, 0.0)
-    duration = len(record) / sample_rate_hz
+    duration = len(fluctuation) / sample_rate_hz
     if closed:
         rounds = max(2, math.ceil(_PLAYED_IN_TIME_S / duration))
         played = np.tile(fluctuation, rounds)
@@ -271,6 +261,27 @@ def _loudness_of_group(records: Sequence[Array]) -> list[Array]:
     return courses
 
 
+def heard_fluctuation(pressure_pa: Array, sample_rate_hz: float) -> Array:
+    """Return a record without its mean, whose onset the ear's filters would hear as a bang.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        If mosqito is not installed.
+    ValueError
+        As `acoustics.spectrum.checked_record`, or for a sample rate below 48 kHz.
+    """
+    refuse_masked("pressure_pa", pressure_pa)
+    record = checked_record(pressure_pa, sample_rate_hz, "pressure_pa")
+    import_mosqito()
+    if sample_rate_hz < MIN_RATE_HZ:
+        raise ValueError(
+            f"sample_rate_hz: got {sample_rate_hz:g}, allowed: a sample rate of {MIN_RATE_HZ} Hz"
+            " or more, by which mosqito computes"
+        )
+    return np.asarray(record - np.mean(record))
+
+
 def import_mosqito() -> None:
     """Import mosqito; raise ModuleNotFoundError with the command that installs it."""
     if find_spec("mosqito") is None:
@@ -287,5 +298,6 @@ def _check_varying_rate(sample_rate_hz: float) -> None:
     """Raise ValueError for a sample rate for which method 2 is not defined."""
     if sample_rate_hz != VARYING_RATE_HZ:
         raise ValueError(
-            f"loudness in time needs a sample rate of {VARYING_RATE_HZ} Hz, got {sample_rate_hz:g}"
+            f"sample_rate_hz: got {sample_rate_hz:g}, allowed for loudness in time: a sample rate"
+            f" of {VARYING_RATE_HZ} Hz"
         )

@@ -82,10 +82,8 @@ def channel_spectrum(run: Run, ax: Axes | None = None) -> Axes:
 
     Parameters
     ----------
-    run : Run
-        Run whose scene asks for channels.
-    ax : matplotlib.axes.Axes
-        Axes to draw on. Default: new axes.
+    run, ax : Run, matplotlib.axes.Axes
+        As in `channel_third_octaves`.
 
     Returns
     -------
@@ -95,7 +93,7 @@ def channel_spectrum(run: Run, ax: Axes | None = None) -> Axes:
     Raises
     ------
     ValueError
-        The run has no channels.
+        As in `channel_third_octaves`.
 
     Examples
     --------
@@ -143,10 +141,8 @@ def channel_envelope(run: Run, ax: Axes | None = None) -> Axes:
 
     Parameters
     ----------
-    run : Run
-        Run whose scene asks for channels.
-    ax : matplotlib.axes.Axes
-        Axes to draw on. Default: new axes.
+    run, ax : Run, matplotlib.axes.Axes
+        As in `channel_third_octaves`.
 
     Returns
     -------
@@ -156,7 +152,7 @@ def channel_envelope(run: Run, ax: Axes | None = None) -> Axes:
     Raises
     ------
     ValueError
-        The run has no channels.
+        As in `channel_third_octaves`.
 
     Examples
     --------
@@ -199,7 +195,9 @@ def channel_envelope_table(run: Run) -> pd.DataFrame:
             }
         )
         frames.append(frame)
-    return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
+    if not frames:
+        return pd.DataFrame()
+    return pd.concat(frames, ignore_index=True)
 
 
 def _channels(run: Run) -> tuple[Channel, ...]:

@@ -62,7 +62,7 @@ def test_silence_and_what_has_no_loudness(mosqito):
     # few for the filters.
     assert loudness(tone(130.0, frequency_hz=100.0), RATE, closed=True) == Loudness(None, None)
     assert loudness(tone(60.0, 10), RATE, closed=False) == Loudness(None, None)
-    with pytest.raises(ValueError, match="sample rate of 48000 Hz or more, got 44100"):
+    with pytest.raises(ValueError, match="got 44100, allowed: a sample rate of 48000 Hz or more"):
         loudness(tone(60.0), 44100.0, closed=True)
     with pytest.raises(ValueError, match="finite"):
         loudness(np.array([0.0, np.nan]), RATE, closed=True)
@@ -114,5 +114,5 @@ def test_what_has_no_loudness_in_time(mosqito):
     assert varying_loudness(tone(130.0, frequency_hz=100.0), RATE, closed=True) == nothing
     click = varying_loudness(tone(60.0, 10), RATE, closed=False)  # it is heard after its end
     assert click.max_sone >= click.n5_sone > 0.01
-    with pytest.raises(ValueError, match="sample rate of 48000 Hz, got 96000"):
+    with pytest.raises(ValueError, match=r"got 96000, .* sample rate of 48000 Hz"):
         varying_loudness(tone(60.0), 96000.0, closed=True)
