@@ -232,88 +232,116 @@ def overlap_reach(
     return along, across
 
 
+@dataclass(frozen=True)
+class ContactKind:
+    """What all marches of a kind of contact share.
+
+    name : str. "inner", "outer", "balls-on-inner" or "balls-on-outer".
+    contact : RacewayContact. The smooth contact.
+    numbers : MarchNumbers. Grid.
+    loads_n : tuple of float, N. Ascending loads.
+    speed_m_s : float, m/s. Rolling speed.
+    body : dict. Keys of the material of rings and balls, as of `sphere` and `plate`.
+    """
+
+    __repr__ = short_repr
+
+    name: str
+    contact: RacewayContact
+    numbers: MarchNumbers
+    loads_n: tuple[float, ...]
+    speed_m_s: float
+    body: dict[str, float | str]
+
+    @property
+    def middle_load_n(self) -> float:
+        """Load that is marched first [N]."""
+        return self.loads_n[len(self.loads_n) // 2]
+
+    def scene_values(
+        self, name: str, surface: dict[str, object], tolerance: float | str
+    ) -> dict[str, object]:
+        """Return the values of a scene at the middle load over a flat surface.
+
+        The track over a file is as long as the file.
+        """
+        rolling = {"load_n": self.middle_load_n, "speed_m_s": self.speed_m_s}
+        if surface["kind"] != "file":
+            rolling["distance_mm"] = self.numbers.distance_mm
+        radii = {
+            "radius_mm": self.contact.radius_along_m * 1e3,
+            "radius_across_mm": self.contact.radius_across_m * 1e3,
+        }
+        return {
+            "name": name,
+            "sphere": radii | self.body,
+            "plate": self.body | {"hardness_gpa": "none"},
+            "surface": surface,
+            "rolling": rolling,
+            "numerics": {"step_nodes": self.numbers.step_nodes, "tolerance": tolerance},
+        }
+
+
 def contact_scene(
-    name: str,
-    contact: RacewayContact,
-    *,
-    law: Roughness | None,
-    faults: Sequence[SurfaceFault] = (),
-    numbers: MarchNumbers,
-    load_n: float,
-    speed_m_s: float,
-    body: dict[str, float | str],
+    kind: ContactKind, name: str, law: Roughness | None, faults: Sequence[SurfaceFault] = ()
 ) -> Scene:
-    """Return the scene of a contact over a flat surface.
+    """Return the scene of a contact at the middle load over a flat surface.
 
     Parameters
     ----------
+    kind : ContactKind
+        Kind of contact.
     name : str
         Name of the scene.
-    contact : RacewayContact
-        Smooth contact.
     law : Roughness or None
         Law of the surface, None for a smooth one.
     faults : sequence of SurfaceFault
         Single faults with their places on the flat surface.
-    numbers : MarchNumbers
-        Grid.
-    load_n, speed_m_s : float, N, m/s
-        Load and rolling speed.
-    body : dict
-        Keys of the material of ring and balls, as of `sphere` and `plate`.
 
     Raises
     ------
     SceneError
         A value is not allowed.
     """
-    tolerance: float | str = numbers.tolerance
+    tolerance: float | str = kind.numbers.tolerance
     if tolerance == "auto":
-        tolerance = _tolerance(contact, law, load_n)
+        tolerance = _tolerance(kind.contact, law, kind.middle_load_n)
     surface: dict[str, object] = {"kind": "smooth"}
     if law is not None:
         fields = Roughness.model_fields
         values = law.model_dump(exclude_none=True)
         surface = {"kind": "gaussian"} | {key: values[key] for key in fields if key in values}
-    surface |= {"spacing_um": numbers.spacing_um, "width_um": numbers.width_um}
+    surface |= {"spacing_um": kind.numbers.spacing_um, "width_um": kind.numbers.width_um}
     if faults:
         surface["faults"] = [fault.model_dump(exclude_none=True) for fault in faults]
-    values = _scene_values(
-        name,
-        contact,
-        surface=surface,
-        numbers=numbers,
-        tolerance=tolerance,
-        load_n=load_n,
-        speed_m_s=speed_m_s,
-        body=body,
+    return Scene.from_values(kind.scene_values(name, surface, tolerance))
+
+
+def rough_contact(kind: ContactKind, law: Roughness) -> RoughContact:
+    """Return the contacts of a kind over a rough surface, at all loads of the kind."""
+    return RoughContact(
+        name=kind.name,
+        contact=kind.contact,
+        scene=contact_scene(kind, kind.name, law),
+        loads_n=kind.loads_n,
     )
-    return Scene.from_values(values)
 
 
-def measured_scene(
-    name: str,
-    contact: RacewayContact,
-    turn: BallHeightFile,
-    *,
-    profile_width_um: float | None,
-    numbers: MarchNumbers,
-    load_n: float,
-    speed_m_s: float,
-    body: dict[str, float | str],
-    folder: Path,
-) -> Scene:
-    """Return the scene of a contact over a measured turn, all of which is marched.
+def measured_contact(
+    kind: ContactKind, turn: BallHeightFile, profile_width_um: float | None, folder: Path
+) -> RoughContact:
+    """Return the contacts of a kind over a measured turn, all of which is marched.
 
     Parameters
     ----------
+    kind : ContactKind
+        Kind of contact.
     turn : BallHeightFile
         File of the turn.
     profile_width_um : float or None, um
         Width of a single line, which is repeated across; None for a file that has a width.
     folder : Path
         Folder from which its path starts.
-    name, contact, numbers, load_n, speed_m_s, body : as in `contact_scene`
 
     Raises
     ------
@@ -329,46 +357,13 @@ def measured_scene(
     }
     if profile_width_um is not None:
         surface["width_um"] = profile_width_um
-    values = _scene_values(
-        name,
-        contact,
-        surface=surface,
-        numbers=numbers,
-        tolerance=numbers.tolerance,
-        load_n=load_n,
-        speed_m_s=speed_m_s,
-        body=body,
+    values = kind.scene_values(kind.name, surface, kind.numbers.tolerance)
+    return RoughContact(
+        name=kind.name,
+        contact=kind.contact,
+        scene=Scene.from_dict(values, folder),
+        loads_n=kind.loads_n,
     )
-    return Scene.from_dict(values, folder)
-
-
-def _scene_values(
-    name: str,
-    contact: RacewayContact,
-    *,
-    surface: dict[str, object],
-    numbers: MarchNumbers,
-    tolerance: float | str,
-    load_n: float,
-    speed_m_s: float,
-    body: dict[str, float | str],
-) -> dict[str, object]:
-    """Return the values of the scene of a contact; the track over a file is as long as it."""
-    rolling = {"load_n": load_n, "speed_m_s": speed_m_s}
-    if surface["kind"] != "file":
-        rolling["distance_mm"] = numbers.distance_mm
-    radii = {
-        "radius_mm": contact.radius_along_m * 1e3,
-        "radius_across_mm": contact.radius_across_m * 1e3,
-    }
-    return {
-        "name": name,
-        "sphere": radii | body,
-        "plate": body | {"hardness_gpa": "none"},
-        "surface": surface,
-        "rolling": rolling,
-        "numerics": {"step_nodes": numbers.step_nodes, "tolerance": tolerance},
-    }
 
 
 TOLERANCE = 1e-4  # of the solver, as `numerics.tolerance: auto` has it for moving bodies
@@ -382,26 +377,3 @@ def _tolerance(contact: RacewayContact, law: Roughness | None, load_n: float) ->
         return LEAST_TOLERANCE
     ratio = law.rq_m / waves.hertz_approach(contact, load_n) / SMOOTHEST
     return float(f"{max(LEAST_TOLERANCE, TOLERANCE * min(1.0, ratio)):.1g}")
-
-
-def rough_contact(
-    name: str,
-    contact: RacewayContact,
-    law: Roughness,
-    loads_n: Sequence[float],
-    *,
-    numbers: MarchNumbers,
-    speed_m_s: float,
-    body: dict[str, float | str],
-) -> RoughContact:
-    """Return a rough contact at some ascending loads [N], the middle one first."""
-    scene = contact_scene(
-        name,
-        contact,
-        law=law,
-        numbers=numbers,
-        load_n=loads_n[len(loads_n) // 2],
-        speed_m_s=speed_m_s,
-        body=body,
-    )
-    return RoughContact(name=name, contact=contact, scene=scene, loads_n=tuple(loads_n))

@@ -15,11 +15,11 @@ from functools import cached_property
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
-from rolling.bearing.geometry import RacewayContact
 from rolling.bearing_contacts.contacts import (
     HIGHEST,
     ROOM,
     WINDOW_NODES,
+    ContactKind,
     MarchNumbers,
     contact_scene,
     overlap_reach,
@@ -69,16 +69,7 @@ class FaultStretch:
 
 
 def fault_stretches(
-    name: str,
-    contact: RacewayContact,
-    faults: Sequence[SurfaceFault],
-    *,
-    radius_m: float,
-    law: Roughness | None,
-    numbers: MarchNumbers,
-    loads_n: Sequence[float],
-    speed_m_s: float,
-    body: dict[str, float | str],
+    kind: ContactKind, faults: Sequence[SurfaceFault], *, radius_m: float, law: Roughness | None
 ) -> list[FaultStretch]:
     """Return the stretches around the faults of a body that a kind of contact meets.
 
@@ -87,41 +78,24 @@ def fault_stretches(
 
     Parameters
     ----------
-    name : str
-        Kind of contact.
-    contact : RacewayContact
-        Smooth contact.
+    kind : ContactKind
+        Kind of contact; its grid is refined where a fault needs it.
     faults : sequence of SurfaceFault
         Faults with places (x, y) on the body: x along the turn, y from the middle of the track.
     radius_m : float, m
         Radius of the circle on the body on which the contact runs.
     law : Roughness or None
         Law of the surface around the fault, None for a smooth one.
-    numbers : MarchNumbers
-        Grid of the marches of this kind of contact.
-    loads_n, speed_m_s, body : as in `rough_contact`
     """
     stretches = []
     for fault in faults:
         if fault.kind == "step":
             continue
-        width = numbers.width_um * 1e-6
+        width = kind.numbers.width_um * 1e-6
         for x, y in fault_places(fault, 2 * np.pi * radius_m, width):
             if abs(y) - _reach_across(fault) > width / 2:
                 continue
-            stretch = _stretch(
-                name,
-                contact,
-                fault,
-                angle=float(x) / radius_m,
-                across_m=float(y),
-                law=law,
-                numbers=numbers,
-                loads_n=loads_n,
-                speed_m_s=speed_m_s,
-                body=body,
-            )
-            stretches.append(stretch)
+            stretches.append(_stretch(kind, fault, float(x) / radius_m, float(y), law))
     return stretches
 
 
@@ -142,58 +116,32 @@ def _reach_along(fault: SurfaceFault) -> float:
 
 
 def _stretch(
-    name: str,
-    contact: RacewayContact,
-    fault: SurfaceFault,
-    *,
-    angle: float,
-    across_m: float,
-    law: Roughness | None,
-    numbers: MarchNumbers,
-    loads_n: Sequence[float],
-    speed_m_s: float,
-    body: dict[str, float | str],
+    kind: ContactKind, fault: SurfaceFault, angle: float, across_m: float, law: Roughness | None
 ) -> FaultStretch:
-    """Return the stretch around a fault at a place."""
-    own = _fault_numbers(contact, fault, across_m, law, numbers, max(loads_n))
-    middle_mm = own.distance_mm / 2
+    """Return the stretch around a fault at an angle [rad] and a distance across the track."""
+    numbers = _fault_numbers(kind, fault, across_m, law)
+    middle_mm = numbers.distance_mm / 2
     placed = fault.model_copy(
         update={"at_mm": [middle_mm, across_m * 1e3], "count": None, "seed": None}
     )
-    scenes = []
-    for faults in ([placed], []):
-        scene = contact_scene(
-            f"{name}-{fault.kind}" if faults else f"{name}-beside-{fault.kind}",
-            contact,
-            law=law,
-            faults=faults,
-            numbers=own,
-            load_n=loads_n[len(loads_n) // 2],
-            speed_m_s=speed_m_s,
-            body=body,
-        )
-        scenes.append(scene)
+    refined = replace(kind, numbers=numbers)
     return FaultStretch(
-        name=name,
+        name=kind.name,
         angle=angle,
-        with_fault=scenes[0],
-        without=scenes[1],
-        loads_n=tuple(loads_n),
+        with_fault=contact_scene(refined, f"{kind.name}-{fault.kind}", law, [placed]),
+        without=contact_scene(refined, f"{kind.name}-beside-{fault.kind}", law),
+        loads_n=kind.loads_n,
     )
 
 
 def _fault_numbers(
-    contact: RacewayContact,
-    fault: SurfaceFault,
-    across_m: float,
-    law: Roughness | None,
-    numbers: MarchNumbers,
-    load_n: float,
+    kind: ContactKind, fault: SurfaceFault, across_m: float, law: Roughness | None
 ) -> MarchNumbers:
     """Return the grid of the stretch around a fault, which is closed and holds the contact."""
+    numbers = kind.numbers
     roughness = law.rq_m if law is not None else 0.0
     reach_along, reach_across = overlap_reach(
-        contact, load_n, roughness + fault.depth_um * 1e-6 / HIGHEST
+        kind.contact, max(kind.loads_n), roughness + fault.depth_um * 1e-6 / HIGHEST
     )
     # A small fault has fewer nodes where the window would have too many.
     least_um = 1e6 * math.sqrt(4 * reach_along * reach_across / WINDOW_NODES)

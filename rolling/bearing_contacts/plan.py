@@ -18,11 +18,12 @@ from acoustics.numbers import rounded, rounded_down
 from rolling.bearing import waves
 from rolling.bearing.geometry import BearingGeometry, RacewayContact
 from rolling.bearing_contacts.contacts import (
+    ContactKind,
     MarchNumbers,
     RoughContact,
     contact_loads,
     march_numbers,
-    measured_scene,
+    measured_contact,
     overlap_reach,
     rough_contact,
 )
@@ -255,40 +256,26 @@ def plan_contacts(
             spacing_um=nodes_um,
             tolerance=tolerance,
         )
-        if isinstance(surface, BallHeightFile):
-            measured = _measured_contacts(
-                geometry,
-                body_name,
-                surface,
-                loads,
-                numbers=numbers,
-                speed_m_s=speed_m_s,
-                body=body,
-                folder=folder,
-            )
-            rough |= {contact.name: contact for contact in measured}
-        for name in names:
-            if law is not None:
-                rough[name] = rough_contact(
-                    name,
-                    contact_of(geometry, name),
-                    law,
-                    loads,
-                    numbers=numbers,
-                    speed_m_s=speed_m_s,
-                    body=body,
-                )
-            faults += fault_stretches(
-                name,
-                contact_of(geometry, name),
-                surface.faults or (),
-                radius_m=radius,
-                law=law,
+        kinds = [
+            ContactKind(
+                name=name,
+                contact=contact_of(geometry, name),
                 numbers=numbers,
                 loads_n=loads,
                 speed_m_s=speed_m_s,
                 body=body,
             )
+            for name in names
+        ]
+        if isinstance(surface, BallHeightFile):
+            contacts = _measured_contacts(kinds, surface, folder)
+        elif law is not None:
+            contacts = [rough_contact(kind, law) for kind in kinds]
+        else:
+            contacts = []
+        rough |= {contact.name: contact for contact in contacts}
+        for kind in kinds:
+            faults += fault_stretches(kind, surface.faults or (), radius_m=radius, law=law)
     return ContactPlan(
         geometry=geometry,
         loads_n=loads,
@@ -301,40 +288,20 @@ def plan_contacts(
 
 
 def _measured_contacts(
-    geometry: BearingGeometry,
-    body_name: str,
-    turn: BallHeightFile,
-    loads_n: Sequence[float],
-    *,
-    numbers: MarchNumbers,
-    speed_m_s: float,
-    body: dict[str, float | str],
-    folder: Path,
+    kinds: Sequence[ContactKind], turn: BallHeightFile, folder: Path
 ) -> list[RoughContact]:
     """Return the contacts over a measured turn; none where it is narrower than a contact."""
     _, columns = height_files.nodes(folder / turn.path)
-    profile_width_um = None
-    if columns == 1:
-        nodes = math.ceil(numbers.width_um / turn.spacing_um)
-        profile_width_um = nodes * turn.spacing_um
     contacts = []
-    for name in kinds_of_contact(body_name):
-        contact = contact_of(geometry, name)
-        _, reach = overlap_reach(contact, max(loads_n), 0.0)
+    for kind in kinds:
+        profile_width_um = None
+        if columns == 1:
+            nodes = math.ceil(kind.numbers.width_um / turn.spacing_um)
+            profile_width_um = nodes * turn.spacing_um
+        _, reach = overlap_reach(kind.contact, max(kind.loads_n), 0.0)
         if columns > 1 and columns * turn.spacing_um * 1e-6 < 2 * reach:
             return []
-        scene = measured_scene(
-            name,
-            contact,
-            turn,
-            profile_width_um=profile_width_um,
-            numbers=numbers,
-            load_n=loads_n[len(loads_n) // 2],
-            speed_m_s=speed_m_s,
-            body=body,
-            folder=folder,
-        )
-        contacts.append(RoughContact(name, contact, scene, tuple(loads_n)))
+        contacts.append(measured_contact(kind, turn, profile_width_um, folder))
     return contacts
 
 

@@ -17,6 +17,8 @@ from rolling.bearing import waves
 from rolling.bearing.motion import move_ring
 from rolling.bearing_contacts.contact_doubts import coarse_nodes_db, contact_doubts
 from rolling.bearing_contacts.contacts import (
+    ContactKind,
+    MarchNumbers,
     RoughContact,
     contact_loads,
     march_numbers,
@@ -47,12 +49,19 @@ def marched(scenes: Sequence[Scene]) -> Marches:
     return marches
 
 
+def kind_with(numbers: MarchNumbers) -> ContactKind:
+    """Return the inner contact of a 6204 with a grid."""
+    return ContactKind(
+        name="inner", contact=INNER, numbers=numbers, loads_n=(LOAD,), speed_m_s=SPEED, body=BODY
+    )
+
+
 def contact_with(law: Roughness, window_mm: float = 1.0) -> RoughContact:
     """Return the inner contact of a 6204 over a rough surface."""
     numbers = march_numbers(
         INNER, [law], [LOAD], speed_m_s=SPEED, turn_m=0.08, window_mm=window_mm, spacing_um=5
     )
-    return rough_contact("inner", INNER, law, [LOAD], numbers=numbers, speed_m_s=SPEED, body=BODY)
+    return rough_contact(kind_with(numbers), law)
 
 
 # ---- linear response
@@ -154,15 +163,7 @@ def stretch_over(fault: SurfaceFault) -> FaultStretch:
         INNER, [], [LOAD], speed_m_s=SPEED, turn_m=0.08, window_mm=1, spacing_um=8
     )
     (stretch,) = fault_stretches(
-        "inner",
-        INNER,
-        [fault],
-        radius_m=INNER.radius_m,
-        law=None,
-        numbers=replace(numbers, step_nodes=4.0),
-        loads_n=[LOAD],
-        speed_m_s=SPEED,
-        body=BODY,
+        kind_with(replace(numbers, step_nodes=4.0)), [fault], radius_m=INNER.radius_m, law=None
     )
     return stretch
 
