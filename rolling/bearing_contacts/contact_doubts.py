@@ -157,8 +157,9 @@ def _superposition(plan: ContactPlan) -> Iterator[Doubt]:
         decibels = SUPERPOSITION_DB * math.sqrt(worst)
         yield sized(
             "superposition",
-            f"rough balls and raceways are marched one by one, which leaves {rounded(decibels)} dB,"
-            f" by a rule: rms roughness is {rounded(100 * worst)} % of the approach",
+            "the roughness of balls and that of raceways are solved one by one and added, which is"
+            f" uncertain by {rounded(decibels)} dB, by a rule for a rms roughness of"
+            f" {rounded(100 * worst)} % of the approach",
             decibels,
         )
 

@@ -107,7 +107,7 @@ def _view(run: BearingRun, gains: PageGains) -> dict[str, Any]:
         cells = []
         for direction in DIRECTIONS:
             spread = run.record.bands[direction].uncertainty_db[name]
-            spread_text = f"± {spread:.1f} dB" if spread >= 0.05 else ""
+            spread_text = f"± {spread:.1f} dB" if spread >= 0.05 else "± < 0.1 dB"
             cells.append((summary.velocity(run.bands_um_s[direction][name]), spread_text))
         rows.append((words, cells))
     first, _, *others = run.summary["sentences"]  # the second has the axial velocities

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from acoustics.numbers import decibels_a, rounded
+from acoustics.numbers import decibels_a, rounded, si
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.lines import FAULT_LINES
@@ -29,6 +29,7 @@ STRONG_LINE = 10.0  # height from which on a line of the envelope tells of a fau
 RISE = 2.0  # of that height over the height without the fault, from which on the fault shows
 _MOST_LINES = 3  # that a sentence names
 _UNCERTAIN_DB = 0.05  # from which on a band is stated as uncertain
+_RIGID_DB = 3.0  # part of the high band above the ring's first bending mode: half of its power
 _LEAST_DB = 0.1  # effects below it have no sentence
 _ENERGY_DB = 10 / math.log(10)
 
@@ -151,21 +152,41 @@ def condition(run: BearingRun) -> str:
 
 
 def answer(run: BearingRun) -> str:
-    """Say at which velocities the ring moves in the three bands."""
+    """Say how fast the ring vibrates radially in the three bands."""
     said = condition(run)
-    words = ", ".join(BAND_WORDS.values())
-    radial = _three(run.bands_um_s[RADIAL])
-    return f"{said[0].upper()}{said[1:]}: the {run.moving} ring moves at {radial} um/s ({words})."
+    bands = [
+        f"{velocity(um_s)} um/s ({BAND_WORDS[band]})"
+        for band, um_s in run.bands_um_s[RADIAL].items()
+    ]
+    low, medium, high = bands
+    return (
+        f"{said[0].upper()}{said[1:]}: the {run.moving} ring vibrates radially at {low},"
+        f" {medium} and {high}, rms."
+    )
 
 
 def sentences(run: BearingRun) -> list[str]:
     """Say what a run has: bands, axial bands, lines that lead, faults, and its departures."""
-    texts = [answer(run), f"Along its axis it moves at {_three(run.bands_um_s[AXIAL])} um/s."]
-    texts.append(housing_sentence(run))
+    axial = _three(run.bands_um_s[AXIAL])
+    texts = [answer(run), f"Axially it vibrates at {axial} um/s in the same bands."]
+    texts += [rigid_sentence(run), housing_sentence(run)]
     texts += [leading_lines(run), *fault_sentences(run), load_sentence(run)]
     if run.departures:
         texts.append(f"Not ISO 15242: {'; '.join(run.departures)}.")
     return [text for text in texts if text]
+
+
+def rigid_sentence(run: BearingRun) -> str:
+    """Say what the high band has where the ring is rigid; empty where that is nearly all."""
+    above_db = run.share_above_bending_db
+    high_um_s = run.bands_um_s[RADIAL]["high"]
+    if above_db < _RIGID_DB or high_um_s < NOTHING_UM_S:
+        return ""
+    below_um_s = high_um_s * 10 ** (-above_db / 20)
+    return (
+        f"Most of the high band is above {si(run.scene.ring_bending_hz, 'Hz')}, where a real ring"
+        f" bends and this one is rigid: below, the radial velocity is {velocity(below_um_s)} um/s."
+    )
 
 
 def _three(bands: Mapping[str, float]) -> str:
@@ -243,7 +264,7 @@ def fault_sentences(run: BearingRun) -> Iterator[str]:
 def _added_by_faults(run: BearingRun, healthy: WithoutFaults) -> str:
     """Say by how many decibels faults raise the radial velocity in the three bands."""
     if min(healthy.bands_um_s[RADIAL].values()) < NOTHING_UM_S:
-        return f"Without faults the ring moves at {_three(healthy.bands_um_s[RADIAL])} um/s."
+        return f"Without faults the ring vibrates at {_three(healthy.bands_um_s[RADIAL])} um/s."
     added = []
     for band, um_s in run.bands_um_s[RADIAL].items():
         decibels = 20 * math.log10(max(um_s, NOTHING_UM_S) / healthy.bands_um_s[RADIAL][band])
@@ -310,7 +331,7 @@ def _with_share(run: BearingRun, doubt: Doubt) -> Doubt:
     if run.bands_um_s[RADIAL]["high"] < NOTHING_UM_S:
         return doubt
     decibels = run.share_above_bending_db
-    text = f"{doubt.text}; {decibels:.1f} dB of the high band lie above"
+    text = f"{doubt.text}; what lies above makes the high band {decibels:.1f} dB louder"
     return replace(doubt, text=text, severity=severity_of(decibels), decibels=decibels)
 
 

@@ -15,6 +15,7 @@ from finished import VIBRATING, marched
 from acoustics import BAND_NAMES, resampling
 from rolling import cli, open_run, save_run
 from rolling.recordings import comparison
+from rolling.recordings.levels import third_octave_levels
 from rolling.recordings.recorded import Recording
 from rolling.results.run_result import Run
 
@@ -270,7 +271,7 @@ def test_the_uncertainty_of_a_band_with_a_sharp_resonance_is_that_of_its_lines()
     for seed in range(200):
         noise = np.random.default_rng(seed).standard_normal(48000)
         samples = np.fft.irfft(gain * np.fft.rfft(noise))
-        found = levels.third_octave_levels(Recording("noise", samples, 24000.0, 1.0))
+        found = third_octave_levels(Recording("noise", samples, 24000.0, 1.0))
         levels.append(found[0])
         spreads.append(found[2])
     resonant = BAND_NAMES.index("1000")
