@@ -10,7 +10,9 @@ from __future__ import annotations
 import json
 import math
 import time
+from collections import deque
 from collections.abc import Sequence
+from concurrent.futures import BrokenExecutor, Future
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -32,11 +34,13 @@ from rolling.bearing_run.bearing_choice import BearingChoice
 from rolling.bearing_run.housing import housing_of_scene
 from rolling.figures.picture import csv_bytes
 from rolling.run import folder as folders
+from rolling.run.executor import ended_by_signal
+from rolling.run.pools import Pool, Task, pool_for_tasks
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.height_files import read_regular
 from rolling.scene.identity import digest
 from rolling.scene.messages import SceneError, quoted
-from rolling.terminal import defaults, files, progress
+from rolling.terminal import defaults, files, progress, shortage
 from rolling.terminal.files import FolderError
 from rolling.terminal.streams import folded
 
@@ -93,7 +97,7 @@ def choose_bearings(
     minutes : float
         Time after which no more specimens begin; four are always heard.
     workers : int
-        Number of processes that march; 0: one per core.
+        Number of processes that march and move rings; 0: one per core.
 
     Returns
     -------
@@ -117,7 +121,8 @@ def choose_bearings(
         stack.enter_context(folders.locked(target))
         _take_heard(target, candidates)
         marches = _marched(candidates, target, workers)
-        choice = _until_known(candidates, marches, target, within_db, minutes)
+        hearing = _Hearing(candidates, marches, target, workers)
+        choice = _until_known(hearing, within_db, minutes)
         _write_files(choice)
     return choice
 
@@ -220,25 +225,71 @@ def _marched(candidates: Sequence[BearingCandidate], folder: Path, workers: int)
     return marches
 
 
-def _until_known(
-    candidates: Sequence[BearingCandidate],
-    marches: Marches,
-    folder: Path,
-    within_db: float,
-    minutes: float,
-) -> BearingChoice:
+@dataclass(frozen=True)
+class _Hearing:
+    """Bearings of a choice, and what is needed to hear their specimens.
+
+    workers : int. Number of processes that move rings; 0: one per core.
+    """
+
+    candidates: Sequence[BearingCandidate]
+    marches: Marches
+    folder: Path
+    workers: int
+
+    def hear(self, count: int) -> None:
+        """Hear the first specimens of each bearing as far as they lack, and keep each one.
+
+        Raises
+        ------
+        OSError, KeyboardInterrupt
+            A disk is full, or the work was stopped; what was heard is kept.
+        """
+        with ExitStack() as stack:
+            stack.enter_context(progress.step(f"moving the rings of {count} specimens"))
+            stack.enter_context(shortage.as_memory_error())
+            stack.enter_context(ended_by_signal())
+            try:
+                self._hear_in(pool_for_tasks(self.workers, len(self._lacking(count))), count)
+            except BrokenExecutor:  # a process was killed; the rest is done in this one
+                self._hear_in(Pool(), count)
+
+    def _lacking(self, count: int) -> list[tuple[BearingCandidate, int]]:
+        """Return bearings and numbers of the first specimens that are not heard yet."""
+        lacking = []
+        for number in range(count):
+            lacking += [(one, number) for one in self.candidates if number >= len(one.heard)]
+        return lacking
+
+    def _hear_in(self, pool: Pool, count: int) -> None:
+        """Hear the first specimens of each bearing, as far as they lack, in a pool."""
+        with pool:
+            at_once = pool.slots * sum(pool.teams.values())
+            in_hand: deque[tuple[BearingCandidate, Future[Any]]] = deque()
+            for one, number in self._lacking(count):
+                key = (one.label, str(number))
+                motion = Task(key, heard_specimen, (one.scene, one.plan, self.marches, number))
+                in_hand.append((one, pool.submit(motion)))
+                if len(in_hand) >= at_once:
+                    self._keep(*in_hand.popleft())
+            while in_hand:
+                self._keep(*in_hand.popleft())
+
+    def _keep(self, one: BearingCandidate, heard: Future[Any]) -> None:
+        """Wait for a specimen of a bearing, and write it down."""
+        one.heard.append(heard.result())
+        _keep_heard(self.folder, self.candidates)
+
+
+def _until_known(hearing: _Hearing, within_db: float, minutes: float) -> BearingChoice:
     """Hear specimens until each ± is the wanted one, or the time or the specimens end."""
     began = time.monotonic()
+    candidates = hearing.candidates
+    folder = hearing.folder
     most = MAX_SPECIMENS if any(one.is_random for one in candidates) else 1
     count = min(FEWEST, most)
     while True:
-        for number in range(count):
-            for one in candidates:
-                if number < len(one.heard):
-                    continue
-                with progress.step(f"moving the ring of {one.label}, specimen {number + 1}"):
-                    one.heard.append(heard_specimen(one, marches, number))
-                _keep_heard(folder, candidates)
+        hearing.hear(count)
         choice = _choice(candidates, count, within_db, folder)
         progress.line(f"{count} specimens: {choice.in_short}")
         needed = specimens_needed(choice)
@@ -252,11 +303,12 @@ def _until_known(
         count = min(needed, count + FIRST_PAIRS, most)
 
 
-def heard_specimen(candidate: BearingCandidate, marches: Marches, number: int) -> dict[str, float]:
+def heard_specimen(
+    scene: BearingScene, plan: ContactPlan, marches: Marches, number: int
+) -> dict[str, float]:
     """Return the root mean squares of a specimen by band: radial velocity [um/s], housing [Pa]."""
-    scene = candidate.scene
     model = scene.model
-    tracks = bearing_tracks(candidate.plan, marches, draw=number)
+    tracks = bearing_tracks(plan, marches, draw=number)
     motion = move_ring(model, tracks, scene.duration)
     x = velocity_bands(motion.velocity_m_s[:, 0], motion.rate_hz)
     y = velocity_bands(motion.velocity_m_s[:, 1], motion.rate_hz)

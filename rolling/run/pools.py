@@ -187,7 +187,16 @@ def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
     from rolling.surface.scene_surface import identity
 
     pieces = sum(len(track_pieces(scene.track.solved_steps)) for scene in scenes)
-    workers = min(workers or cost.cores(), pieces)
+    surfaces = {identity(scene) for scene in scenes}
+    return pool_for_tasks(workers, pieces, teams=len(surfaces))
+
+
+def pool_for_tasks(workers: int, tasks: int, teams: int = 1) -> Pool:
+    """Return a pool for a number of tasks; 0 workers: one per core.
+
+    Its processes make up as many teams as there are, or fewer where there are fewer processes.
+    """
+    workers = min(workers or cost.cores(), tasks)
     if workers <= 1 or _is_of_a_pool():
         return Pool()
     try:
@@ -200,8 +209,7 @@ def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
             file=sys.stderr,
         )
         return Pool()
-    surfaces = {identity(scene) for scene in scenes}
-    return LocalPool(workers, teams=min(workers, len(surfaces), MAX_TEAMS))
+    return LocalPool(workers, teams=min(workers, teams, MAX_TEAMS))
 
 
 def _refuse_missing_semaphores() -> None:

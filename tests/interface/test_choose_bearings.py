@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 import math
+from concurrent.futures import BrokenExecutor, Future
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import rolling as rc
 from rolling.bearing_run import choosing
 from rolling.cli import main
+from rolling.run import pools
 from rolling.scene.messages import SceneError
 
 SMOOTH = [
@@ -46,8 +49,8 @@ def test_twice_the_roughness_of_balls_is_six_decibels_more() -> None:
     one, two = choosing.candidates_of([swept])
     for draw in (0, 3):
         ratio = (
-            choosing.heard_specimen(two, {}, draw)["high"]
-            / choosing.heard_specimen(one, {}, draw)["high"]
+            choosing.heard_specimen(two.scene, two.plan, {}, draw)["high"]
+            / choosing.heard_specimen(one.scene, one.plan, {}, draw)["high"]
         )
         assert 20 * math.log10(ratio) == pytest.approx(6.02, abs=0.05)
 
@@ -58,21 +61,46 @@ def test_a_choice_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.M
     heard = []
     move = choosing.heard_specimen
 
-    def counted(candidate, marches, number):
+    def counted(*given):
         if len(heard) == 3:
             raise KeyboardInterrupt
-        heard.append(number)
-        return move(candidate, marches, number)
+        heard.append(given)
+        return move(*given)
 
     monkeypatch.setattr(choosing, "heard_specimen", counted)
     with pytest.raises(KeyboardInterrupt):
-        choosing.choose_bearings(scenes, tmp_path / "out")
+        choosing.choose_bearings(scenes, tmp_path / "out", workers=1)
     kept = json.loads((tmp_path / "out" / "choice.json").read_text())["heard"]
     assert [len(of_one) for of_one in kept] == [2, 1]
     again = []
     monkeypatch.setattr(choosing, "heard_specimen", lambda *given: again.append(0) or move(*given))
-    choice = choosing.choose_bearings(scenes, tmp_path / "out")
+    choice = choosing.choose_bearings(scenes, tmp_path / "out", workers=1)
     assert len(again) == 2 * choice.pairs - 3
+    of_two_processes = choosing.choose_bearings(scenes, tmp_path / "other", workers=2)
+    for band, rms in choice.rms.items():
+        assert np.array_equal(of_two_processes.rms[band], rms)
+
+
+def test_a_killed_process_costs_no_specimen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The rest is then moved in the process of the choice."""
+
+    class Broken(pools.Pool):
+        """A pool whose process is killed at its second task."""
+
+        taken = 0
+
+        def submit(self, task: pools.Task, team: object = 0) -> Future:
+            self.taken += 1
+            if self.taken == 2:
+                raise BrokenExecutor
+            return super().submit(task)
+
+    monkeypatch.setattr(choosing, "pool_for_tasks", lambda workers, tasks: Broken())
+    twice = scene().with_({"name": "twice", "bearing.surfaces.balls.waviness": {4: 0.04}})
+    choice = choosing.choose_bearings([scene(), twice], tmp_path / "out")
+    assert choice.pairs >= choosing.FEWEST
 
 
 def test_what_leaves_nothing_to_choose_is_refused(tmp_path: Path) -> None:
