@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -50,8 +52,9 @@ def bearing_tracks(
     marches : dict, optional
         Marches by contact identity, as of `solved_stages`. Default: none.
     draw : int
-        Number of a specimen of equal statistics: others than 0 have other random heights from the
-        same marches, other forms of graded balls, and begin at other angles. Default 0.
+        Number of a specimen of equal statistics: others than 0 have other random heights, other
+        forms of graded balls, and begin at other angles. They need no march of their own. Default
+        0.
 
     Returns
     -------
@@ -60,7 +63,7 @@ def bearing_tracks(
     known = marches or {}
     solved = _Solved(
         plan=plan,
-        rows={name: rough_rows(contact, known) for name, contact in plan.rough.items()},
+        rows={name: specimen_rows(contact, known, draw) for name, contact in plan.rough.items()},
         changes=[_fault_change(stretch, known) for stretch in plan.faults],
     )
     rings = {ring: _ring_track(solved, ring, draw) for ring in RINGS}
@@ -237,6 +240,47 @@ def rough_rows(contact: RoughContact, marches: Marches) -> Array:
         nearest = _nearest(load, marched)
         rows.append(by_load[load] + marched[nearest] - by_load[nearest])
     return np.array(rows)
+
+
+def specimen_rows(contact: RoughContact, marches: Marches, draw: int) -> Array:
+    """Return the changes of the approach over the heights of a specimen [m], (loads, steps).
+
+    The first specimen is the marched one. Each other one has heights of its own, whose linear
+    response is corrected by what the march changes in the spectrum of the first.
+    """
+    rows = rough_rows(contact, marches)
+    if draw == 0 or contact.scene.height_paths:
+        return rows
+    linear = contact.linear_rows(contact.loads_n)
+    other = contact.of_specimen(draw).linear_rows(contact.loads_n)
+    return with_gain(other, linear, rows)
+
+
+def with_gain(rows: Array, before: Array, after: Array) -> Array:
+    """Return closed rows with the gain that leads from other rows to what became of them.
+
+    The gain is the ratio of their powers in third octaves of the waves along the rows. All arrays
+    have the shape (rows, positions).
+    """
+    count = rows.shape[1]
+    spectrum = np.fft.rfft(rows, axis=1)
+    power_before = np.abs(np.fft.rfft(before, axis=1)) ** 2
+    power_after = np.abs(np.fft.rfft(after, axis=1)) ** 2
+    edges = _third_octaves(spectrum.shape[1])
+    for first, end in pairwise(edges):
+        was = power_before[:, first:end].sum(axis=1)
+        became = power_after[:, first:end].sum(axis=1)
+        gain = np.ones(len(rows))
+        np.divide(became, was, out=gain, where=was > 0)
+        spectrum[:, first:end] *= np.sqrt(gain)[:, None]
+    return np.asarray(np.fft.irfft(spectrum, count, axis=1))
+
+
+def _third_octaves(count: int) -> list[int]:
+    """Return the edges of third octaves of the orders from 1 below a count."""
+    octaves = math.log2(max(count, 2))
+    edges = np.round(2 ** np.arange(0, octaves, 1 / 3)).astype(int)
+    return [*np.unique(edges).tolist(), count]
 
 
 def _fault_change(stretch: FaultStretch, marches: Marches) -> Array | None:

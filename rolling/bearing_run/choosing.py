@@ -1,8 +1,8 @@
 """Choose between bearings: move the rings of pairs of specimens until the differences are known.
 
-Specimens of a bearing have the same statistics and other random heights, phases and places of
-balls. They are drawn from the same marches, so a specimen costs a motion. All bearings are heard on
-the same draws, so that what they share cancels.
+Specimens of a bearing have the same statistics and other random heights, forms and places of
+balls. What a march says of the contact holds for all of them, so a specimen costs a motion. All
+bearings are heard on the same draws, so that what they share cancels.
 """
 
 from __future__ import annotations

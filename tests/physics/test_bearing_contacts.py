@@ -25,7 +25,7 @@ from rolling.bearing_contacts.contacts import (
     rough_contact,
 )
 from rolling.bearing_contacts.faults import FaultStretch, fault_stretches
-from rolling.bearing_contacts.joined_tracks import bearing_tracks, rough_rows
+from rolling.bearing_contacts.joined_tracks import bearing_tracks, rough_rows, specimen_rows
 from rolling.bearing_contacts.plan import contact_plan, plan_contacts
 from rolling.bearing_contacts.solving import Marches, solved_stages
 from rolling.bearing_contacts.turns import continued_turn
@@ -120,6 +120,19 @@ def test_doubling_a_fine_roughness_doubles_the_track() -> None:
     marches = marched([single.scene, double.scene])
     ratio = np.std(rough_rows(double, marches)) / np.std(rough_rows(single, marches))
     assert 20 * np.log10(ratio) == pytest.approx(6.02, abs=0.2)
+
+
+@pytest.mark.law("Contacts of bearings: heights of another specimen act as if they were marched.")
+def test_another_specimen_acts_as_its_own_march_would() -> None:
+    """Within a fraction of the 3 dB by which octaves of both windows differ."""
+    contact = contact_with(FINE, window_mm=2.0)
+    other = contact.of_specimen(3)
+    marches = marched([contact.scene, other.scene])
+    (specimen,) = specimen_rows(contact, marches, 3)
+    (own,) = rough_rows(other, marches)
+    heard = octaves(specimen)[-3:]  # waves longer than the contact
+    assert heard == pytest.approx(octaves(own)[-3:], abs=0.5)
+    assert np.abs(octaves(rough_rows(contact, marches)[0])[-3:] - heard).max() > 1
 
 
 # ---- continued turns
