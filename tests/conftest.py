@@ -4,14 +4,20 @@ tests are the first.
 
 from __future__ import annotations
 
+import gc
 import os
+import sys
 from collections.abc import Iterator
 
-import numpy as np
-import pytest
+# Processes that the tests start take compiled modules from the disk, whatever is set outside.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
-from rolling.run.worker import ENVIRONMENT
-from rolling.terminal import progress
+import numpy as np  # noqa: E402
+import pytest  # noqa: E402
+
+from rolling.run.worker import ENVIRONMENT  # noqa: E402
+from rolling.terminal import progress  # noqa: E402
 
 # Files with tests of a minute. A process that begins one at the end leaves the other one idle.
 LONGEST = ("test_docs", "test_tutorials", "test_every_write", "test_validate", "test_audibility")
@@ -43,6 +49,20 @@ def no_lines_of_long_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """Say no lines for steps that only a busy machine makes long: tests compare what is printed."""
     monkeypatch.setattr(progress, "PATIENCE", 600.0)
     monkeypatch.setattr(progress, "LINE_SECONDS", 600.0)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[None]:
+    """Collect the tests without the collector of garbage, which never looks at them again.
+
+    Their modules and libraries are millions of objects that last until the end.
+    """
+    gc.disable()
+    result = yield
+    gc.collect()
+    gc.freeze()
+    gc.enable()
+    return result
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest selects by -m
