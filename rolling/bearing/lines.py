@@ -14,6 +14,7 @@ BODIES = (BALLS, INNER, OUTER)
 _MAX_TURNS = 5  # multiples of the turn that are named
 _MAX_COMPLIANCE = 6  # multiples of the varying compliance that are named
 _MAX_BESIDE = 3  # turns beside a multiple that are named
+_MAX_MULTIPLE = 400  # multiple of a family that is named; waves of higher orders move no ring
 MAX_WAVE_LINES = 24  # of orders of waviness that are named
 
 _MEANINGS = {
@@ -136,20 +137,23 @@ def _lines_of_ball(kinematics: Kinematics, order: int) -> list[BearingLine]:
     return [sides[0], middle, sides[1]]
 
 
-def family_lines(kinematics: Kinematics, balls: int, highest_hz: float) -> list[BearingLine]:
+def family_lines(
+    kinematics: Kinematics, balls: int, highest_hz: float, apart_hz: float = 0.0
+) -> list[BearingLine]:
     """Return all lines up to a frequency at which waves can move the ring, the simplest first.
 
     Multiples of the turn, of BPFO and of BPFI with the turn of its ring beside them, and even
     multiples of the ball spin with the cage beside them: a peak of a spectrum is named by them.
-    Under a radial load, waves that turn with a ring or the cage have more side bands.
+    Under a radial load, waves that turn with a ring or the cage have more side bands. A family
+    whose multiples are less than `apart_hz` apart would name every peak, and is left out.
     """
     lines = kinematic_lines(kinematics)
     for times in range(2, _MAX_TURNS + 1):
         meaning = "multiple of the turn"
         lines.append(BearingLine(f"{times} turn", meaning, times * kinematics.turning_hz))
     for beside in sorted(range(-_MAX_BESIDE, _MAX_BESIDE + 1), key=abs):
-        lines += _raceway_family(kinematics, balls, highest_hz, beside)
-        lines += _ball_family(kinematics, highest_hz, beside)
+        lines += _raceway_family(kinematics, balls, highest_hz, apart_hz, beside)
+        lines += _ball_family(kinematics, highest_hz, apart_hz, beside)
     named = dict[str, BearingLine]()
     for line in lines:
         if 0 < line.frequency_hz <= highest_hz:
@@ -158,7 +162,7 @@ def family_lines(kinematics: Kinematics, balls: int, highest_hz: float) -> list[
 
 
 def _raceway_family(
-    kinematics: Kinematics, balls: int, highest_hz: float, beside: int
+    kinematics: Kinematics, balls: int, highest_hz: float, apart_hz: float, beside: int
 ) -> list[BearingLine]:
     """Return multiples of BPFO and BPFI with some turns of their ring beside them."""
     lines = []
@@ -167,9 +171,9 @@ def _raceway_family(
         "BPFI": (kinematics.ball_pass_inner_hz, kinematics.inner_hz, INNER),
     }
     for name, (pass_hz, ring_hz, body) in rings.items():
-        if beside and not ring_hz > 0:
+        if pass_hz < apart_hz or (beside and not ring_hz > 0):
             continue
-        for q in range(1, int(highest_hz / pass_hz) + 1 + _MAX_BESIDE):
+        for q in range(1, int(min(highest_hz / pass_hz, _MAX_MULTIPLE)) + 1 + _MAX_BESIDE):
             multiple = name if q == 1 else f"{q} {name}"
             orders = f"order {q * balls + beside}"
             if not ring_hz > 0:
@@ -183,10 +187,15 @@ def _raceway_family(
     return lines
 
 
-def _ball_family(kinematics: Kinematics, highest_hz: float, beside: int) -> list[BearingLine]:
+def _ball_family(
+    kinematics: Kinematics, highest_hz: float, apart_hz: float, beside: int
+) -> list[BearingLine]:
     """Return even multiples of the ball spin with some turns of the cage beside them."""
+    if 2 * kinematics.ball_spin_hz < apart_hz:
+        return []
     lines = []
-    for order in range(2, int(highest_hz / kinematics.ball_spin_hz) + 2 + _MAX_BESIDE, 2):
+    most = int(min(highest_hz / kinematics.ball_spin_hz, _MAX_MULTIPLE))
+    for order in range(2, most + 2 + _MAX_BESIDE, 2):
         line = BearingLine(
             name=f"{order} x ball spin" + _beside_in_words(beside, "cage"),
             meaning=f"waves of balls, order {order}",

@@ -189,7 +189,12 @@ class BearingRun:
     @cached_property
     def peaks(self) -> list[BearingLine]:
         """The largest peaks below 1,800 Hz, radial and axial, with the lines that they are."""
-        families = lines.family_lines(self.kinematics, self.geometry.balls, HIGHEST_PEAK_HZ)
+        families = lines.family_lines(
+            kinematics=self.kinematics,
+            balls=self.geometry.balls,
+            highest_hz=HIGHEST_PEAK_HZ,
+            apart_hz=2 * self.record.spectra[RADIAL].line_width_hz,
+        )
         found = dict[str, BearingLine]()
         for spectrum in self.record.spectra.values():
             peaks_hz = spectrum.peaks_hz(MAX_PEAKS, LOWEST_HZ, HIGHEST_PEAK_HZ, LEAST_HEIGHT)

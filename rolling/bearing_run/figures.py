@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 _SHOWN_HZ = (20.0, 20000.0)
 _DECADES = 5  # of velocity, at most
+_ENVELOPE_LINES = 20  # at least, where the bearing hardly turns in the record
 _ENVELOPE_MULTIPLES = 3.2  # of the highest line of a fault, up to which an envelope is drawn
 _FIRST_LINE = 3  # of an envelope that is drawn; those below are its slow drift
 _TURNS = 2  # of the cage, over which ball forces are drawn
@@ -106,10 +107,12 @@ def shown_of_envelope(run: BearingRun) -> NDArray[np.bool_]:
 
 
 def highest_envelope_hz(run: BearingRun) -> float:
-    """Return the frequency up to which an envelope is shown [Hz]."""
+    """Return the frequency up to which an envelope is shown [Hz]: some lines of it at least."""
     speeds = run.kinematics
-    highest = max(speeds.ball_pass_outer_hz, speeds.ball_pass_inner_hz, 2 * speeds.ball_spin_hz)
-    return min(_ENVELOPE_MULTIPLES * highest, float(run.record.envelope.frequency_hz[-1]))
+    narrow = run.record.envelope
+    passes = max(speeds.ball_pass_outer_hz, speeds.ball_pass_inner_hz, 2 * speeds.ball_spin_hz)
+    highest = max(_ENVELOPE_MULTIPLES * passes, _ENVELOPE_LINES * narrow.line_width_hz)
+    return min(highest, float(narrow.frequency_hz[-1]))
 
 
 def _draw_lines(ax: Axes, shown: Sequence[BearingLine]) -> None:

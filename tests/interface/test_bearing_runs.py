@@ -7,6 +7,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
@@ -175,6 +176,17 @@ def test_a_radial_load_alone_has_a_load_zone_and_varying_compliance() -> None:
     peak = max(run.lines_with_levels, key=lambda row: row["radial_um_s"])
     assert peak["frequency_hz"] == pytest.approx(8 * run.kinematics.cage_hz)
     assert any("varying compliance" in text for text in run.summary["sentences"])
+
+
+def test_a_bearing_that_hardly_turns_has_few_lines_and_all_figures() -> None:
+    """Its lines are closer than a record of 0.2 s can tell apart, and would name every peak."""
+    text = WAVY.replace("0.5", "0.2").replace("1800", "0.01")
+    run = rolling.simulate_bearing(loads_bearing(text), progress=False)
+    assert len(run.lines_with_levels) < 100
+    assert len(lines.family_lines(run.kinematics, 8, 1800.0)) < 10_000
+    for name in ("spectrum", "envelope", "load_distribution", "ball_forces"):
+        assert run.plot(name).lines
+    plt.close("all")
 
 
 # ---- files
