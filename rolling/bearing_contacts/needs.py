@@ -1,7 +1,7 @@
 """Memory and disk that the runs of a bearing need, and doubts where they do not suffice.
 
-The marches of its contacts are judged as those of every scene, and its motion by the samples that
-are kept of the ring and of each ball.
+The marches of its contacts are judged as those of every scene, without sound. The motion is judged
+by the samples that are kept of the ring and of each ball.
 """
 
 from __future__ import annotations
@@ -56,6 +56,7 @@ def excess(
     marches = [march for stage in plan.stages for march in stage]
     if marches:
         parts = cost.memory(marches, workers or cost.cores())
+        del parts["record"]  # no sound is made of a contact
         yield from refusals.lacking_memory(parts, ADVICE, " of the contacts")
     yield from refusals.lacking_memory(motion_memory(scene, plan), ADVICE)
     if folder is not None:

@@ -16,7 +16,6 @@ from pathlib import Path
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
-from rolling.check import refusals
 from rolling.contact.solver import ContactError
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
@@ -84,8 +83,6 @@ def solved_stages(
 
     Raises
     ------
-    SceneError
-        A contact cannot be marched here.
     ContactError
         A contact has no solution.
     OSError, KeyboardInterrupt
@@ -108,8 +105,6 @@ def solved_stages(
                 fresh[identity] = scene
         lacking.append(fresh)
     scenes = [scene for stage in lacking for scene in stage.values()]
-    for scene in scenes:
-        refusals.refuse(scene, workers)
     if not scenes:
         for _ in stages:
             yield dict(marches)

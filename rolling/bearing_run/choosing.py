@@ -29,6 +29,7 @@ from rolling.bearing.motion import move_ring
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan, stages_of
 from rolling.bearing_contacts.solving import Marches, solved_stages
+from rolling.bearing_run import simulation
 from rolling.bearing_run.band_difference import HOUSING, NAMES
 from rolling.bearing_run.bearing_choice import BearingChoice
 from rolling.bearing_run.housing import housing_of_scene
@@ -106,7 +107,8 @@ def choose_bearings(
     Raises
     ------
     SceneError
-        There is nothing to choose between, or the bearings are not comparable.
+        There is nothing to choose between, the bearings are not comparable, or one of them does not
+        fit into memory or on the disk.
     FolderError
         The folder holds something else.
     ContactError
@@ -116,6 +118,8 @@ def choose_bearings(
     """
     candidates = candidates_of(scenes)
     target = folder or default_folder(candidates)
+    for candidate in candidates:
+        simulation.refuse(candidate.scene, workers, target)
     target.mkdir(parents=True, exist_ok=True)
     with ExitStack() as stack:
         stack.enter_context(folders.locked(target))

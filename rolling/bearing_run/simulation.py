@@ -22,7 +22,6 @@ from rolling.bearing_contacts.plan import ContactPlan, contact_plan
 from rolling.bearing_contacts.solving import Marches, solved_stages
 from rolling.bearing_run.bearing_run import BearingRun
 from rolling.bearing_run.without_faults import without_faults_of_record
-from rolling.check import refusals
 from rolling.scene import library
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.messages import SceneError
@@ -96,9 +95,6 @@ def refuse(scene: BearingScene, workers: int, folder: Path | None = None) -> Non
         lines = [need.line for need in needs.excess(run, plan, workers, folder)]
         if lines:
             raise SceneError(lines)
-        for stage in plan.stages:
-            for contact in stage:
-                refusals.refuse(contact, workers)
 
 
 def _moved(scene: BearingScene, plan: ContactPlan, marches: Marches) -> BearingRun:

@@ -97,6 +97,13 @@ def test_a_bearing_that_does_not_fit_is_refused(
     assert [path.name for path in tmp_path.iterdir()] == ["many.yaml"]
 
 
+def test_a_bearing_that_hardly_turns_fits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its contacts are marched over days of rolling, of which no sound is made."""
+    monkeypatch.setattr(refusals, "memory_limit", lambda: 8e9)
+    scene = rolling.read_bearing("bearing-6204", ["bearing.speed_rpm=0.001"])
+    assert scene.check().refusal is None
+
+
 def test_height_file_of_50_gb_is_refused_by_its_header(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
