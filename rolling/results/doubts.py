@@ -41,6 +41,7 @@ ERRORS = (
     "comb_spread",
     "time_step",
     "contact_loss",
+    "baffle",
     "uncertainty_together",
     "solver_error",
     "force_law_error",
@@ -271,10 +272,15 @@ def _estimate(scene: Scene, sound: ContactSound, summary: Mapping[str, Any]) -> 
 
 
 def _spread(summary: Mapping[str, Any]) -> Iterator[Doubt]:
-    """Yield the parts of ±: length and comb of the record, time steps, loss of the contact."""
+    """Yield the parts of ±: length and comb of the record, time steps, contact loss, baffle."""
     parts = []
     if summary["source"] == "vibration":  # a release has no comb and no motion
-        parts = [*_comb_spread(summary), *_time_step(summary), *_contact_loss(summary)]
+        parts = [
+            *_comb_spread(summary),
+            *_time_step(summary),
+            *_contact_loss(summary),
+            *_baffle(summary),
+        ]
     yield from parts
     spread = summary["uncertainty_db"]["laeq"]
     if spread is None:
@@ -286,7 +292,10 @@ def _spread(summary: Mapping[str, Any]) -> Iterator[Doubt]:
         text = f"the length of the record leaves ± {rounded(size)} dB"
         parts.append(sized("record_length", text, size))
         yield parts[-1]
-    text = f"length, comb, time steps and loss of the contact together leave ± {rounded(spread)} dB"
+    names = "length, comb, time steps and loss of the contact"
+    if summary.get("baffle_db"):
+        names = "length, comb, time steps, loss of the contact and the missing baffle"
+    text = f"{names} together leave ± {rounded(spread)} dB"
     together = sized("uncertainty_together", text, spread)
     if all(together.severity > part.severity for part in parts):
         yield together
@@ -328,6 +337,17 @@ def _contact_loss(summary: Mapping[str, Any]) -> Iterator[Doubt]:
         )
         advice = "measure it, and give plate.contact_loss_factor"
         yield sized("contact_loss", text, size, advice=advice)
+
+
+def _baffle(summary: Mapping[str, Any]) -> Iterator[Doubt]:
+    """Yield what the baffle of the computation leaves on the level of a free plate."""
+    size = summary.get("baffle_db")
+    if size:
+        text = (
+            "a free plate is computed as in a baffle, which it does not have; this leaves "
+            f"{rounded(size)} dB"
+        )
+        yield sized("baffle", text, size)
 
 
 def _errors(scene: Scene, summary: Mapping[str, Any]) -> Iterator[Doubt]:

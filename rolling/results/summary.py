@@ -636,6 +636,7 @@ def _motion(vibration: Vibration) -> dict[str, Any]:
         "motion_time_step_s": motion.time_step_s,
         "motion_step_error_db": vibration.spreads.get("time_step"),
         "contact_loss_db": vibration.contact_loss_db,
+        "baffle_db": vibration.spreads.get("baffle", 0.0),
         "motion_balance_error": motion.energy_error,
         "motion_settled": bool(motion.settled),
         "motion_laps": motion.laps,
@@ -693,6 +694,7 @@ def _vibration_estimate(
         "vibration_estimate_force_ratio": estimate.force_ratio,
         "vibration_estimate_bodies": radiators.bodies_text(scene),
         "contact_loss_db": estimate.contact_loss_db,
+        "baffle_db": estimate.baffle_db,
     }
 
 

@@ -14,12 +14,14 @@ import numpy as np
 
 from acoustics import level, wav
 from acoustics.arrays import Array
-from acoustics.bands import AUDIBLE_HZ, EDGES_HZ, third_octave_mean_square
+from acoustics.bands import AUDIBLE_HZ, EDGES_HZ, MID_HZ, third_octave_mean_square
 from acoustics.loss_factors import least_loss_factor
 from acoustics.numbers import rounded
+from acoustics.plate_modes import FREE
 from acoustics.radiation import Body, ThinPlate, axis_transfer
 from acoustics.sound_power import band_power
 from acoustics.spectrum import audible_lines
+from acoustics.unbaffled import baffle_uncertainty_db
 from acoustics.weighting import a_weighting_db
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
@@ -194,6 +196,35 @@ def contact_loss(scene: Scene, law: ForceLaw, chain: Chain) -> ContactLoss | Non
     )
 
 
+class BaffleSpread(NamedTuple):
+    """Standard uncertainties of levels of a free plate, which has no baffle.
+
+    laeq_db : float, dB. Of LAeq.
+    third_octave_db : (31,) array, dB. Of each third octave.
+    """
+
+    laeq_db: float
+    third_octave_db: Array
+
+
+def baffle_spread(scene: Scene, weighted_square: Array) -> BaffleSpread | None:
+    """Return what the missing baffle leaves on the levels of a free plate; None for others.
+
+    The third octaves change in the same sense, so their spreads are added by their share of the
+    A-weighted mean squares (31,).
+    """
+    plate = of_scene.rectangular_plate(scene)
+    whole = float(weighted_square.sum())
+    if plate is None or set(scene.plate.edge_pair) != {FREE} or not whole > 0:
+        return None
+    area_m2 = plate.length_m * plate.width_m
+    bands = baffle_uncertainty_db(MID_HZ, area_m2, plate.critical_hz)
+    return BaffleSpread(
+        laeq_db=float(weighted_square @ bands) / whole,
+        third_octave_db=bands,
+    )
+
+
 def _places_of_resonance(chain: Chain, frequency: Array, width: float) -> Array:
     """Return frequencies [Hz] around each line, dense enough for the resonance of the contact."""
     sharp = chain.resonance_hz / chain.quality
@@ -243,12 +274,14 @@ class VibrationEstimate(NamedTuple):
     force_ratio : float. Rms of the contact force over the load.
     contact_loss_db : float, dB. Change of LAeq by a loss factor UNKNOWN_LOSS of the contact, half
         of which is in the uncertainty; 0 where the scene states a loss factor.
+    baffle_db : float, dB. Part of the uncertainty because a free plate has no baffle.
     """
 
     laeq_db: float | None
     uncertainty_db: float | None
     force_ratio: float
     contact_loss_db: float
+    baffle_db: float
 
 
 def vibration_estimate(
@@ -276,7 +309,7 @@ def vibration_estimate(
     steps = len(approach) - 1
     duration = motion.duration(steps * step)
     silence = VibrationEstimate(
-        laeq_db=None, uncertainty_db=None, force_ratio=0.0, contact_loss_db=0.0
+        laeq_db=None, uncertainty_db=None, force_ratio=0.0, contact_loss_db=0.0, baffle_db=0.0
     )
     if scene.is_smooth or steps < 4:
         return silence
@@ -318,6 +351,9 @@ def vibration_estimate(
     # The resonance follows the stiffness along the track where it changes slowly, and the mean
     # stiffness where it changes within a period. The level lies between both.
     local = weighted_squares(stiffness)
+    bands = third_octave_mean_square(frequency, local.mean(axis=1))
+    unbaffled = baffle_spread(bodies, bands)
+    baffle_db = 0.0 if unbaffled is None else unbaffled.laeq_db
     following = float(local.sum(axis=0).mean())
     within = float(local[frequency < resolved_hz].sum(axis=0).mean())
     square = math.sqrt(mean * following)
@@ -334,6 +370,7 @@ def vibration_estimate(
         HALF * _apart_db(following, mean),
         HALF * _apart_db(within, following),
         HALF * contact_loss_db,
+        baffle_db,
     ]
     if looped:
         parts_db.append(math.sqrt(np.mean([_apart_db(place, mean) ** 2 for place in at_mean])))
@@ -342,6 +379,7 @@ def vibration_estimate(
         uncertainty_db=math.hypot(*parts_db),
         force_ratio=math.sqrt(float(mean_square @ forces.mean(axis=1))) / scene.load,
         contact_loss_db=contact_loss_db,
+        baffle_db=baffle_db,
     )
 
 

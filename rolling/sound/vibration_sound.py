@@ -24,7 +24,15 @@ from rolling.dynamics.motion import MAX_STEPS, BodyMotion
 from rolling.scene.scene import Scene
 from rolling.sound import edged_sound, radiators
 from rolling.sound.contact_sound import ContactSound, faded, faded_out
-from rolling.sound.radiators import HALF, ContactLoss, comb, known_bands, powers, sources
+from rolling.sound.radiators import (
+    HALF,
+    BaffleSpread,
+    ContactLoss,
+    comb,
+    known_bands,
+    powers,
+    sources,
+)
 
 P_REF_W = 1e-12  # reference sound power
 UNKNOWN_DB = 20.0  # maximum error from the time steps; an impact more or less makes it arbitrary
@@ -61,7 +69,8 @@ class Vibration:
     uncertainty : LevelUncertainty, dB
         Uncertainty of these levels, see `parts`.
     spreads : dict, dB
-        Known parts of the uncertainty of LAeq: record, comb, time_step and contact_loss.
+        Known parts of the uncertainty of LAeq: record, comb, time_step, contact_loss and, on a free
+        plate, baffle.
     mean_laeq : float or None, dB
         Mean level over speeds within 3 %; None without a comb.
     plate_power, ball_power : (31,) arrays, W
@@ -210,6 +219,9 @@ def vibrate(
         loss = radiators.contact_loss(scene, law, chain)
     if loss is not None:
         spreads["contact_loss"] = HALF * abs(loss.laeq_db)
+    unbaffled = radiators.baffle_spread(scene, _weighted_squares(levels))
+    if unbaffled is not None:
+        spreads["baffle"] = unbaffled.laeq_db
     if once:  # an event is no sample of a noise
         known = 0.0 if spreads else None
         spread = spread.mapped(lambda _: known)
@@ -224,7 +236,7 @@ def vibrate(
         force=force,
         pressures=pressures,
         levels=levels,
-        uncertainty=_with_other_parts(spread, spreads, chain, combed, loss),
+        uncertainty=_with_other_parts(spread, spreads, chain, combed, loss, unbaffled),
         spreads=spreads,
         mean_laeq=None if combed is None else combed.mean_laeq_db,
         plate_power=plate_power,
@@ -284,23 +296,35 @@ def _step_error(
     return min(abs(laeq_db - coarse), UNKNOWN_DB)
 
 
+def _weighted_squares(levels: level.SoundLevels) -> Array:
+    """Return A-weighted mean squares of the third octaves, 0 where a level is unknown, (31,)."""
+    squares = np.zeros(len(BAND_NAMES))
+    for k, name in enumerate(BAND_NAMES):
+        level_db = levels.third_octave_a_db[name]
+        if level_db is not None:
+            squares[k] = 10 ** (level_db / 10)
+    return squares
+
+
 def _with_other_parts(
     spread: uncertainty.LevelUncertainty,
     spreads: dict[str, float],
     chain: Chain,
     combed: Comb | None,
     loss: ContactLoss | None,
+    unbaffled: BaffleSpread | None,
 ) -> uncertainty.LevelUncertainty:
     """Return uncertainties [dB] of the record joined with the other parts of LAeq's.
 
     The comb widens the levels of the whole, and each third octave by its own comb. The time steps
     widen the levels of the whole and the third octave that holds the resonance, or all third
-    octaves on a plate with modes. The unknown loss of the contact widens each by half its change.
+    octaves on a plate with modes. The unknown loss of the contact widens each by half its change,
+    and the missing baffle of a free plate widens each.
     """
     comb_db = spreads.get("comb", 0.0)
     step_db = spreads.get("time_step", 0.0)
-    loss_db = spreads.get("contact_loss", 0.0)
-    whole = spread.mapped(lambda db: math.hypot(max(db, comb_db), step_db, loss_db))
+    others_db = [step_db, spreads.get("contact_loss", 0.0), spreads.get("baffle", 0.0)]
+    whole = spread.mapped(lambda db: math.hypot(max(db, comb_db), *others_db))
     in_step = set(BAND_NAMES)
     if chain.modes is None:
         widest = len(BAND_NAMES) - 1
@@ -314,10 +338,12 @@ def _with_other_parts(
             db = math.hypot(db, step_db)
         if db is not None and loss is not None:
             db = math.hypot(db, HALF * float(loss.third_octave_db[k]))
+        if db is not None and unbaffled is not None:
+            db = math.hypot(db, float(unbaffled.third_octave_db[k]))
         bands[name] = db
     joined = replace(whole, third_octave_db=bands)
     if comb_db > COMB_MOST_DB:  # the level is the mean over the comb, whatever the record is
-        joined = replace(joined, laeq_db=math.hypot(comb_db, step_db, loss_db))
+        joined = replace(joined, laeq_db=math.hypot(comb_db, *others_db))
     return joined
 
 

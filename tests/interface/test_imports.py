@@ -41,7 +41,15 @@ FLOORS = {
             "resampling",
             "spectrum",
         ),
-        ("level", "loudness", "modulation", "ring_velocity", "ritz_plate", "sound_power"),
+        (
+            "level",
+            "loudness",
+            "modulation",
+            "ring_velocity",
+            "ritz_plate",
+            "sound_power",
+            "unbaffled",
+        ),
         ("audibility", "ears", "laps", "plots", "uncertainty", "vibration_level", "wav"),
     ),
 }

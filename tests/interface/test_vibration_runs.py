@@ -331,6 +331,21 @@ def test_a_short_track_states_the_mean_over_its_comb(undamped: Run) -> None:
     assert "comb_mean" in doubt_lines(undamped)
 
 
+@pytest.mark.slow
+@pytest.mark.law("Free plates: the uncertainty of a level holds what the missing baffle changes.")
+def test_a_free_plate_has_a_part_for_its_missing_baffle(undamped: Run) -> None:
+    edges = {"plate.length_mm": 100, "plate.width_mm": 75, "plate.edges": "free"}
+    run = heard_again(undamped, undamped.scene.with_(edges | {"plate.loss_factor": 0.01}))
+    free = run.summary
+    assert undamped.summary["baffle_db"] == 0
+    assert 2.5 <= free["baffle_db"] <= 10
+    assert free["uncertainty_db"]["laeq"] > free["baffle_db"]
+    assert free["third_octave_uncertainty_db"]["8000"] > 2.5  # far above coincidence
+    lines = doubt_lines(run)
+    assert "a free plate is computed as in a baffle" in lines["baffle"]
+    assert "because the free plate has no baffle" in lines["uncertainty"]
+
+
 def test_a_damped_contact_states_the_level_of_its_record(undamped: Run) -> None:
     damped = heard_again(undamped, undamped.scene.with_({"plate.contact_loss_factor": 0.3}))
     numbers = damped.summary
