@@ -165,12 +165,14 @@ def _uncertainty(
         covered = f"{parts} of the record, taken as stationary Gaussian noise"
     if vibrating is not None and vibrating.contact_loss_db:
         covered += ", and the damping of the contact, which is unknown"
+    outside = "no error of model, grid or solver"
     if summary.get("baffle_db"):
+        outside = "no other error of model, and none of grid or solver"
         covered += (
             f", and {rounded(summary['baffle_db'])} dB because the free plate has no baffle around"
             " it, at a listener above it"
         )
-    text = f"± covers {covered}; it holds no error of model, grid or solver."
+    text = f"± covers {covered}; it holds {outside}."
     if summary.get("laeq_uncertainty_db") is not None:
         estimated = "grid and solver"
         if sound.source == "vibration":
