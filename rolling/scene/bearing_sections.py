@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from rolling.scene import bearing_rules, library
+from rolling.scene import bearing_rules, library, rules
 from rolling.scene.messages import fault, faults_together
 from rolling.scene.models import Section
 from rolling.scene.sections import DENSITY, YOUNG, Material, Plate, Tolerance
@@ -196,7 +196,7 @@ class HousingPlate(Plate):
 
     @model_validator(mode="after")
     def _has_edges(self) -> Self:
-        """Refuse a plate without edges, and keys of a plate on which a sphere rolls."""
+        """Refuse a plate without edges or of too many modes, and keys that go with a sphere."""
         for key in ("length_mm", "width_mm", "density_kg_m3"):
             if getattr(self, key) is None:
                 raise fault("missing; the plate of a housing has edges and a mass", at=f".{key}")
@@ -213,6 +213,7 @@ class HousingPlate(Plate):
             if key == "contact_loss_factor":
                 words += "; that of the balls is bearing.contact_loss_factor"
             raise fault(words, at=f".{key}")
+        rules.refuse_modes(self, at="")
         return self
 
 

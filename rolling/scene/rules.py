@@ -78,19 +78,24 @@ def _refuse_edges(rolling: Rolling, sphere: Sphere, plate: Plate) -> None:
                 f" {rounded(least, 3)}, ten contact radii",
                 at=f"plate.{key}",
             )
+    refuse_modes(plate, at="plate")
+
+
+def refuse_modes(plate: Plate, at: str) -> None:
+    """Refuse a plate with edges, at a key, that has more modes than can be moved."""
     modes = quantities.plate_modes(plate)
     if modes > MAX_MODES:
         raise fault(
             f"the plate has some {rounded(modes)} modes in hearing, allowed: {MAX_MODES}; choose a"
-            " smaller or thicker plate, or an infinite one without edges",
-            at="plate.length_mm",
+            " smaller or thicker plate, or leave out its edges where a sphere rolls on it",
+            at=f"{at}.length_mm",
         )
     if modes > MAX_COMPUTED_MODES and set(plate.edge_pair) != {"simply_supported"}:
         raise fault(
             f"the plate has some {rounded(modes)} modes in hearing, allowed: {MAX_COMPUTED_MODES}"
             " with free or clamped edges, whose modes are computed one by one; choose a smaller or"
             " thicker plate, or simply_supported edges",
-            at="plate.edges",
+            at=f"{at}.edges",
         )
 
 

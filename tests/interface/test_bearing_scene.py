@@ -31,6 +31,7 @@ bearing:
   axial_load_n: 70
   ring_mass_kg: 0.06
 """
+SIDES = "length_mm: 1000, width_mm: 700"
 
 
 def faults(*overrides: str, text: str = TEXT) -> list[str]:
@@ -226,6 +227,11 @@ def test_all_faults_stand_in_one_message() -> None:
         ("bearing.surfaces.outer={kind: smooth, waviness: {1: 0.1}}", "from 2 on"),
         ("bearing.surfaces.outer={kind: smooth, waviness: {99999: 0.1}}", "up to 6"),
         ("plate={material: steel-s235}", "missing"),
+        (
+            f"plate={{material: steel-s235, thickness_mm: 0.1, {SIDES}}}",
+            "plate.length_mm: the plate has some",
+        ),
+        (f"plate={{material: steel-s235, thickness_mm: 1, edges: free, {SIDES}}}", "plate.edges: "),
         ("plate={material: steel-s235, length_mm: 300}", "plate.width_mm: missing"),
         ("sound.duration_s=-1", "greater than 0"),
     ],
