@@ -81,8 +81,8 @@ class BearingChoice:
             lines += _verdicts(self.labels[0], self.labels[number], differences)
         if self.limit:
             lines.append(
-                f"A ± is above the wanted {self.within_db:g} dB, because {self.limit}; it falls"
-                " with the root of their number."
+                f"A ± is above the wanted {self.within_db:g} dB, because {self.limit}; four times"
+                " as many specimens would halve it."
             )
         return lines
 

@@ -302,7 +302,7 @@ def _until_known(hearing: _Hearing, within_db: float, minutes: float) -> Bearing
         if count >= most:
             return _choice(candidates, count, within_db, folder, "there are no more specimens")
         if time.monotonic() - began > 60 * minutes:
-            limit = f"the limit of {minutes:g} minutes was reached"
+            limit = f"the limit of {minutes:g} min was reached"
             return _choice(candidates, count, within_db, folder, limit)
         count = min(needed, count + FIRST_PAIRS, most)
 

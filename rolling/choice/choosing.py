@@ -216,7 +216,7 @@ def _until_known(work: OpenChoice, candidates: Sequence[Candidate], budget: Budg
         if count == work.specimens.count:
             return replace(choice, limit=f"there are no more {choice.noun}")
         if time.monotonic() - began > 60 * budget.minutes:
-            return replace(choice, limit=f"the limit of {budget.minutes:g} minutes was reached")
+            return replace(choice, limit=f"the limit of {budget.minutes:g} min was reached")
         count = min(needed, count + BATCH, work.specimens.count)
 
 

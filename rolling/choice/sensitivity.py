@@ -319,7 +319,7 @@ class _SpecimenLoop:
                     self.limit = f"there are no more {self._work.specimens.noun}"
                     break
                 if time.monotonic() - self._began > 60 * self._minutes:
-                    self.limit = f"the limit of {self._minutes:g} minutes was reached"
+                    self.limit = f"the limit of {self._minutes:g} min was reached"
                     break
                 more = self._row(row.change, min(needed, most))
                 if more is None:

@@ -204,7 +204,8 @@ def parts(choice: ChoiceNumbers) -> list[str]:
 
 def _doubt(choice: ChoiceNumbers) -> Iterator[str]:
     """Say what limits the ± where it is above the wanted one, with its size."""
-    apart = max(choice.differences, key=lambda one: one.uncertainty_db or 0.0)
+    others = zip(choice.contenders[1:], choice.differences, strict=True)
+    other, apart = max(others, key=lambda pair: pair[1].uncertainty_db or 0.0)
     if apart.uncertainty_db is None:
         return
     if choice.overlap:
@@ -219,6 +220,6 @@ def _doubt(choice: ChoiceNumbers) -> Iterator[str]:
         yield f"Of the ±, {size:.1f} dB come from {_OTHERS[part]}."
     elif choice.limit:
         yield (
-            f"The ± is above the wanted {choice.within_db:g} dB, because {choice.limit}; it falls"
-            " with the root of their number."
+            f"The ± of {printable(other.label)} is above the wanted {choice.within_db:g} dB,"
+            f" because {choice.limit}; four times as many {choice.noun} would halve it."
         )

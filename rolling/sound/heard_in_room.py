@@ -110,7 +110,7 @@ def _sentence(result: Audibility, names: tuple[str, str]) -> str:
         louder, quieter = name_b, name_a
         n5_louder, n5_quieter = result.n5_b_sone, result.n5_a_sone
     numbers = (
-        f"in the room, N5 of {louder} is {percent} above N5 of {quieter} "
+        f"in the room, the loudness N5 of {louder} is {percent} above N5 of {quieter} "
         f"({n5_louder:.3g} and {n5_quieter:.3g} sone; the room alone {result.n5_room_sone:.3g})"
     )
     if result.verdict == AUDIBLE:
