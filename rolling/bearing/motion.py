@@ -26,6 +26,11 @@ FINER = 4  # points of a slow track for each given one, so that cubics between t
 MIN_POINTS = 4  # of a track, for a cubic
 _ROUNDING = 1e-11  # of the contacts' energy
 _LARGEST_RECORD = 2**22  # numbers of steps times columns at once
+# Columns of a record: displacement, velocity and force of the ring, then the loads of the balls.
+_PLACE = slice(0, 3)
+_VELOCITY = slice(3, 6)
+_FORCE = slice(6, 9)
+_RING_COLUMNS = 9
 
 
 @dataclass(frozen=True)
@@ -96,7 +101,8 @@ def move_ring(
     run = _Run(bodies=bodies, tables=_tables(bearing, tracks, step))
     state = _start(bearing, bodies, run.tables)
 
-    longest = max(1, _LARGEST_RECORD // (factor * (9 + bearing.geometry.balls)))
+    columns = _RING_COLUMNS + bearing.geometry.balls
+    longest = max(1, _LARGEST_RECORD // (factor * columns))
     reach = resampling.DECIMATOR_REACH
     decimator = resampling.Decimator(factor)
     with progress.Bar(run_in + duration_s, "moving the ring") as bar:
@@ -105,7 +111,7 @@ def move_ring(
             run.advance(state, first * factor, count * factor)
             bar.update(count / rate_hz)
         run.begin_balance()
-        record = np.empty((samples, 9 + bearing.geometry.balls))
+        record = np.empty((samples, columns))
         done = -2 * reach
         for first, count in _parts(-2 * reach, samples + 3 * reach, longest):
             rows = decimator.add(run.advance(state, first * factor, count * factor))
@@ -114,15 +120,15 @@ def move_ring(
             done += len(rows)
             bar.update(count / rate_hz)
     time = np.arange(samples) / rate_hz
-    mean = record[:, :3].mean(axis=0)
+    mean = record[:, _PLACE].mean(axis=0)
     return RingMotion(
         time_s=time,
-        displacement_m=record[:, :3] - mean,
-        velocity_m_s=record[:, 3:6],
-        acceleration_m_s2=(bearing.load + record[:, 6:9]) / bearing.ring_mass_kg,
-        ball_load_n=record[:, 9:],
+        displacement_m=record[:, _PLACE] - mean,
+        velocity_m_s=record[:, _VELOCITY],
+        acceleration_m_s2=(bearing.load + record[:, _FORCE]) / bearing.ring_mass_kg,
+        ball_load_n=record[:, _RING_COLUMNS:],
         ball_angle=2 * pi * bearing.kinematics.cage_hz * time,
-        ring_force_n=record[:, 6:9],
+        ring_force_n=record[:, _FORCE],
         mean_displacement_m=mean,
         rate_hz=rate_hz,
         step_s=step,
@@ -149,7 +155,7 @@ class _Run:
 
     def advance(self, state: RingState, first: int, steps: int) -> Array:
         """Take steps, of which the first has its middle at `first` steps; return their rows."""
-        record = np.empty((steps, 9 + len(state.balls)))
+        record = np.empty((steps, _RING_COLUMNS + len(state.balls)))
         _ring_kernels.take_steps(
             first * self.bodies.step,
             self.bodies,

@@ -38,7 +38,7 @@ LEAST_BORE = 0.3  # of the inner groove, where the balls are large for their cir
 FINEST_UM = 0.5  # spacing that holds all waves where numerics.spacing_um is automatic
 HEAVY_KG = 1e6  # in place of a ring's mass that is not given, which follows from its dimensions
 _STEPS = 50  # of a bisection, which halves its range each time
-ROUNDING = 1e-12  # of binary numbers
+_ROUNDING = 1e-12  # of binary numbers
 SAME_ANGLE_DEG = 0.1  # difference that the rounding of angle or clearance makes
 
 
@@ -190,9 +190,8 @@ def _faults_of_angle(bearing: Bearing) -> Iterator[PydanticCustomError]:
                 at=".radial_clearance_um",
             )
             return
-    has_both = angle_deg is not None and clearance_um is not None
-    if has_both and (angle_deg or bearing.axial_load_n):
-        assert angle_deg is not None and clearance_um is not None  # has_both
+    is_used = bool(angle_deg or bearing.axial_load_n)  # a radial load alone sets the angle to 0
+    if angle_deg is not None and clearance_um is not None and is_used:
         derived = math.degrees(angle_of(1e-6 * clearance_um, distance))
         if abs(derived - angle_deg) > SAME_ANGLE_DEG:
             fitting_um = 1e6 * clearance_of(math.radians(angle_deg), distance)
@@ -307,13 +306,13 @@ def _allowed_share(bearing: Bearing, geometry: BearingGeometry, limit: float) ->
 def _below(limit: float) -> str:
     """Write a limit with four digits, rounded down."""
     digit = 10.0 ** (math.floor(math.log10(limit)) - 3)
-    return f"{math.floor(limit / digit * (1 + ROUNDING)) * digit:.10g}"
+    return f"{math.floor(limit / digit * (1 + _ROUNDING)) * digit:.10g}"
 
 
 def _above(limit: float) -> str:
     """Write a limit with four digits, rounded up."""
     digit = 10.0 ** (math.floor(math.log10(limit)) - 3)
-    return f"{math.ceil(limit / digit * (1 - ROUNDING)) * digit:.10g}"
+    return f"{math.ceil(limit / digit * (1 - _ROUNDING)) * digit:.10g}"
 
 
 # ---- surfaces

@@ -50,12 +50,12 @@ class BearingQuantities(SweptScene):
     @property
     def height_paths(self) -> dict[str, Path]:
         """Files of heights by the section that reads them."""
-        surfaces = self.bearing.surfaces
-        return {
-            f"bearing.surfaces.{name}": self._folder / surface.path
-            for name in ("balls", "inner", "outer")
-            if isinstance(surface := getattr(surfaces, name), BallHeightFile)
-        }
+        paths = {}
+        for name in ("balls", "inner", "outer"):
+            surface = getattr(self.bearing.surfaces, name)
+            if isinstance(surface, BallHeightFile):
+                paths[f"bearing.surfaces.{name}"] = self._folder / surface.path
+        return paths
 
     @property
     def is_smooth(self) -> bool:
@@ -147,9 +147,9 @@ class BearingQuantities(SweptScene):
     @property
     def ring_section(self) -> RingSection:
         """Cross-section of the ring that vibrates."""
+        diameter = self.outside_diameter if self.moving_ring == "outer" else self.bore
         return ring_section(
-            surface_radius=(self.outside_diameter if self.moving_ring == "outer" else self.bore)
-            / 2,
+            surface_radius=diameter / 2,
             pitch_radius=self.pitch_radius,
             ball_radius=self.ball_radius,
             groove_radius=self.groove_radii[self.moving_ring],
