@@ -60,6 +60,6 @@ def baffle_uncertainty_db(frequency_hz: ArrayLike, area_m2: float, critical_hz: 
     spread = np.where(over > FAR_ABOVE, FAR_ABOVE_DB, ELSEWHERE_DB)
     is_near = (over >= NEAR_COINCIDENCE[0]) & (over <= NEAR_COINCIDENCE[1])
     spread = np.where(is_near, NEAR_COINCIDENCE_DB, spread)
-    # Below a phase of 1 the baffle makes a monopole of what is a dipole in the open.
-    of_small = SMALL_DB / np.minimum(size, 1.0)
+    # The baffle makes a monopole of what is a dipole in the open, by 6 dB an octave more.
+    of_small = SMALL_DB - 20 * np.log10(np.minimum(size, 1.0))
     return np.asarray(np.where(size < SMALL_RAD, of_small, spread))

@@ -694,7 +694,6 @@ def _vibration_estimate(
         "vibration_estimate_force_ratio": estimate.force_ratio,
         "vibration_estimate_bodies": radiators.bodies_text(scene),
         "contact_loss_db": estimate.contact_loss_db,
-        "baffle_db": estimate.baffle_db,
     }
 
 

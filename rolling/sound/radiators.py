@@ -274,14 +274,12 @@ class VibrationEstimate(NamedTuple):
     force_ratio : float. Rms of the contact force over the load.
     contact_loss_db : float, dB. Change of LAeq by a loss factor UNKNOWN_LOSS of the contact, half
         of which is in the uncertainty; 0 where the scene states a loss factor.
-    baffle_db : float, dB. Part of the uncertainty because a free plate has no baffle.
     """
 
     laeq_db: float | None
     uncertainty_db: float | None
     force_ratio: float
     contact_loss_db: float
-    baffle_db: float
 
 
 def vibration_estimate(
@@ -309,7 +307,7 @@ def vibration_estimate(
     steps = len(approach) - 1
     duration = motion.duration(steps * step)
     silence = VibrationEstimate(
-        laeq_db=None, uncertainty_db=None, force_ratio=0.0, contact_loss_db=0.0, baffle_db=0.0
+        laeq_db=None, uncertainty_db=None, force_ratio=0.0, contact_loss_db=0.0
     )
     if scene.is_smooth or steps < 4:
         return silence
@@ -351,9 +349,6 @@ def vibration_estimate(
     # The resonance follows the stiffness along the track where it changes slowly, and the mean
     # stiffness where it changes within a period. The level lies between both.
     local = weighted_squares(stiffness)
-    bands = third_octave_mean_square(frequency, local.mean(axis=1))
-    unbaffled = baffle_spread(bodies, bands)
-    baffle_db = 0.0 if unbaffled is None else unbaffled.laeq_db
     following = float(local.sum(axis=0).mean())
     within = float(local[frequency < resolved_hz].sum(axis=0).mean())
     square = math.sqrt(mean * following)
@@ -370,7 +365,6 @@ def vibration_estimate(
         HALF * _apart_db(following, mean),
         HALF * _apart_db(within, following),
         HALF * contact_loss_db,
-        baffle_db,
     ]
     if looped:
         parts_db.append(math.sqrt(np.mean([_apart_db(place, mean) ** 2 for place in at_mean])))
@@ -379,7 +373,6 @@ def vibration_estimate(
         uncertainty_db=math.hypot(*parts_db),
         force_ratio=math.sqrt(float(mean_square @ forces.mean(axis=1))) / scene.load,
         contact_loss_db=contact_loss_db,
-        baffle_db=baffle_db,
     )
 
 
