@@ -45,6 +45,7 @@ from rolling.terminal import defaults, files, progress, shortage
 from rolling.terminal.files import FolderError
 from rolling.terminal.streams import folded
 
+ROUNDING_UM_S = 1e-7  # velocity of a ring at rest, of numbers that are rounded
 MAX_BEARINGS = 12
 MAX_SPECIMENS = 60
 FEWEST = 4  # specimens that are always heard
@@ -318,11 +319,12 @@ def heard_specimen(
     y = velocity_bands(motion.velocity_m_s[:, 1], motion.rate_hz)
     rms = {}
     for name in VELOCITY_BANDS_HZ:
-        rms[name] = UM_S * math.sqrt((x.rms_m_s[name] ** 2 + y.rms_m_s[name] ** 2) / 2)
+        velocity = UM_S * math.sqrt((x.rms_m_s[name] ** 2 + y.rms_m_s[name] ** 2) / 2)
+        rms[name] = velocity if velocity > ROUNDING_UM_S else 0.0
     housing = housing_of_scene(scene, linear_ring(model), motion.velocity_m_s[:, 0])
     if housing is not None:
         weighted = a_weighted(housing.pressure, motion.rate_hz)
-        rms[HOUSING] = float(np.sqrt(np.mean(np.square(weighted))))
+        rms[HOUSING] = float(np.sqrt(np.mean(np.square(weighted)))) if any(rms.values()) else 0.0
     return rms
 
 

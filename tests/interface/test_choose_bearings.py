@@ -125,3 +125,15 @@ def test_a_bearing_and_a_sphere_are_not_compared(capsys: pytest.CaptureFixture[s
         main(["choose", "bearing-6204", "quickstart"])
     assert ended.value.code == 2
     assert "one kind" in capsys.readouterr().err
+
+
+def test_bearings_at_rest_are_alike(tmp_path: Path) -> None:
+    """What rounding leaves of a smooth ring has no level, nor does its housing."""
+    plate = "{material: steel-s235, thickness_mm: 8, length_mm: 120, width_mm: 90}"
+    still = rc.read_bearing("bearing-6204", [*SMOOTH, "bearing.surfaces.balls=", f"plate={plate}"])
+    swept = still.with_(sweep={"bearing.density_kg_m3": [7800, 7801]})
+    choice = rc.choose_bearings(swept, folder=tmp_path / "out", workers=1, progress=False)
+    assert set(choice.rms) == {"low", "medium", "high", "housing"}
+    for of_band in choice.rms.values():
+        np.testing.assert_array_equal(of_band, 0.0)
+    assert all("alike" in sentence for sentence in choice.sentences)
