@@ -345,7 +345,7 @@ def _baffle(summary: Mapping[str, Any]) -> Iterator[Doubt]:
     if size:
         text = (
             "a free plate is computed as in a baffle, which it does not have; this leaves "
-            f"{rounded(size)} dB"
+            f"{rounded_up(size)} dB"
         )
         yield sized("baffle", text, size)
 

@@ -6,7 +6,7 @@ They say what a level is, what its uncertainty covers, and how record and load a
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from acoustics.numbers import rounded
+from acoustics.numbers import rounded, rounded_up
 from acoustics.plate_modes import FREE
 from rolling.check import level
 from rolling.check.doubt import Doubt, Severity
@@ -169,8 +169,8 @@ def _uncertainty(
     if summary.get("baffle_db"):
         outside = "no other error of model, and none of grid or solver"
         covered += (
-            f", and {rounded(summary['baffle_db'])} dB because the free plate has no baffle around"
-            " it, at a listener above it"
+            f", and {rounded_up(summary['baffle_db'])} dB because the free plate has no baffle "
+            "around it, at a listener above it"
         )
     text = f"± covers {covered}; it holds {outside}."
     if summary.get("laeq_uncertainty_db") is not None:
