@@ -13,7 +13,6 @@ import time
 from collections import deque
 from collections.abc import Sequence
 from concurrent.futures import BrokenExecutor, Future
-from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -122,8 +121,7 @@ def choose_bearings(
     for candidate in candidates:
         simulation.refuse(candidate.scene, workers, target)
     target.mkdir(parents=True, exist_ok=True)
-    with ExitStack() as stack:
-        stack.enter_context(folders.locked(target))
+    with folders.locked(target):
         _take_heard(target, candidates)
         marches = _marched(candidates, target, workers)
         hearing = _Hearing(candidates, marches, target, workers)
@@ -250,10 +248,8 @@ class _Hearing:
         OSError, KeyboardInterrupt
             A disk is full, or the work was stopped; what was heard is kept.
         """
-        with ExitStack() as stack:
-            stack.enter_context(progress.step(f"moving the rings of {count} specimens"))
-            stack.enter_context(shortage.as_memory_error())
-            stack.enter_context(ended_by_signal())
+        step = progress.step(f"moving the rings of {count} specimens")
+        with step, shortage.as_memory_error(), ended_by_signal():
             try:
                 self._hear_in(pool_for_tasks(self.workers, len(self._lacking(count))), count)
             except BrokenExecutor:  # a process was killed; the rest is done in this one
@@ -378,9 +374,9 @@ def _take_heard(folder: Path, candidates: Sequence[BearingCandidate]) -> None:
     """Take what a folder has heard of the same bearings; refuse a folder of something else."""
     path = folder / CHOICE
     if not path.is_file():
-        if any(
-            entry.name != CHOICE for entry in folder.iterdir() if not entry.name.startswith(".")
-        ):
+        # A lock, and files that a killed command half wrote, begin with a dot.
+        others = [entry for entry in folder.iterdir() if not entry.name.startswith(".")]
+        if others:
             raise FolderError(f"{folder}: it holds other files; give another folder with --out")
         return
     try:

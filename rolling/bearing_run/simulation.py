@@ -25,6 +25,7 @@ from rolling.bearing_run.without_faults import without_faults_of_record
 from rolling.scene import library
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.messages import SceneError
+from rolling.terminal import progress
 
 
 @dataclass(frozen=True)
@@ -99,14 +100,17 @@ def refuse(scene: BearingScene, workers: int, folder: Path | None = None) -> Non
 
 def _moved(scene: BearingScene, plan: ContactPlan, marches: Marches) -> BearingRun:
     """Move the ring of a bearing over the tracks that the marches give."""
-    tracks = bearing_tracks(plan, marches)
+    with progress.step("laying the rough contacts around balls and raceways"):
+        tracks = bearing_tracks(plan, marches)
     motion = move_ring(scene.model, tracks, scene.moved, wav.SAMPLE_RATE_HZ)
-    contacts = [asdict(contact) for contact in marched_contacts(plan, marches)]
+    with progress.step("judging the rough contacts"):
+        contacts = [asdict(contact) for contact in marched_contacts(plan, marches)]
+        doubts = contact_doubts(plan, marches, hardness_pa(scene))
     return BearingRun(
         scene=scene,
         record=record_of(motion, scene.kinematics),
         tracks=tracks,
-        solved=contact_doubts(plan, marches, hardness_pa(scene)),
+        solved=doubts,
         contacts=tuple(_without_unknown(contact) for contact in contacts),
     )
 

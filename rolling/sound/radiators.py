@@ -253,14 +253,16 @@ def with_bodies(scene: Scene) -> Scene:
 
 def bodies_text(scene: Scene) -> str:
     """Write the bodies of an estimate: a ball of steel on a 10 mm plate of steel."""
-    ball = _material_text(scene.sphere.density_kg_m3)
-    plate = _material_text(scene.plate.density_kg_m3)
+    ball = _material_text(scene.sphere.material, scene.sphere.density_kg_m3)
+    plate = _material_text(scene.plate.material, scene.plate.density_kg_m3)
     thickness = scene.plate.thickness_mm or THICKNESS_MM
     return f"a ball of {ball} on a {rounded(thickness, 4)} mm plate of {plate}"
 
 
-def _material_text(density: float | None) -> str:
-    """Write the density [kg/m3] of a body, or the steel that replaces a missing one."""
+def _material_text(material: str | None, density: float | None) -> str:
+    """Write the material of a body, its density [kg/m3], or the steel in place of both."""
+    if material is not None:
+        return material
     if density is None:
         return "steel"
     return f"{rounded(density, 4)} kg/m³"

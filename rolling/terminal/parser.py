@@ -258,8 +258,8 @@ def _add_choose(commands: Any) -> None:
         help="say which of some scenes is quieter, and how sure that is",
         answer="Which one is quieter, by how much, and how sure is that? The command hears all "
         "scenes on the same random surfaces, or at several places of their scans, until the "
-        "difference is known. The same command goes on where it stopped, and adds surfaces to "
-        "what is there.",
+        "difference is known. Bearings are compared by the velocity of their rings in three "
+        "bands. The same command goes on where it stopped, and adds surfaces to what is there.",
     )
     choose.add_argument(
         "scenes",
