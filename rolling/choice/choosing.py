@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from acoustics.pairs import FIRST_PAIRS, pairs_needed
-from rolling.check import refusals
+from rolling.check import cost, forecast, refusals
 from rolling.choice import words
 from rolling.choice.candidates import Candidate, candidates_of
 from rolling.choice.choice import Choice
@@ -25,7 +25,7 @@ from rolling.run import folder as folders
 from rolling.run.executor import ended_by_signal
 from rolling.run.pools import Pool, local_pool
 from rolling.scene.height_files import read_regular
-from rolling.scene.identity import digest, scene_identity
+from rolling.scene.identity import contact_keys, digest, scene_identity
 from rolling.scene.scene import Scene
 from rolling.sound.heard_in_room import (
     MOST_SPECIMENS,
@@ -37,6 +37,7 @@ from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError
 
 BATCH = 6  # pairs between two looks at the clock
+LONG_S = 60.0  # time of the first marches, from which on it is said
 CHOICE = "choice.json"
 FORMAT = "rolling-contact-noise choice, format 1"
 MAX_CHOICE = 10_000_000  # bytes of its file
@@ -171,10 +172,23 @@ def open_choice(
         stack.enter_context(folders.locked(folder))
         if not (folder / CHOICE).is_file():
             files.write_json(folder / CHOICE, {"format": FORMAT, "program": folders.this_program()})
+            _say_how_long(scenes)
         bar = stack.enter_context(progress.Bar(0.0, "marches"))
         pool = stack.enter_context(local_pool(workers, scenes * FEWEST))
         stack.enter_context(ended_by_signal())
         yield OpenChoice(candidates, folder, pool, bar)
+
+
+def _say_how_long(scenes: Sequence[Scene]) -> None:
+    """Say how long the marches of the first specimens take, where somebody has to wait for them.
+
+    Candidates of equal contact are marched once.
+    """
+    marched = {digest(contact_keys(scene)): scene for scene in scenes}
+    seconds = FEWEST * sum(forecast.march_seconds(scene) for scene in marched.values())
+    if seconds / cost.cores() > LONG_S:
+        time_in_words = cost.computing(seconds)
+        progress.line(f"the marches of the first {FEWEST} of each take {time_in_words}")
 
 
 def _refuse_foreign(folder: Path) -> None:

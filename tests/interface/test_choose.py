@@ -13,6 +13,7 @@ import rolling as rc
 from rolling import cli
 from rolling.choice import choosing
 from rolling.choice.candidates import candidate
+from rolling.terminal import progress
 from tests.support.commands import tree
 
 SCENE = """\
@@ -209,3 +210,19 @@ def test_damaged_numbers_are_named(tmp_path: Path, chosen: Path) -> None:
     (tmp_path / "heard.json").write_text('{"squares_pa2": [1]}')
     with pytest.raises(rc.FolderError, match=r"heard\.json"):
         read_heard(specimen)
+
+
+def test_a_long_choice_says_how_long_its_first_marches_take(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A drop needs marches at many loads, and no answer comes before the first of them."""
+    dropped = rc.read_scene("marble-dropped", ["sweep={rolling.drop_mm: [10, 20]}"])
+    candidates = choosing.candidates_of([dropped])
+    for expected in (True, False):  # a choice that goes on says nothing
+        with (
+            progress.begin(progress.Level.NORMAL),
+            choosing.open_choice(candidates, tmp_path / "out", workers=1),
+        ):
+            pass
+        said = capsys.readouterr()
+        assert ("the marches of the first 4" in said.out + said.err) == expected
