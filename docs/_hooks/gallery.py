@@ -53,10 +53,11 @@ SITE = {
     "accelerating": [],
 }
 # With ROLLING_SHORT_SITE in the environment, as in the tests, these tracks are shorter and coarser
-# still, records last a second, one process marches them, and the sheet is small, with modes in
-# closed form. The marble's track lasts until it has landed.
+# still, records last a second, one process marches them, and the sheet and the tables are small,
+# with few modes. The marble's track lasts until it has landed.
 IS_SHORT = bool(os.environ.get("ROLLING_SHORT_SITE"))
 SHORTEST = ["sound.listen_s=1", "numerics.error_estimate=false"]
+SMALL_TABLE = ["plate.length_mm=300", "plate.width_mm=200", "sound.listener_mm=[150, 100, 500]"]
 SHORT = {
     "steel-sheet": [
         "rolling.distance_mm=1.5",
@@ -66,10 +67,22 @@ SHORT = {
         "plate.width_mm=90",
         *SHORTEST,
     ],
-    "marble-dropped": ["surface.spacing_um=8", *SHORTEST],
-    "marble-rolling-out": ["rolling.distance_mm=1.5", "surface.spacing_um=3", *SHORTEST],
+    "marble-dropped": [
+        "surface.spacing_um=8",
+        "plate.contact_mm=[130, 70]",
+        *SMALL_TABLE,
+        *SHORTEST,
+    ],
+    "marble-rolling-out": [
+        "rolling.distance_mm=1.5",
+        "surface.spacing_um=3",
+        "plate.contact_mm=[60, 70]",
+        "plate.contact_end_mm=[240, 120]",
+        *SMALL_TABLE,
+        *SHORTEST,
+    ],
     "ball-with-pit": ["surface.spacing_um=6", *SHORTEST],
-    "bearing-grades": ["surface.spacing_um=8", *SHORTEST],
+    "bearing-grades": ["surface.spacing_um=8", "rolling.distance_mm=3", *SHORTEST],
     "damping": ["surface.spacing_um=4", *SHORTEST],
     "quickstart": ["rolling.duration_s=0.02", *SHORTEST],
     "accelerating": ["rolling.distance_mm=2", *SHORTEST],
