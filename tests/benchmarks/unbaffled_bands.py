@@ -282,29 +282,77 @@ def show_bands(plates: list[Struck]) -> None:
             print(f"k {low:g} to {high:g}, f/f_c {below:g} to {above:g}: " + ", ".join(texts))
 
 
+class Force(NamedTuple):
+    """Third octaves of a force: a slope, and the resonance of the contact."""
+
+    slope_db: float  # in an octave
+    resonance_hz: float
+    quality: float
+
+    def levels(self, frequency: Array) -> Array:
+        """Return the levels of third octaves [dB]."""
+        ratio = frequency / self.resonance_hz
+        resonant = (1 - np.square(ratio)) ** 2 + np.square(ratio / self.quality)
+        return np.asarray(self.slope_db * np.log2(frequency) + 10 * np.log10(frequency / resonant))
+
+
+def random_force(random: np.random.Generator) -> Force:
+    """Return a force of any kind."""
+    return Force(
+        slope_db=random.uniform(-4, 0),
+        resonance_hz=np.exp(random.uniform(np.log(1500), np.log(12000))),
+        quality=random.uniform(1, 30),
+    )
+
+
+def similar_force(force: Force, random: np.random.Generator) -> Force:
+    """Return a force that is close to another."""
+    return Force(
+        slope_db=force.slope_db + random.uniform(-0.5, 0.5),
+        resonance_hz=force.resonance_hz * np.exp(random.uniform(-0.25, 0.25)),
+        quality=force.quality * np.exp(random.uniform(-0.5, 0.5)),
+    )
+
+
+def level_change(
+    plate: Struck, root_m: float, listener: int, force: Force
+) -> tuple[float, float] | None:
+    """Return what the baffle changes in LAeq, and the stated uncertainty [dB].
+
+    None where the frequencies of the plate do not reach over hearing.
+    """
+    frequency = plate.sizes * SOUND_M_S / (2 * np.pi * root_m)
+    critical_hz = plate.coincidence * SOUND_M_S / (2 * np.pi * root_m)
+    reaches = frequency[-1] > 7000 and frequency[0] < 800
+    if not reaches or not 300 < critical_hz < 30e3:
+        return None
+    levels = plate.baffled_db[listener] + force.levels(frequency) + a_weighting_db(frequency)
+    shares = np.where((frequency > 60) & (frequency < 20e3), 10 ** (levels / 10), 0)
+    shares /= shares.sum()
+    change = 10 * np.log10(shares @ 10 ** (plate.pressure_db[listener] / 10))
+    stated = shares @ baffle_uncertainty_db(frequency, root_m**2, critical_hz)
+    return float(change), float(stated)
+
+
 def show_levels(plates: list[Struck], seed: int = 3) -> None:
     """Print what the baffle changes in LAeq of random scenes, beside the stated uncertainty."""
     random = np.random.default_rng(seed)
     rows = []
+    of_similar = []
+    of_others = []
     for _ in range(SCENES):
         plate = plates[random.integers(len(plates))]
         root_m = np.exp(random.uniform(np.log(0.05), np.log(0.6)))
-        frequency = plate.sizes * SOUND_M_S / (2 * np.pi * root_m)
-        critical_hz = plate.coincidence * SOUND_M_S / (2 * np.pi * root_m)
-        slope_db = random.uniform(-4, 0)  # of the force, in an octave
-        resonance = frequency / np.exp(random.uniform(np.log(1500), np.log(12000)))
-        quality = random.uniform(1, 30)
-        listener = random.integers(len(HEIGHTS))
-        reaches = frequency[-1] > 7000 and frequency[0] < 800
-        if not reaches or not 300 < critical_hz < 30e3:
+        listener = int(random.integers(len(HEIGHTS)))
+        force = random_force(random)
+        row = level_change(plate, root_m, listener, force)
+        similar = level_change(plate, root_m, listener, similar_force(force, random))
+        other = level_change(plate, root_m, listener, random_force(random))
+        if row is None or similar is None or other is None:
             continue
-        resonant = (1 - np.square(resonance)) ** 2 + np.square(resonance / quality)
-        levels = plate.baffled_db[listener] + slope_db * np.log2(frequency)
-        levels += a_weighting_db(frequency) + 10 * np.log10(frequency / resonant)
-        shares = np.where((frequency > 60) & (frequency < 20e3), 10 ** (levels / 10), 0)
-        shares /= shares.sum()
-        change = 10 * np.log10(shares @ 10 ** (plate.pressure_db[listener] / 10))
-        rows.append((change, shares @ baffle_uncertainty_db(frequency, root_m**2, critical_hz)))
+        rows.append(row)
+        of_similar.append(row[0] - similar[0])
+        of_others.append(row[0] - other[0])
     change, stated = np.array(rows).T
     print(
         f"LAeq of {len(rows)} scenes without a baffle: {change.mean():.1f} dB higher in the mean, "
@@ -313,6 +361,10 @@ def show_levels(plates: list[Struck], seed: int = 3) -> None:
     for factor in (1, 2):
         share = np.mean(np.abs(change) <= factor * stated)
         print(f"  within {factor} times the stated uncertainty: {100 * share:.1f} %")
+    print(
+        f"  differences on the same plate change by {np.std(of_similar):.1f} dB (rms) for similar "
+        f"forces, and by {np.std(of_others):.1f} dB for others"
+    )
 
 
 def main() -> None:
