@@ -20,7 +20,15 @@ from rolling.run.worker import ENVIRONMENT  # noqa: E402
 from rolling.terminal import progress  # noqa: E402
 
 # Files with tests of a minute. A process that begins one at the end leaves the other one idle.
-LONGEST = ("test_docs", "test_tutorials", "test_every_write", "test_validate", "test_audibility")
+LONGEST = (
+    "test_docs",
+    "test_tutorials",
+    "test_every_write",
+    "test_validate",
+    "test_audibility",
+    "test_estimate_study",
+    "test_wheel_rail",
+)
 
 
 def pytest_configure() -> None:
