@@ -126,10 +126,15 @@ def _value(scene: Scene, key: str) -> Any:
         return scene.height_path and scene.height_path.resolve()
     value = value_at(scene, key)
     if isinstance(value, Mapping):
-        return ", ".join(f"{name}: {number:g}" for name, number in value.items())
+        return ", ".join(f"{name}: {_plain(part)}" for name, part in value.items())
     if isinstance(value, list):
         return f"({len(value)})"
     return None if isinstance(value, Section) else value
+
+
+def _plain(part: Any) -> str:
+    """Write a part of a value: a number, or a name such as that of the edges of a plate."""
+    return f"{part:g}" if isinstance(part, int | float) else str(part)
 
 
 def value_at(scene: Scene, key: str) -> Any:

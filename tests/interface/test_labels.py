@@ -55,6 +55,20 @@ def test_every_key_of_the_scene_has_words() -> None:
     assert len({word.word for word in labels.WORDS.values()}) == len(labels.WORDS)
 
 
+def test_a_pair_of_edges_is_named() -> None:
+    """A single run of such a plate has a label, and so have plates whose pairs differ."""
+    plate = {**SCENE.to_dict()["plate"], "length_mm": 120, "width_mm": 80, "thickness_mm": 3}
+    plate |= {"density_kg_m3": 7800, "loss_factor": 0.01}
+    pairs = [{"length": "free", "width": "clamped"}, {"length": "clamped", "width": "free"}]
+    ball = {**SCENE.to_dict()["sphere"], "density_kg_m3": 7800}
+    cases = []
+    for pair in pairs:
+        cases.append(Case(scene(sphere=ball, plate={**plate, "edges": pair}, dynamics={})))
+    assert of(cases[0])
+    first, second = of(*cases)
+    assert "length: free" in first and "length: clamped" in second
+
+
 def test_a_run_and_its_resound_are_told_apart_by_the_speed() -> None:
     """The duration follows from the speed; the folders' names would say nothing."""
     fast = scene(rolling__speed_m_s=0.2, rolling__duration_s=0.005)
