@@ -11,6 +11,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.pairs import SURE, joint_freedom, paired_mean, student_factor, sureness
 from acoustics.radiation import P_REF_PA
+from acoustics.unbaffled import baffle_difference_db
 from rolling.choice.heard import Heard, LevelError
 
 LEAST_SHARE = 0.5  # of the wanted ± that the scatter of the pairs gets in any case
@@ -32,7 +33,7 @@ class Difference:
         Probability that the sign of the difference is right; None without an uncertainty.
     parts_db : dict, dB
         Parts of the uncertainty by their origin: scatter of the pairs, loss factor, grid,
-        instrument. Student's t widens them together.
+        instrument, missing baffle. Student's t widens them together.
     released_db, released_uncertainty_db : float or None, dB
         The same for the released power, whose sign says nothing of what is heard.
     band_db, band_uncertainty_db : (31,) arrays, dB
@@ -104,6 +105,7 @@ def difference(first: Sequence[Heard], second: Sequence[Heard]) -> Difference:
             "loss_factor": float(np.ptp(apart.mean(axis=0))) / 2,
             "grid": _error_part(pairs, "grid"),
             "instrument": _error_part(pairs, "instrument"),
+            "baffle": float(np.mean([_baffle_part(one, other) for one, other in pairs])),
         }
         if math.isfinite(of_pairs.error):
             total = math.hypot(*parts_db.values())
@@ -177,3 +179,20 @@ def _error_part(pairs: Sequence[tuple[Heard, Heard]], origin: str) -> float:
         apart.append(of_one.db - of_other.db)
         spreads.append(math.hypot(of_one.uncertainty_db, of_other.uncertainty_db))
     return math.hypot(float(np.mean(apart)), float(np.mean(spreads)))
+
+
+def _baffle_part(one: Heard, other: Heard) -> float:
+    """Return what the missing baffles of free plates leave on a difference [dB]; 0 without any.
+
+    On equal plates the baffle changes both sounds alike, as far as they lie in the same bands.
+    """
+    bands = [np.nan_to_num(heard.bands.mean(axis=0)) for heard in (one, other)]
+    first_db = one.baffle_db
+    second_db = other.baffle_db
+    if first_db is not None and second_db is not None and np.array_equal(first_db, second_db):
+        return baffle_difference_db(bands[0], bands[1], first_db)
+    parts = []
+    for of_bands, uncertainty_db in zip(bands, (first_db, second_db), strict=True):
+        if uncertainty_db is not None and of_bands.sum() > 0:
+            parts.append(float(of_bands @ uncertainty_db / of_bands.sum()))
+    return math.hypot(*parts)

@@ -31,7 +31,7 @@ from rolling.run.worker import finish_run
 from rolling.scene import file
 from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
-from rolling.sound.radiators import known_bands
+from rolling.sound.radiators import baffle_bands_db, known_bands
 from rolling.sound.vibration_sound import radiated_by_motion
 from rolling.terminal.files import FolderError, write_json
 
@@ -60,6 +60,8 @@ class Heard:
     released_power_db : float or None, dB(A). Level of the released power.
     errors : dict. Errors of the level that the run knows and does not correct, by their origin:
         grid and instrument.
+    baffle_db : (31,) array, dB. What the missing baffle of a free plate leaves on each third
+        octave; None for other plates.
     """
 
     loss_factors: tuple[float, ...]
@@ -67,6 +69,7 @@ class Heard:
     bands: Array
     released_power_db: float | None
     errors: dict[str, LevelError]
+    baffle_db: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +100,7 @@ def write_heard(specimen: Specimen, result: Result) -> None:
         "bands_pa2": [_json_numbers(row) for row in heard.bands],
         "released_power_db": heard.released_power_db,
         "errors_db": heard.errors,
+        "baffle_db": None if heard.baffle_db is None else heard.baffle_db.tolist(),
     }
     write_json(specimen.folder / HEARD, content)
 
@@ -116,6 +120,7 @@ def read_heard(specimen: Specimen) -> Heard:
     path = specimen.folder / HEARD
     try:
         stored = json.loads(read_regular(path, _MAX_BYTES))
+        baffle_db = stored.get("baffle_db")
         heard = Heard(
             loss_factors=tuple(map(float, stored["loss_factors"])),
             squares=np.array(stored["squares_pa2"], dtype=float),
@@ -125,7 +130,10 @@ def read_heard(specimen: Specimen) -> Heard:
                 name: LevelError(float(db), float(uncertainty_db))
                 for name, (db, uncertainty_db) in stored["errors_db"].items()
             },
+            baffle_db=None if baffle_db is None else np.array(baffle_db, dtype=float),
         )
+        if heard.baffle_db is not None and heard.baffle_db.shape != (len(BAND_NAMES),):
+            raise ValueError("bands of another shape")
         if heard.bands.shape != (len(specimen.loss_factors), len(BAND_NAMES)):
             raise ValueError("bands of another shape")
         if heard.squares.shape != (len(specimen.loss_factors),):
@@ -166,6 +174,7 @@ def hear(specimen: Specimen, result: Result) -> Heard:
         bands=np.where(known_bands(highest), np.array(bands), np.nan),
         released_power_db=answer.released_power(summary).level_db,
         errors=_errors(summary),
+        baffle_db=baffle_bands_db(scene),
     )
 
 

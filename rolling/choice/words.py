@@ -28,6 +28,7 @@ _OTHERS = {
     ),
     "grid": "the error of the grid; choose a smaller surface.spacing_um",
     "instrument": "what the instrument could not see",
+    "baffle": "the baffle in which free plates are computed and which they do not have",
 }
 
 

@@ -213,16 +213,22 @@ def baffle_spread(scene: Scene, weighted_square: Array) -> BaffleSpread | None:
     The third octaves change in the same sense, so their spreads are added by their share of the
     A-weighted mean squares (31,).
     """
-    plate = of_scene.rectangular_plate(scene)
+    bands = baffle_bands_db(scene)
     whole = float(weighted_square.sum())
-    if plate is None or set(scene.plate.edge_pair) != {FREE} or not whole > 0:
+    if bands is None or not whole > 0:
         return None
-    area_m2 = plate.length_m * plate.width_m
-    bands = baffle_uncertainty_db(MID_HZ, area_m2, plate.critical_hz)
     return BaffleSpread(
         laeq_db=float(weighted_square @ bands) / whole,
         third_octave_db=bands,
     )
+
+
+def baffle_bands_db(scene: Scene) -> Array | None:
+    """Return the uncertainty of third octaves of a free plate (31,) [dB]; None for others."""
+    plate = of_scene.rectangular_plate(scene)
+    if plate is None or set(scene.plate.edge_pair) != {FREE}:
+        return None
+    return baffle_uncertainty_db(MID_HZ, plate.length_m * plate.width_m, plate.critical_hz)
 
 
 def _places_of_resonance(chain: Chain, frequency: Array, width: float) -> Array:

@@ -25,7 +25,7 @@ from scipy.special import eval_chebyu, jv
 from acoustics.arrays import Array
 from acoustics.plate_modes import Family, PlateModes, SideFunctions, plate_modes
 from acoustics.radiation import SOUND_M_S, legendre
-from acoustics.unbaffled import baffle_uncertainty_db
+from acoustics.unbaffled import baffle_difference_db, baffle_uncertainty_db
 from acoustics.weighting import a_weighting_db
 
 Complex = NDArray[np.complex128]
@@ -314,10 +314,20 @@ def similar_force(force: Force, random: np.random.Generator) -> Force:
     )
 
 
-def level_change(
-    plate: Struck, root_m: float, listener: int, force: Force
-) -> tuple[float, float] | None:
-    """Return what the baffle changes in LAeq, and the stated uncertainty [dB].
+class Level(NamedTuple):
+    """What the baffle changes in a level [dB], and what its third octaves state.
+
+    shares : array. Share of each third octave in the energy.
+    of_bands : array, dB. Stated uncertainty of each.
+    """
+
+    change_db: float
+    shares: Array
+    of_bands: Array
+
+
+def level_change(plate: Struck, root_m: float, listener: int, force: Force) -> Level | None:
+    """Return what the baffle changes in LAeq.
 
     None where the frequencies of the plate do not reach over hearing.
     """
@@ -330,16 +340,18 @@ def level_change(
     shares = np.where((frequency > 60) & (frequency < 20e3), 10 ** (levels / 10), 0)
     shares /= shares.sum()
     change = 10 * np.log10(shares @ 10 ** (plate.pressure_db[listener] / 10))
-    stated = shares @ baffle_uncertainty_db(frequency, root_m**2, critical_hz)
-    return float(change), float(stated)
+    return Level(
+        change_db=float(change),
+        shares=shares,
+        of_bands=baffle_uncertainty_db(frequency, root_m**2, critical_hz),
+    )
 
 
 def show_levels(plates: list[Struck], seed: int = 3) -> None:
     """Print what the baffle changes in LAeq of random scenes, beside the stated uncertainty."""
     random = np.random.default_rng(seed)
     rows = []
-    of_similar = []
-    of_others = []
+    pairs: dict[str, list[tuple[float, float]]] = {"similar": [], "other": []}
     for _ in range(SCENES):
         plate = plates[random.integers(len(plates))]
         root_m = np.exp(random.uniform(np.log(0.05), np.log(0.6)))
@@ -350,21 +362,29 @@ def show_levels(plates: list[Struck], seed: int = 3) -> None:
         other = level_change(plate, root_m, listener, random_force(random))
         if row is None or similar is None or other is None:
             continue
-        rows.append(row)
-        of_similar.append(row[0] - similar[0])
-        of_others.append(row[0] - other[0])
+        rows.append((row.change_db, float(row.shares @ row.of_bands)))
+        for name, second in (("similar", similar), ("other", other)):
+            stated_db = baffle_difference_db(row.shares, second.shares, row.of_bands)
+            pairs[name].append((row.change_db - second.change_db, stated_db))
     change, stated = np.array(rows).T
     print(
         f"LAeq of {len(rows)} scenes without a baffle: {change.mean():.1f} dB higher in the mean, "
         f"standard deviation {change.std():.1f}, stated {stated.mean():.1f} dB"
     )
-    for factor in (1, 2):
-        share = np.mean(np.abs(change) <= factor * stated)
-        print(f"  within {factor} times the stated uncertainty: {100 * share:.1f} %")
-    print(
-        f"  differences on the same plate change by {np.std(of_similar):.1f} dB (rms) for similar "
-        f"forces, and by {np.std(of_others):.1f} dB for others"
-    )
+    _show_within(change, stated)
+    for name, values in pairs.items():
+        change, stated = np.array(values).T
+        print(
+            f"  differences of {name} forces on the same plate change by {change.std():.1f} dB "
+            f"(rms), stated {stated.mean():.1f} dB"
+        )
+        _show_within(change, stated)
+
+
+def _show_within(change: Array, stated: Array) -> None:
+    """Print how many changes lie within once and twice the stated uncertainty."""
+    shares = [np.mean(np.abs(change) <= factor * stated) for factor in (1, 2)]
+    print(f"    within once {100 * shares[0]:.1f} %, within twice {100 * shares[1]:.1f} %")
 
 
 def main() -> None:

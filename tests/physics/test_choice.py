@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 import rolling as rc
 from acoustics.bands import BAND_NAMES
 from acoustics.pairs import FIRST_PAIRS, paired_mean, pairs_needed, student_factor
+from acoustics.unbaffled import SHARED_PART
 from rolling.choice.candidates import LOSS_FACTORS, candidate, candidates_of
 from rolling.choice.difference import difference
 from rolling.choice.heard import Heard, LevelError
@@ -60,6 +62,22 @@ def scan(folder: Path) -> rc.Scene:
 
 
 # ---- statistics
+
+
+@pytest.mark.law("Choice: what a baffle changes on a free plate cancels between sounds of it.")
+def test_equal_free_plates_share_what_the_baffle_changes() -> None:
+    """Sounds in the same band keep a part of it, sounds in other bands and of other plates all."""
+    free = np.full(len(BAND_NAMES), 6.0)
+
+    def part(first: Heard, second: Heard) -> float:
+        return difference([first] * 4, [second] * 4).parts_db["baffle"]
+
+    low = replace(heard([60.0]), baffle_db=free)
+    assert part(heard([60.0]), heard([55.0])) == 0.0
+    assert part(low, replace(heard([55.0]), baffle_db=free)) == pytest.approx(SHARED_PART * 6.0)
+    assert part(low, replace(heard([55.0], "4000"), baffle_db=free)) > 6.0
+    assert part(low, replace(heard([55.0]), baffle_db=free / 2)) == pytest.approx(np.hypot(6, 3))
+    assert part(low, heard([55.0])) == pytest.approx(6.0)
 
 
 def test_what_pairs_share_cancels() -> None:
