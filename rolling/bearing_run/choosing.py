@@ -13,6 +13,7 @@ import time
 from collections import deque
 from collections.abc import Sequence
 from concurrent.futures import BrokenExecutor, Future
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -121,10 +122,10 @@ def choose_bearings(
     for candidate in candidates:
         simulation.refuse(candidate.scene, workers, target)
     target.mkdir(parents=True, exist_ok=True)
-    with folders.locked(target):
+    with folders.locked(target), ExitStack() as stack:
         _take_heard(target, candidates)
         marches = _marched(candidates, target, workers)
-        hearing = _Hearing(candidates, marches, target, workers)
+        hearing = _Hearing(candidates, marches, target, workers, stack)
         choice = _until_known(hearing, within_db, minutes)
         _write_files(choice)
     return choice
@@ -228,17 +229,21 @@ def _marched(candidates: Sequence[BearingCandidate], folder: Path, workers: int)
     return marches
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Hearing:
     """Bearings of a choice, and what is needed to hear their specimens.
 
     workers : int. Number of processes that move rings; 0: one per core.
+    stack : ExitStack. It ends the processes.
+    pool : Pool. The processes, once there is something to move.
     """
 
     candidates: Sequence[BearingCandidate]
     marches: Marches
     folder: Path
     workers: int
+    stack: ExitStack
+    pool: Pool | None = None
 
     def hear(self, count: int) -> None:
         """Hear the first specimens of each bearing as far as they lack, and keep each one.
@@ -251,9 +256,10 @@ class _Hearing:
         step = progress.step(f"moving the rings of {count} specimens")
         with step, shortage.as_memory_error(), ended_by_signal():
             try:
-                self._hear_in(pool_for_tasks(self.workers, len(self._lacking(count))), count)
+                self._hear_lacking(count)
             except BrokenExecutor:  # a process was killed; the rest is done in this one
-                self._hear_in(Pool(), count)
+                self.pool = self.stack.enter_context(Pool())
+                self._hear_lacking(count)
 
     def _lacking(self, count: int) -> list[tuple[BearingCandidate, int]]:
         """Return bearings and numbers of the first specimens that are not heard yet."""
@@ -262,19 +268,23 @@ class _Hearing:
             lacking += [(one, number) for one in self.candidates if number >= len(one.heard)]
         return lacking
 
-    def _hear_in(self, pool: Pool, count: int) -> None:
-        """Hear the first specimens of each bearing, as far as they lack, in a pool."""
-        with pool:
-            at_once = pool.slots * sum(pool.teams.values())
-            in_hand: deque[tuple[BearingCandidate, Future[Any]]] = deque()
-            for one, number in self._lacking(count):
-                key = (one.label, str(number))
-                motion = Task(key, heard_specimen, (one.scene, one.plan, self.marches, number))
-                in_hand.append((one, pool.submit(motion)))
-                if len(in_hand) >= at_once:
-                    self._keep(*in_hand.popleft())
-            while in_hand:
+    def _hear_lacking(self, count: int) -> None:
+        """Hear the first specimens of each bearing, as far as they lack."""
+        lacking = self._lacking(count)
+        if not lacking:
+            return
+        if self.pool is None:
+            self.pool = self.stack.enter_context(pool_for_tasks(self.workers, len(lacking)))
+        at_once = self.pool.slots * sum(self.pool.teams.values())
+        in_hand: deque[tuple[BearingCandidate, Future[Any]]] = deque()
+        for one, number in lacking:
+            key = (one.label, str(number))
+            motion = Task(key, heard_specimen, (one.scene, one.plan, self.marches, number))
+            in_hand.append((one, self.pool.submit(motion)))
+            if len(in_hand) >= at_once:
                 self._keep(*in_hand.popleft())
+        while in_hand:
+            self._keep(*in_hand.popleft())
 
     def _keep(self, one: BearingCandidate, heard: Future[Any]) -> None:
         """Wait for a specimen of a bearing, and write it down."""
