@@ -134,7 +134,7 @@ def choose_bearings(
     >>> words += ["bearing.surfaces.inner=", "bearing.surfaces.outer=", "sound.duration_s=0.1"]
     >>> scene = rolling.read_bearing("bearing-6204", words)
     >>> twice = scene.with_({"name": "twice", "bearing.surfaces.balls.waviness": {4: 0.04}})
-    >>> choice = rolling.choose_bearings([scene, twice], progress=False)
+    >>> choice = rolling.choose_bearings([scene, twice], workers=1, progress=False)
     >>> round(choice.differences[0][0].db)
     6
     """
