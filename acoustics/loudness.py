@@ -8,7 +8,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import NamedTuple
 
 import numpy as np
 
@@ -33,8 +32,6 @@ _PLAYED_IN_TIME_S = 1.0
 _AFTER_S = 0.2
 _FRAME_S = 0.002  # of mosqito's loudness in time
 _FINE_FRAMES = 4  # of 0.5 ms, in which mosqito computes
-_DECAY_STEPS = 24  # in a fine frame
-_STEADY = 1e-5  # sone of a band; a change below it is none
 # [s] of sound that are computed together; each second takes 30 MB.
 _TOGETHER_S = 16.0
 _N5_SHARE = 0.05  # of the time
@@ -196,9 +193,9 @@ def n5_sone(sone: Array, first_s: float, judged_s: float) -> float:
 def loudness_in_time(records: Sequence[Array], sample_rate_hz: float) -> list[Array] | None:
     """Return the loudness of records of equal length in frames of 2 ms [sone].
 
-    Most time goes into the decay of the loudness, which advances by 1/48 ms for all bands of a
-    record at once. It takes about as long for the bands of many records, so records go through it
-    together.
+    Nearly all time goes into the decay of the loudness, which mosqito advances by 1/48 ms for all
+    bands of a record at once. It takes as long for the bands of many records, so records go
+    through it together.
 
     Parameters
     ----------
@@ -243,6 +240,7 @@ def _loudness_of_group(records: Sequence[Array]) -> list[Array]:
     try:
         from mosqito.sq_metrics.loudness.loudness_zwst._calc_slopes import _calc_slopes
         from mosqito.sq_metrics.loudness.loudness_zwst._main_loudness import _main_loudness
+        from mosqito.sq_metrics.loudness.loudness_zwtv._nonlinear_decay import _nl_loudness
         from mosqito.sq_metrics.loudness.loudness_zwtv._temporal_weighting import (
             _temporal_weighting,
         )
@@ -255,98 +253,12 @@ def _loudness_of_group(records: Sequence[Array]) -> list[Array]:
     for record in records:
         third_octaves_db = _third_octave_levels(record, VARYING_RATE_HZ)[0]
         core.append(_main_loudness(third_octaves_db, "free"))
-    decayed = np.split(after_decay(np.concatenate(core)), len(records))
+    decayed = np.split(_nl_loudness(np.concatenate(core)), len(records))
     courses = []
     for bands in decayed:
         total = _calc_slopes(bands)[0]
         courses.append(_temporal_weighting(total)[::_FINE_FRAMES])
     return courses
-
-
-def after_decay(core: Array) -> Array:
-    """Let the loudness of bands decay after their sounds, as two capacitors discharge.
-
-    The numbers are those of mosqito's `_nl_loudness` to the last bit, in a third of its time.
-
-    Parameters
-    ----------
-    core : array (bands, frames of 0.5 ms). Core loudness of bands.
-
-    Returns
-    -------
-    array (bands, frames)
-    """
-    factors = _decay_factors()
-    frames = np.ascontiguousarray(core.T)
-    after = np.vstack([frames[1:], np.zeros_like(frames[:1])])
-    rises = (after - frames) / _DECAY_STEPS
-    decayed = np.empty_like(frames)
-    heard = frames[-1]  # mosqito begins with the last loudness that is given
-    for _ in range(_DECAY_STEPS - 1):
-        heard = heard + rises[-1]
-    memory = np.zeros_like(heard)
-    for k, frame in enumerate(frames):
-        given = frame
-        for step in range(_DECAY_STEPS):
-            if step:
-                given = given + rises[k]
-            is_rising = given >= heard
-            is_above = heard > memory
-            both = heard * factors.loudness_by_both - memory * factors.memory_by_both
-            falling = np.where(is_above, both, heard * factors.long)
-            new = np.maximum(falling, given)
-            discharged = heard * factors.loudness_kept - memory * factors.memory_kept
-            falling_memory = np.where(is_above, np.minimum(discharged, new), new)
-            is_steady = (np.abs(given - heard) < _STEADY) & (new <= memory)
-            charged = (memory - given) * factors.variable + given
-            rising_memory = np.where(is_steady, new, charged)
-            memory = np.where(is_rising, rising_memory, falling_memory)
-            heard = new
-            if step == 0:
-                decayed[k] = heard
-    return np.ascontiguousarray(decayed.T)
-
-
-class _DecayFactors(NamedTuple):
-    """Factors of a step of 1/48 ms of the two capacitors.
-
-    While the loudness is above the memory, `both` discharge: the new loudness is loudness *
-    loudness_by_both - memory * memory_by_both, and the new memory loudness * loudness_kept - memory
-    * memory_kept. Else the loudness falls by `long`. The memory charges by `variable`.
-    """
-
-    loudness_kept: float
-    memory_kept: float
-    loudness_by_both: float
-    memory_by_both: float
-    long: float
-    variable: float
-
-
-def _decay_factors() -> _DecayFactors:
-    """Return the factors of a step from the time constants of ISO 532-1."""
-    short_s = 0.005
-    long_s = 0.015
-    variable_s = 0.075
-    step_s = 1 / (2000 * _DECAY_STEPS)
-    total = (variable_s + long_s) / (variable_s * short_s)
-    product = 1 / (short_s * variable_s)
-    root = math.sqrt(total * total / 4 - product)
-    slow = -total / 2 + root
-    fast = -total / 2 - root
-    scale = variable_s * (slow - fast)
-    slow_step = math.exp(slow * step_s)
-    fast_step = math.exp(fast * step_s)
-    slow_share = variable_s * slow + 1
-    fast_share = variable_s * fast + 1
-    return _DecayFactors(
-        loudness_kept=(slow_step - fast_step) / scale,
-        memory_kept=(fast_share * slow_step - slow_share * fast_step) / scale,
-        loudness_by_both=(slow_share * slow_step - fast_share * fast_step) / scale,
-        memory_by_both=slow_share * fast_share * (slow_step - fast_step) / scale,
-        long=math.exp(-step_s / long_s),
-        variable=math.exp(-step_s / variable_s),
-    )
 
 
 def heard_fluctuation(pressure_pa: Array, sample_rate_hz: float) -> Array:

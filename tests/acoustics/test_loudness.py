@@ -8,13 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from acoustics.loudness import (
-    Loudness,
-    VaryingLoudness,
-    after_decay,
-    loudness,
-    varying_loudness,
-)
+from acoustics.loudness import Loudness, VaryingLoudness, loudness, varying_loudness
 from acoustics.radiation import P_REF_PA
 from acoustics.resampling import fade
 
@@ -50,18 +44,6 @@ def test_narrow_noise_at_1_khz_and_60_db_has_1_acum(mosqito):
     noise = np.fft.irfft(lines, 2 * RATE)
     noise *= P_REF_PA * 1e3 / np.sqrt(np.mean(noise**2))
     assert loudness(noise, RATE, closed=True).acum == pytest.approx(1.0, rel=0.05)
-
-
-@pytest.mark.law("Loudness: it decays after a sound as in mosqito, to the last bit.")
-def test_loudness_decays_as_in_mosqito(mosqito):
-    """Bands rise, fall, pause, end loud, and stay as they are for 10 ms."""
-    decay = pytest.importorskip("mosqito.sq_metrics.loudness.loudness_zwtv._nonlinear_decay")
-    random = np.random.default_rng(1)
-    core = np.abs(np.cumsum(random.standard_normal((42, 200)), axis=1))
-    core *= 0.1 * (random.random(core.shape) > 0.3)
-    core[:10] = np.repeat(core[:10, ::20], 20, axis=1)
-    core[10:12] = 0.0
-    np.testing.assert_array_equal(after_decay(core), decay._nl_loudness(core))
 
 
 def test_a_loop_has_the_loudness_of_what_is_heard_of_it(mosqito):
