@@ -14,9 +14,9 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import h5netcdf
 import h5py
 import numpy as np
-from numpy.typing import NDArray
 
 from rolling.check import cost
 from rolling.marches.result import Result
@@ -25,7 +25,6 @@ from rolling.results.result_arrays import (
     DEFINITION,
     FORMAT,
     FileGroup,
-    Variable,
     fill_result,
     fixed_lengths,
     groups_of,
@@ -59,10 +58,9 @@ _DIMENSIONS = {
 def write_result(run: SolvedRun) -> bytes:
     """Return the bytes of result.h5, which are equal for equal runs."""
     stream = io.BytesIO()
-    with h5py.File(stream, "w") as file:
+    with h5netcdf.File(stream, "w") as file:
         for name, group in groups_of(run).items():
-            place = file.create_group(name, track_order=True) if name else file
-            _write_group(place, name, group)
+            _write_group(file.create_group(name) if name else file, name, group)
     content = stream.getvalue()
     return content + seal(content)
 
@@ -74,57 +72,35 @@ def result_tree(run: SolvedRun) -> xarray.DataTree:
     return xarray.open_datatree(io.BytesIO(write_result(run)), engine="h5netcdf").load()
 
 
-def _write_group(place: h5py.Group, name: str, group: FileGroup) -> None:
-    """Write the attributes and arrays of a group in the form of netCDF-4.
-
-    An array that is named as its dimension is the scale of the dimension. A dimension without such
-    an array gets a scale that holds no values.
-    """
+def _write_group(place: h5netcdf.Group, name: str, group: FileGroup) -> None:
+    """Write the attributes and arrays of a group, each with its unit and its meaning."""
     place.attrs.update(group.attributes)
-    scales: dict[str, h5py.Dataset] = {}
     for array_name, values in group.arrays.items():
         definition = DEFINITION[name][array_name]
-        data = _write_array(place, definition, values)
+        dimensions = definition.dimensions.split()
+        for dimension, length in zip(dimensions, values.shape, strict=True):
+            if dimension not in place.dimensions:
+                place.dimensions[dimension] = length
+        stored = values.astype(definition.dtype)
+        storage: dict[str, Any] = {}
+        if stored.nbytes >= _MIN_COMPRESSED:
+            storage = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+        variable = place.create_variable(
+            array_name, tuple(dimensions), stored.dtype, data=stored, **storage
+        )
+        variable.attrs["units"] = definition.unit
+        variable.attrs["long_name"] = definition.long_name
         if array_name in group.scale_factors:
-            data.attrs["scale_factor"] = group.scale_factors[array_name]
-        if array_name in definition.dimensions.split():
-            data.make_scale(array_name)
-            scales[array_name] = data
-    for array_name in group.arrays:
-        dimensions = DEFINITION[name][array_name].dimensions.split()
-        if array_name in dimensions:
+            variable.attrs["scale_factor"] = group.scale_factors[array_name]
+        if array_name in dimensions or array_name in COORDINATES:
             continue
-        data = place[array_name]
-        for number, dimension in enumerate(dimensions):
-            if dimension not in scales:
-                scales[dimension] = _write_length(place, dimension, data.shape[number])
-            data.dims[number].attach_scale(scales[dimension])
         beside = [
             coordinate
             for coordinate in COORDINATES
             if coordinate in group.arrays and DEFINITION[name][coordinate].dimensions in dimensions
         ]
-        if beside and array_name not in COORDINATES:
-            data.attrs["coordinates"] = " ".join(beside)
-
-
-def _write_array(place: h5py.Group, definition: Variable, values: NDArray[Any]) -> h5py.Dataset:
-    """Write an array with its unit and its meaning."""
-    stored = values.astype(definition.dtype)
-    storage: dict[str, Any] = {}
-    if stored.nbytes >= _MIN_COMPRESSED:
-        storage = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-    data = place.create_dataset(definition.name, data=stored, track_order=True, **storage)
-    data.attrs["units"] = definition.unit
-    data.attrs["long_name"] = definition.long_name
-    return data
-
-
-def _write_length(place: h5py.Group, dimension: str, length: int) -> h5py.Dataset:
-    """Write a dimension that has a length and no values, in the words of netCDF-4."""
-    scale = place.create_dataset(dimension, shape=(length,), dtype=">f4", track_order=True)
-    scale.make_scale(f"This is a netCDF dimension but not a netCDF variable.{length:10d}")
-    return scale
+        if beside:
+            variable.attrs["coordinates"] = " ".join(beside)
 
 
 # ---- read
