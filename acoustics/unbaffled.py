@@ -91,7 +91,7 @@ def baffle_difference_db(first: ArrayLike, second: ArrayLike, of_bands: ArrayLik
     Examples
     --------
     >>> from acoustics.unbaffled import baffle_difference_db
-    >>> baffle_difference_db([1.0, 2.0], [2.0, 4.0], [6.0, 6.0])
+    >>> round(baffle_difference_db([1.0, 2.0], [2.0, 4.0], [6.0, 6.0]), 3)
     1.2
     """
     of_first = np.asarray(first, dtype=float)

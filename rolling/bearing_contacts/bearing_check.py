@@ -185,9 +185,11 @@ def _loads(scene: BearingScene) -> Iterator[Finding]:
 
 def _range(least: float, most: float, unit: str) -> str:
     """Write a range of numbers, or one number."""
-    if most - least < 1e-3 * most:
-        return f"{rounded(most, 3)} {unit} each"
-    return f"{rounded(least, 3)} to {rounded(most, 3)} {unit}"
+    first = rounded(least, 3)
+    last = rounded(most, 3)
+    if first == last:
+        return f"{last} {unit} each"
+    return f"{first} to {last} {unit}"
 
 
 # ---- ring

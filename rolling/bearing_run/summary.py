@@ -313,7 +313,13 @@ def doubts_of(run: BearingRun) -> Iterator[Doubt]:
 
 def _short_record(run: BearingRun) -> Iterator[Doubt]:
     """Doubt bands that scatter within a short record."""
-    uncertain = run.record.bands[RADIAL].uncertainty_db
+    uncertain = {
+        name: db
+        for name, db in run.record.bands[RADIAL].uncertainty_db.items()
+        if run.bands_um_s[RADIAL][name] >= NOTHING_UM_S
+    }
+    if not uncertain:
+        return
     name, largest = max(uncertain.items(), key=lambda item: item[1])
     if largest < _UNCERTAIN_DB:
         return
@@ -331,7 +337,7 @@ def _with_share(run: BearingRun, doubt: Doubt) -> Doubt:
     if run.bands_um_s[RADIAL]["high"] < NOTHING_UM_S:
         return doubt
     decibels = run.share_above_bending_db
-    text = f"{doubt.text}; what lies above makes the high band {decibels:.1f} dB louder"
+    text = f"{doubt.text}; what lies above raises the high band by {decibels:.1f} dB"
     return replace(doubt, text=text, severity=severity_of(decibels), decibels=decibels)
 
 
