@@ -33,7 +33,7 @@ SHORTER = {
         '{"rolling.load_n": loads}))': '{"rolling.load_n": loads}), workers=1)',
     },
     "bearing": {
-        "window_mm=2": "window_mm=1",
+        "window_mm=2": 'window_mm=1", "numerics.spacing_um=8',
         "listen_s=4": "listen_s=0.5",
         "duration_s=0.3": "duration_s=0.1",
         "simulate_bearing(scene)": "simulate_bearing(scene, workers=1)",
