@@ -71,7 +71,7 @@ def choose(
     Examples
     --------
     >>> import rolling
-    >>> words = ["sweep.surface.roughness_ra_um=[0.05, 0.2]", "rolling.duration_s=0.005"]
+    >>> words = ["sweep.surface.roughness_ra_um=[0.05, 0.2]", "rolling.duration_s=0.003"]
     >>> scene = rolling.read_scene("quickstart", [*words, "rolling.load_n=1"])
     >>> choice = rolling.choose(scene, within_db=3, workers=1, progress=False)
     >>> choice.contenders[0].label, choice.differences[0].pairs >= 6
