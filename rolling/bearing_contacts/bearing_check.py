@@ -75,7 +75,8 @@ def check_bearing(scene: BearingScene) -> Findings:
         rows[name] = [row for row in found if isinstance(row, Finding)]
         doubts[name] = [doubt for doubt in found if isinstance(doubt, Doubt)]
         marches |= _marches(plan)
-        seconds += motion_seconds(run.model, run.moved) + _SHOWING_SECONDS * run.moved
+        motions = 2 if run.has_faults else 1  # with and without them
+        seconds += motions * motion_seconds(run.model, run.moved) + _SHOWING_SECONDS * run.moved
     seconds += sum(_march_seconds(march) for march in marches.values())
     of_all = (("time of the whole run", f"{forecast.takes(seconds)}, with files and page"),)
     return Findings(rows, doubts, of_all, seconds=seconds)

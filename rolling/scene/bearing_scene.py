@@ -64,9 +64,16 @@ class BearingQuantities(SweptScene):
         for surface in (surfaces.balls, surfaces.inner, surfaces.outer):
             if surface is not None and (surface.kind != "smooth" or surface.has_form):
                 return False
+        return not self.has_faults
+
+    @property
+    def has_faults(self) -> bool:
+        """Whether balls or raceways have single faults."""
+        surfaces = self.bearing.surfaces
+        for surface in (surfaces.balls, surfaces.inner, surfaces.outer):
             if surface is not None and surface.faults:
-                return False
-        return True
+                return True
+        return False
 
     # ---- geometry
 
