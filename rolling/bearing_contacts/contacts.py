@@ -99,6 +99,11 @@ class RoughContact:
         seed = int(np.random.SeedSequence((own_seed, number)).generate_state(1)[0])
         return replace(self, scene=self.scene.with_({"surface.seed": seed}))
 
+    @cached_property
+    def own_linear_rows(self) -> Array:
+        """Linear change of the approach [m] at the loads of the contact, (loads, steps)."""
+        return self.linear_rows(self.loads_n)
+
     def linear_rows(self, loads_n: Sequence[float]) -> Array:
         """Return the linear change of the approach [m] at the positions of the march.
 

@@ -231,7 +231,7 @@ def rough_rows(contact: RoughContact, marches: Marches) -> Array:
             marched[load] = march.approach_m - march.approach_m.mean()
     if len(marched) == len(contact.loads_n):
         return np.array(list(marched.values()))
-    linear = contact.linear_rows(contact.loads_n)
+    linear = contact.own_linear_rows
     if not marched:
         return linear
     by_load = dict(zip(contact.loads_n, linear, strict=True))
@@ -251,9 +251,8 @@ def specimen_rows(contact: RoughContact, marches: Marches, draw: int) -> Array:
     rows = rough_rows(contact, marches)
     if draw == 0 or contact.scene.height_paths:
         return rows
-    linear = contact.linear_rows(contact.loads_n)
-    other = contact.of_specimen(draw).linear_rows(contact.loads_n)
-    return with_gain(other, linear, rows)
+    other = contact.of_specimen(draw).own_linear_rows
+    return with_gain(other, contact.own_linear_rows, rows)
 
 
 def with_gain(rows: Array, before: Array, after: Array) -> Array:

@@ -57,7 +57,7 @@ def summarize(run: BearingRun) -> dict[str, Any]:
         "duration_s": run.record.duration_s,
         "lines": run.lines_with_levels,
         "envelope_lines": run.envelope_lines,
-        "without_faults": run.without_faults and run.without_faults.to_dict(),
+        "without_faults": None if run.without_faults is None else run.without_faults.to_dict(),
         "kinematics": {
             "cage_hz": run.kinematics.cage_hz,
             "ball_pass_outer_hz": run.kinematics.ball_pass_outer_hz,
