@@ -32,6 +32,7 @@ from rolling.check import resolution
 from rolling.scene import height_files
 from rolling.scene.bearing_rules import refuse_height_files
 from rolling.scene.bearing_scene import BearingScene
+from rolling.scene.bearing_sections import BearingNumerics
 from rolling.scene.laws import Roughness
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -108,17 +109,18 @@ def contact_plan(scene: BearingScene) -> ContactPlan:
     plan = plan_contacts(
         scene.geometry,
         {"inner": surfaces.inner, "outer": surfaces.outer, "balls": surfaces.balls},
-        axial_load_n=scene.axial_load,
-        radial_load_n=scene.radial_load,
+        contact_loads(
+            scene.geometry,
+            axial_load_n=scene.axial_load,
+            radial_load_n=scene.radial_load,
+            gap_m=scene.gap,
+        ),
         speed_m_s=scene.kinematics.rolling_speed_m_s,
         body={
             "youngs_modulus_gpa": bearing.youngs_modulus_gpa,
             "poissons_ratio": bearing.poissons_ratio,
         },
-        window_mm=scene.numerics.window_mm,
-        spacing_um=scene.numerics.spacing_um,
-        tolerance=scene.numerics.tolerance,
-        gap_m=scene.gap,
+        numerics=scene.numerics,
         fault_ball=surfaces.fault_ball,
         folder=scene.folder,
     )
@@ -187,15 +189,11 @@ def kinds_of_contact(body: str) -> tuple[str, ...]:
 def plan_contacts(
     geometry: BearingGeometry,
     surfaces: dict[str, BallSurface | None],
+    loads_n: tuple[float, ...],
     *,
-    axial_load_n: float,
-    radial_load_n: float,
     speed_m_s: float,
     body: dict[str, float | str],
-    window_mm: float,
-    spacing_um: float | None = None,
-    tolerance: float | Literal["auto"] = "auto",
-    gap_m: float = 0.0,
+    numerics: BearingNumerics,
     fault_ball: int = 0,
     folder: Path = Path(),
 ) -> ContactPlan:
@@ -206,20 +204,14 @@ def plan_contacts(
     geometry : BearingGeometry
     surfaces : dict
         Surfaces of "inner", "outer" and "balls"; None for a smooth one.
-    axial_load_n, radial_load_n : float, N
-        Loads on the bearing.
+    loads_n : tuple of float, N
+        Ascending loads of the marches, as of `contact_loads`.
     speed_m_s : float, m/s
         Rolling speed.
     body : dict
         Keys of the material of rings and balls, as of `sphere` and `plate`.
-    window_mm : float, mm
-        Length of the closed track that is marched, a turn at most.
-    spacing_um : float, optional, um
-        Distance of its nodes. Default: as contact and surface need it.
-    tolerance : float or "auto"
-        Tolerance of the solver. Default: as the roughness needs it.
-    gap_m : float, m
-        Gap of each ball while the ring is centred. Default: none.
+    numerics : BearingNumerics
+        Length of the closed track that is marched, distance of its nodes, tolerance.
     fault_ball : int
         Number of the ball that has the faults of the balls. Default: the first.
     folder : Path
@@ -229,12 +221,7 @@ def plan_contacts(
     ------
     SceneError
         A contact cannot be made with these values.
-    ValueError
-        The loads have no balance.
     """
-    loads = contact_loads(
-        geometry, axial_load_n=axial_load_n, radial_load_n=radial_load_n, gap_m=gap_m
-    )
     rough: dict[str, RoughContact] = {}
     faults: list[FaultStretch] = []
     for body_name, surface in surfaces.items():
@@ -242,26 +229,26 @@ def plan_contacts(
             continue
         names = kinds_of_contact(body_name)
         law = law_of(surface)
-        nodes_um = spacing_um
+        nodes_um = numerics.spacing_um
         if isinstance(surface, BallHeightFile):
             nodes_um = surface.spacing_um
         radius = radius_of(geometry, body_name)
         numbers = _shared_numbers(
             [contact_of(geometry, name) for name in names],
             law,
-            loads,
+            loads_n,
             speed_m_s=speed_m_s,
             turn_m=2 * math.pi * radius,
-            window_mm=window_mm,
+            window_mm=numerics.window_mm,
             spacing_um=nodes_um,
-            tolerance=tolerance,
+            tolerance=numerics.tolerance,
         )
         kinds = [
             ContactKind(
                 name=name,
                 contact=contact_of(geometry, name),
                 numbers=numbers,
-                loads_n=loads,
+                loads_n=loads_n,
                 speed_m_s=speed_m_s,
                 body=body,
             )
@@ -278,7 +265,7 @@ def plan_contacts(
             faults += fault_stretches(kind, surface.faults or (), radius_m=radius, law=law)
     return ContactPlan(
         geometry=geometry,
-        loads_n=loads,
+        loads_n=loads_n,
         surfaces=surfaces,
         fault_ball=fault_ball,
         folder=folder,

@@ -41,7 +41,9 @@ def faults(*overrides: str, text: str = TEXT) -> list[str]:
 
 
 def bearing(*overrides: str) -> rolling.BearingScene:
-    return loads_bearing(TEXT, overrides, "b.yaml")
+    scene = loads_bearing(TEXT, overrides, "b.yaml")
+    assert isinstance(scene, rolling.BearingScene)  # whose first use gives scenes their check
+    return scene
 
 
 # ---- reading

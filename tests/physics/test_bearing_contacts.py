@@ -213,12 +213,12 @@ def test_a_fault_stands_at_its_place_in_the_tracks() -> None:
     plan = plan_contacts(
         geometry,
         {"balls": SmoothBall(faults=[groove]), "inner": SmoothBall(faults=[groove]), "outer": None},
-        axial_load_n=LOAD * 8 * np.sin(geometry.contact_angle),
-        radial_load_n=0.0,
+        contact_loads(
+            geometry, axial_load_n=LOAD * 8 * np.sin(geometry.contact_angle), radial_load_n=0.0
+        ),
         speed_m_s=SPEED,
         body=BODY,
-        window_mm=1,
-        spacing_um=10,
+        numerics=rolling.BearingNumerics(window_mm=1, spacing_um=10),
         fault_ball=2,
     )
     tracks = bearing_tracks(plan, marched(plan.stages[0]))
@@ -237,11 +237,10 @@ def test_a_wave_of_a_high_order_is_no_wave_of_a_low_order(order: int) -> None:
     plan = plan_contacts(
         bearing(),
         {"balls": None, "inner": SmoothBall(waviness={order: 0.05}), "outer": None},
-        axial_load_n=LOAD,
-        radial_load_n=0.0,
+        contact_loads(bearing(), axial_load_n=LOAD, radial_load_n=0.0),
         speed_m_s=SPEED,
         body=BODY,
-        window_mm=1,
+        numerics=rolling.BearingNumerics(window_mm=1),
     )
     heights = bearing_tracks(plan).inner.approach_m[0]
     spectrum = np.abs(np.fft.rfft(heights))
@@ -266,12 +265,10 @@ def test_other_specimens_have_other_heights_of_equal_level() -> None:
     plan = plan_contacts(
         geometry,
         {"balls": ball, "inner": None, "outer": None},
-        axial_load_n=25.0,
-        radial_load_n=0.0,
+        contact_loads(geometry, axial_load_n=25.0, radial_load_n=0.0),
         speed_m_s=SPEED,
         body=BODY,
-        window_mm=4,
-        spacing_um=10,
+        numerics=rolling.BearingNumerics(window_mm=4, spacing_um=10),
     )
     tracks = [bearing_tracks(plan, draw=draw).balls_on_inner for draw in (0, 1, 0)]
     high = [np.diff(track.approach_m[1]) for specimen in tracks for track in specimen]
@@ -295,11 +292,10 @@ def test_a_measured_turn_is_marched_whole(tmp_path: Path) -> None:
             "inner": None,
             "outer": None,
         },
-        axial_load_n=5.0,
-        radial_load_n=0.0,
+        contact_loads(bearing(ball_mm=3), axial_load_n=5.0, radial_load_n=0.0),
         speed_m_s=SPEED,
         body=BODY,
-        window_mm=1,
+        numerics=rolling.BearingNumerics(window_mm=1),
         folder=tmp_path,
     )
     tracks = bearing_tracks(plan, marched(plan.stages[0]))

@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import rolling
 from rolling.bearing_contacts import solving
+from rolling.bearing_contacts.contacts import contact_loads
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, plan_contacts, stages_of
 from rolling.bearing_contacts.solving import CONTACTS, solved_stages
@@ -26,12 +28,10 @@ def small_plan(seed_of_ring: int = 2, balls: GaussianBall | None = ROUGH) -> Con
     return plan_contacts(
         bearing(),
         {"balls": balls, "inner": ROUGH.model_copy(update={"seed": seed_of_ring}), "outer": None},
-        axial_load_n=10.0,
-        radial_load_n=0.0,
+        contact_loads(bearing(), axial_load_n=10.0, radial_load_n=0.0),
         speed_m_s=1.5,
         body=BODY,
-        window_mm=1.5,
-        spacing_um=8,
+        numerics=rolling.BearingNumerics(window_mm=1.5, spacing_um=8),
     )
 
 
