@@ -51,11 +51,6 @@ class BearingGeometry:
         return radii - 2 * self.ball_radius_m
 
     @property
-    def radial_clearance_m(self) -> float:
-        """Radial clearance P_d [m] of the angle: cos(alpha) = 1 - P_d / (2 (r_i + r_o - D))."""
-        return 2 * self.groove_distance_m * (1 - cos(self.contact_angle))
-
-    @property
     def ratio(self) -> float:
         """Ratio g = D cos(alpha) / d_m."""
         return self.ball_radius_m * cos(self.contact_angle) / self.pitch_radius_m

@@ -89,14 +89,6 @@ class LinearRing:
         omega = 2 * pi * np.asarray(frequency_hz, dtype=float)[:, None, None]
         return np.asarray(1j * omega * np.linalg.inv(self.dynamic_stiffness(frequency_hz)))
 
-    def radial_mobility(self, frequency_hz: Array) -> Complexes:
-        """Return the mobility along x [m/s/N], the direction of the radial load, (n,)."""
-        return np.asarray(self.mobility(frequency_hz)[:, 0, 0])
-
-    def axial_mobility(self, frequency_hz: Array) -> Complexes:
-        """Return the mobility along the axis [m/s/N], (n,)."""
-        return np.asarray(self.mobility(frequency_hz)[:, 2, 2])
-
 
 def linear_ring(bearing: BearingModel) -> LinearRing:
     """Return the linear ring of a bearing, with the mean stiffness over places of the cage."""

@@ -5,7 +5,7 @@ springs in series. The balance is the minimum of a convex energy, so Newton's me
 """
 
 from dataclasses import dataclass
-from math import acos, cos, pi, tan
+from math import cos, pi, tan
 
 import numpy as np
 
@@ -141,37 +141,3 @@ def _energy(
     """Return the energy [J] of all contacts and of the load."""
     approach = np.maximum(lines @ displacement - gap_m, 0.0)
     return float(0.4 * stiffness * np.sum(approach**2.5) - load @ displacement)
-
-
-def sjovall(load_zone: float) -> tuple[float, float]:
-    """Return Sjoevall's integrals J_r and J_a of the load distribution over many balls.
-
-    Parameters
-    ----------
-    load_zone : float
-        Parameter epsilon of the load zone, positive: 0.5 (1 - P_d / (2 delta_r)) under a radial
-        load alone, 0.5 without clearance.
-
-    Returns
-    -------
-    radial, axial : float
-        F_r = Z Q_max cos(alpha) J_r, and F_a = Z Q_max sin(alpha) J_a.
-
-    Notes
-    -----
-    H. Sjoevall, Teknisk Tidskrift 1933, as T. A. Harris, Rolling Bearing Analysis, chapter 7, has
-    them: J = 1 / (2 pi) times the integral of (1 - (1 - cos(psi)) / (2 epsilon))^1.5, for J_r times
-    cos(psi), over the load zone.
-    """
-    from scipy.integrate import quad  # slow to import
-
-    end = pi if load_zone >= 1 else acos(1 - 2 * load_zone)
-
-    def load_at(angle: float) -> float:
-        """Return the load at an angle over the maximum load."""
-        share = max(1 - (1 - cos(angle)) / (2 * load_zone), 0.0)
-        return float(share**1.5)
-
-    radial, _ = quad(lambda angle: load_at(angle) * cos(angle), 0.0, end)
-    axial, _ = quad(load_at, 0.0, end)
-    return float(radial) / pi, float(axial) / pi

@@ -38,13 +38,6 @@ def read_bearing(path: Path | str, overrides: Sequence[str] = ()) -> BearingScen
     return file.read(path, overrides, BearingScene)
 
 
-def loads_bearing(
-    text: str, overrides: Sequence[str] = (), where: str = "scene", folder: Path = Path()
-) -> BearingScene:
-    """Read the scene of a bearing from text, as `file.loads` reads that of a sphere."""
-    return file.loads_kind(text, overrides, where, folder, BearingScene)
-
-
 def read_either(path: Path | str, overrides: Sequence[str] = ()) -> Scene | BearingScene:
     """Read a scene file of either kind; raise SceneError with all its faults."""
     if is_bearing_file(path):

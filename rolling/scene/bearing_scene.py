@@ -98,11 +98,6 @@ class BearingQuantities(SweptScene):
         return self.geometry.contact_angle
 
     @property
-    def free_contact_angle(self) -> float:
-        """Contact angle [rad] of a bearing that is pushed axially without load."""
-        return bearing_rules.free_angle(self.bearing)
-
-    @property
     def radial_clearance(self) -> float:
         """Radial internal clearance [m] of the bearing without load."""
         return bearing_rules.free_clearance(self.bearing)
@@ -240,11 +235,6 @@ class BearingQuantities(SweptScene):
         """Node spacing [m], None where it is automatic."""
         given = self.numerics.spacing_um
         return None if given is None else 1e-6 * given
-
-    @property
-    def window_length(self) -> float:
-        """Length of track [m] that is marched for each kind of contact."""
-        return 1e-3 * self.numerics.window_mm
 
     @property
     def duration(self) -> float:

@@ -8,10 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import soundfile
-from bearing_runs import WAVY
+from bearing_runs import WAVY, loads_bearing
 
 import rolling as rc
-from rolling.scene.bearing_file import loads_bearing
 
 PLATE = {"material": "steel-s235", "length_mm": 120, "width_mm": 90, "thickness_mm": 8}
 

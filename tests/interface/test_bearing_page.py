@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from bearing_runs import WAVY
+from bearing_runs import WAVY, loads_bearing
 from firefox import Firefox, firefox_path
 from live_engine import node_path
 from report_browser import until, without_browser
@@ -25,7 +25,6 @@ from rolling.bearing_run import page as pages_of_bearings
 from rolling.bearing_run.bearing_run import BearingRun
 from rolling.bearing_run.simulation import record_of
 from rolling.report import templates
-from rolling.scene.bearing_file import loads_bearing
 
 ENGINE = Path(templates.__file__).parent / "assets" / "bearing"
 FASTER = """(name) => {

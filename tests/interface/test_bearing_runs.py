@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import soundfile
-from bearing_runs import PLATE, SWEPT, WAVY, written
+from bearing_runs import PLATE, SWEPT, WAVY, loads_bearing, written
 
 import rolling
 from acoustics import wav
@@ -23,7 +23,6 @@ from rolling.bearing.motion import move_ring
 from rolling.bearing.tracks import BodyTrack, smooth_tracks
 from rolling.bearing_run import simulation
 from rolling.bearing_run.bearing_run import BearingRun
-from rolling.scene.bearing_file import loads_bearing
 
 FILES = {"result.h5", "summary.json", "spectrum.csv", "lines.csv", "acceleration.wav", "listen.wav"}
 RATE = 48_000

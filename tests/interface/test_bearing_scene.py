@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from bearing_runs import loads_bearing
 from ruamel.yaml import YAML
 from scene_text import BEARINGS, SCENES
 
 import rolling
 from rolling import cli
-from rolling.scene.bearing_file import bearing_schema, is_bearing_file, loads_bearing
+from rolling.scene.bearing_file import bearing_schema, is_bearing_file
 from rolling.scene.bearing_rules import largest_pressure
 from rolling.scene.file import dump
 from rolling.scene.messages import SceneError

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from math import cos, degrees, pi, radians, sin, tan
+from math import cos, degrees, pi, sin, tan
 
 import numpy as np
 import pytest
-from bearings import STEEL, angular, bearing, miniature
+from bearings import STEEL, angular, bearing, miniature, sjovall
 
 import rolling
 from rolling.bearing.geometry import (
@@ -17,7 +17,7 @@ from rolling.bearing.geometry import (
 )
 from rolling.bearing.kinematics import kinematics_of, lines_of
 from rolling.bearing.linear_ring import free_tilt_db
-from rolling.bearing.static_load import least_axial_load, sjovall, static_balance
+from rolling.bearing.static_load import least_axial_load, static_balance
 from rolling.contact import closed_forms
 
 GEOMETRIES = {"6204": bearing(), "7210": angular(), "608": miniature()}
@@ -37,11 +37,9 @@ def test_contacts_are_elliptic_hertz_contacts(name: str) -> None:
     assert geometry.series_stiffness * both**1.5 == pytest.approx(10.0, rel=1e-12)
 
 
-def test_clearance_and_angle_belong_together() -> None:
+def test_grooves_are_apart_by_their_conformities() -> None:
     geometry = bearing(angle_deg=12.0)
     assert geometry.groove_distance_m == pytest.approx((0.515 + 0.525 - 1) * 7.938e-3, rel=1e-9)
-    clearance = 2 * (1 - cos(radians(12))) * geometry.groove_distance_m
-    assert geometry.radial_clearance_m == pytest.approx(clearance, rel=1e-12)
 
 
 @pytest.mark.law("Bearing: cage, ball passes and ball spin follow from pure rolling.")
@@ -230,7 +228,9 @@ def test_a_scene_has_the_same_geometry() -> None:
     for ring in ("inner", "outer"):
         contact = getattr(model.geometry, ring)
         assert 2 * pi * contact.radius_m == pytest.approx(pushed.circumferences[ring], rel=1e-12)
-    assert model.geometry.radial_clearance_m == pytest.approx(pushed.radial_clearance, rel=1e-9)
+    distance = model.geometry.groove_distance_m
+    clearance = 2 * distance * (1 - cos(model.geometry.contact_angle))
+    assert clearance == pytest.approx(pushed.radial_clearance, rel=1e-9)
     assert model.gap_m == 0
     assert lines_of(pushed.kinematics)["turn"] == 30
     hung = pushed.with_(axial_load_n=0, radial_load_n=300)

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from bearing_runs import loads_bearing
 from mutated_texts import WORDS, mutated
 from mutations import VALUES
 from scene_text import BEARINGS
 
 from rolling import BearingScene
 from rolling.bearing_contacts.bearing_check import check_bearing
-from rolling.scene.bearing_file import loads_bearing
 from rolling.scene.file import dump
 from rolling.scene.messages import SceneError
 from rolling.scene.yaml_text import parse

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+
+from rolling.scene import file
+from rolling.scene.bearing_scene import BearingScene
 
 WAVY = """\
 name: wavy
@@ -29,3 +33,10 @@ def written(folder: Path, text: str = WAVY, name: str = "wavy.yaml") -> Path:
     path = folder / name
     path.write_text(text)
     return path
+
+
+def loads_bearing(
+    text: str, overrides: Sequence[str] = (), where: str = "scene", folder: Path = Path()
+) -> BearingScene:
+    """Read the scene of a bearing from text, as `file.loads` reads that of a sphere."""
+    return file.loads_kind(text, overrides, where, folder, BearingScene)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import pi, radians
+from math import acos, cos, pi, radians
 
 import numpy as np
+from scipy.integrate import quad
 
 from rolling.bearing.geometry import BearingGeometry, assemble
 from rolling.bearing.kinematics import kinematics_of
@@ -66,3 +67,35 @@ def line(signal: np.ndarray, frequency_hz: float, rate_hz: float = 48000.0) -> c
     window = np.hanning(len(signal))
     tone = np.exp(-2j * np.pi * frequency_hz * time)
     return complex(2 * np.sum(window * tone * signal) / np.sum(window))
+
+
+def sjovall(load_zone: float) -> tuple[float, float]:
+    """Return Sjoevall's integrals J_r and J_a of the load distribution over many balls.
+
+    Parameters
+    ----------
+    load_zone : float
+        Parameter epsilon of the load zone, positive: 0.5 (1 - P_d / (2 delta_r)) under a radial
+        load alone, 0.5 without clearance.
+
+    Returns
+    -------
+    radial, axial : float
+        F_r = Z Q_max cos(alpha) J_r, and F_a = Z Q_max sin(alpha) J_a.
+
+    Notes
+    -----
+    H. Sjoevall, Teknisk Tidskrift 1933, as T. A. Harris, Rolling Bearing Analysis, chapter 7, has
+    them: J = 1 / (2 pi) times the integral of (1 - (1 - cos(psi)) / (2 epsilon))^1.5, for J_r times
+    cos(psi), over the load zone.
+    """
+    end = pi if load_zone >= 1 else acos(1 - 2 * load_zone)
+
+    def load_at(angle: float) -> float:
+        """Return the load at an angle over the maximum load."""
+        share = max(1 - (1 - cos(angle)) / (2 * load_zone), 0.0)
+        return float(share**1.5)
+
+    radial, _ = quad(lambda angle: load_at(angle) * cos(angle), 0.0, end)
+    axial, _ = quad(load_at, 0.0, end)
+    return float(radial) / pi, float(axial) / pi
