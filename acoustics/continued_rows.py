@@ -9,6 +9,7 @@ The smoothed matrix is therefore positive semidefinite in every rounding. A cont
 stretches as given.
 """
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -145,6 +146,34 @@ def _windows(place: Array, own: Array, wider: int = 1, least: float = 0.0) -> Wi
         index[j] = np.clip(line - own[0], 0, len(own) - 1)
     weights /= weights.sum(axis=0)
     return list(zip(index, weights, strict=True))
+
+
+def drawn_lines(places: Array, power: Array) -> float:
+    """Return how many independent lines of given rows the power of random rows comes from.
+
+    A sum of powers of `RandomRows` is known as well as a mean over so many random lines: its
+    relative standard deviation is one over their root.
+
+    Parameters
+    ----------
+    places : array (n,)
+        Places of some lines of the random rows among those of the given ones, in distances of the
+        given lines.
+    power : array (n,), any unit
+        Power at these places, with all that weights it.
+
+    Returns
+    -------
+    lines : float
+        At least 1.
+    """
+    own = np.arange(1, max(math.ceil(places.max()), 1) + LINES, dtype=float)
+    within = np.maximum(places, own[0])
+    weights = np.zeros(len(own))
+    for line, share in _windows(within, own):
+        weights += np.bincount(line, share * power, len(own))
+    squares = float(np.square(weights).sum())
+    return max(float(weights.sum()) ** 2 / squares, 1.0) if squares > 0 else 1.0
 
 
 SIGMAS = 7.0  # deviations that no Gaussian row has, even if they are estimated too small

@@ -14,6 +14,9 @@ import numpy as np
 from acoustics.numbers import rounded
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing import waves
+from rolling.bearing.band_uncertainty import WINDOW, BandUncertainty
+from rolling.bearing.ring_record import AXIAL, RADIAL
+from rolling.bearing_contacts.contact_uncertainty import is_whole_turn, track_length_m
 from rolling.bearing_contacts.contacts import RoughContact
 from rolling.bearing_contacts.joined_tracks import rough_rows
 from rolling.bearing_contacts.plan import (
@@ -41,7 +44,6 @@ BRIDGED = 0.5  # pressure that presses waves flat over Hertz's, from which on it
 BRIDGED_DB = 1.0  # loss at a ratio of one [dB], which grows with its square
 FORM_POINTS = 2**14  # of a turn, which hold waves as short as any contact
 COARSE_DB = 0.3  # from which on nodes that are too far apart are a doubt
-WHOLE_TURN = 0.99  # of a turn, from which on a stretch is all of it
 SOFTER = 0.03  # change of the mean stiffness beside Hertz's, from which on it is a doubt
 
 
@@ -114,7 +116,9 @@ def _numbers(
     )
 
 
-def contact_doubts(plan: ContactPlan, marches: Marches, hardness_pa: float) -> tuple[Doubt, ...]:
+def contact_doubts(
+    plan: ContactPlan, marches: Marches, hardness_pa: float, uncertainty: BandUncertainty
+) -> tuple[Doubt, ...]:
     """Return the doubts about the contacts of a bearing whose marches are there.
 
     Parameters
@@ -125,6 +129,8 @@ def contact_doubts(plan: ContactPlan, marches: Marches, hardness_pa: float) -> t
         Marches by contact identity.
     hardness_pa : float, Pa
         Hardness of rings and balls, infinite where it is unknown.
+    uncertainty : BandUncertainty
+        Parts of the uncertainty of the bands that come from the contacts.
     """
     numbers = marched_contacts(plan, marches)
     doubts = [
@@ -132,6 +138,7 @@ def contact_doubts(plan: ContactPlan, marches: Marches, hardness_pa: float) -> t
         *_narrow_turns(plan),
         *_coarse_nodes(plan),
         *_steep_waves(plan),
+        *_short_windows(plan, uncertainty),
     ]
     doubts += _unmarched(plan, numbers)
     for contact in numbers:
@@ -230,30 +237,32 @@ def window_scatter_db(length_m: float, speed_m_s: float, band_hz: tuple[float, f
     return 10 / math.log(10) / math.sqrt(count)
 
 
-def _short_windows(plan: ContactPlan) -> Iterator[Doubt]:
+def _short_windows(plan: ContactPlan, uncertainty: BandUncertainty) -> Iterator[Doubt]:
     """State the scatter of levels whose roughness is known from a stretch of track only."""
-    scatter = {"medium": 0.0, "high": 0.0}
-    shortest = math.inf
-    for contact in plan.rough.values():
-        scene = contact.scene
-        body = "balls" if contact.name.startswith("balls") else contact.name
-        length = contact.steps * scene.step
-        if length >= WHOLE_TURN * 2 * math.pi * radius_of(plan.geometry, body):
-            continue
-        shortest = min(shortest, length)
-        speed = scene.motion.fastest(scene.duration)
-        for band in scatter:
-            decibels = window_scatter_db(length, speed, VELOCITY_BANDS_HZ[band])
-            scatter[band] = max(scatter[band], decibels)
-    if scatter["high"]:
-        yield sized(
-            "window",
-            f"roughness is known from {rounded(shortest * 1e3)} mm of track, and goes on at random:"
-            f" what it adds to the high band scatters by {rounded(scatter['high'])} dB, and to the"
-            f" medium band by {rounded(scatter['medium'])} dB",
-            scatter["high"],
-            advice="choose a longer numerics.window_mm, which takes longer",
-        )
+    part = uncertainty.parts_db.get(WINDOW)
+    short = [contact for contact in plan.rough.values() if not is_whole_turn(plan, contact)]
+    if part is None or not short:
+        return
+    shortest = min(short, key=track_length_m)
+    length = track_length_m(shortest)
+    speed = shortest.scene.motion.fastest(shortest.scene.duration)
+    own = {
+        band: rounded(window_scatter_db(length, speed, VELOCITY_BANDS_HZ[band]))
+        for band in ("high", "medium")
+    }
+    radial, axial = (
+        ", ".join(f"{decibels:.1f}" for decibels in part[direction].values())
+        for direction in (RADIAL, AXIAL)
+    )
+    yield sized(
+        "window",
+        f"roughness is known from {rounded(length * 1e3)} mm of track, and goes on at random: its"
+        f" own level scatters by {own['high']} dB in the high band and by {own['medium']} dB in the"
+        " medium band; with what else moves the ring, and with its resonances, which few waves"
+        f" meet, that leaves ± {radial} dB in the three bands radially and ± {axial} dB axially",
+        max(max(bands.values()) for bands in part.values()),
+        advice="choose a longer numerics.window_mm, which takes longer",
+    )
 
 
 def _narrow_turns(plan: ContactPlan) -> Iterator[Doubt]:

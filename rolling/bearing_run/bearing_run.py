@@ -15,7 +15,8 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.traps import ignoring_underflow
-from rolling.bearing import lines
+from rolling.bearing import assumed_damping, lines
+from rolling.bearing.band_uncertainty import LOSS_FACTOR, RECORD, BandUncertainty
 from rolling.bearing.geometry import BearingGeometry, angle_under_load
 from rolling.bearing.kinematics import Kinematics
 from rolling.bearing.linear_ring import linear_ring
@@ -36,6 +37,7 @@ from rolling.bearing_run.housing import HousingSound, housing_of_scene
 from rolling.bearing_run.without_faults import WithoutFaults
 from rolling.check.doubt import Doubt
 from rolling.scene.bearing_scene import BearingScene
+from rolling.scene.bearing_sources import has_assumed_loss_factor
 from rolling.scene.sweep import Value
 
 if TYPE_CHECKING:
@@ -67,6 +69,8 @@ class BearingRun:
         Doubts about the rough contacts, from their marches.
     contacts : tuple of dict
         Numbers of the rough contacts that were marched.
+    contact_uncertainty : BandUncertainty
+        Parts of the uncertainty of the bands that come from the rough contacts. Default: none.
     without_faults : WithoutFaults, optional
         Numbers of the same bearing without its single faults; None where it has none.
     values : dict
@@ -94,6 +98,7 @@ class BearingRun:
     tracks: BearingTracks
     solved: tuple[Doubt, ...] = ()
     contacts: tuple[dict[str, Any], ...] = ()
+    contact_uncertainty: BandUncertainty = field(default_factory=BandUncertainty)
     without_faults: WithoutFaults | None = None
     values: Mapping[str, Value] = field(default_factory=dict)
     label: str = ""
@@ -121,6 +126,19 @@ class BearingRun:
             direction: {name: UM_S * rms for name, rms in bands.rms_m_s.items()}
             for direction, bands in self.record.bands.items()
         }
+
+    @cached_property
+    def uncertainty(self) -> BandUncertainty:
+        """Standard uncertainty of the bands, with all parts that are known."""
+        record_db = {
+            direction: self.record.bands[direction].uncertainty_db for direction in DIRECTIONS
+        }
+        parts = self.contact_uncertainty.with_part(RECORD, record_db)
+        if has_assumed_loss_factor(self.scene):
+            parts = parts.with_part(
+                LOSS_FACTOR, assumed_damping.loss_factor_db(self.record, self.model)
+            )
+        return parts
 
     @property
     def moving(self) -> str:

@@ -18,6 +18,7 @@ from pandas import DataFrame
 from acoustics import resampling, wav
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.texts import printable
+from rolling.bearing.band_uncertainty import stored_uncertainty
 from rolling.bearing.motion import move_ring
 from rolling.bearing.ring_record import DIRECTIONS
 from rolling.bearing_run import page, simulation, stored_run, summary
@@ -185,6 +186,7 @@ def read_run(place: BearingFolder) -> BearingRun:
         tracks=tracks,
         solved=tuple(summary.stored_doubts(stored)),
         contacts=tuple(stored.get("contacts", ())),
+        contact_uncertainty=stored_uncertainty(stored.get("bands_uncertainty_parts_db", {})),
         without_faults=stored_without_faults(stored.get("without_faults")),
         values=place.values,
         label=label_of(place),

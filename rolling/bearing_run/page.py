@@ -106,7 +106,7 @@ def _view(run: BearingRun, gains: PageGains) -> dict[str, Any]:
     for name, words in summary.BAND_WORDS.items():
         cells = []
         for direction in DIRECTIONS:
-            spread = run.record.bands[direction].uncertainty_db[name]
+            spread = run.uncertainty.total_db(direction, name)
             spread_text = f"± {spread:.1f} dB" if spread >= 0.05 else "± < 0.1 dB"
             cells.append((summary.velocity(run.bands_um_s[direction][name]), spread_text))
         rows.append((words, cells))

@@ -17,6 +17,7 @@ from rolling.bearing.motion import RingMotion, move_ring
 from rolling.bearing.ring_record import RingRecord
 from rolling.bearing_contacts import needs
 from rolling.bearing_contacts.contact_doubts import contact_doubts, marched_contacts
+from rolling.bearing_contacts.contact_uncertainty import contact_uncertainty
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
 from rolling.bearing_contacts.solving import Marches, solved_stages
@@ -105,13 +106,16 @@ def _moved(scene: BearingScene, plan: ContactPlan, marches: Marches) -> BearingR
     motion = move_ring(scene.model, tracks, scene.moved, wav.SAMPLE_RATE_HZ)
     with progress.step("judging the rough contacts"):
         contacts = [asdict(contact) for contact in marched_contacts(plan, marches)]
-        doubts = contact_doubts(plan, marches, hardness_pa(scene))
+        record = record_of(motion, scene.kinematics)
+        uncertainty = contact_uncertainty(plan, marches, scene.model, record)
+        doubts = contact_doubts(plan, marches, hardness_pa(scene), uncertainty)
     return BearingRun(
         scene=scene,
-        record=record_of(motion, scene.kinematics),
+        record=record,
         tracks=tracks,
         solved=doubts,
         contacts=tuple(_without_unknown(contact) for contact in contacts),
+        contact_uncertainty=uncertainty,
     )
 
 

@@ -14,6 +14,7 @@ from acoustics import resampling, wav
 from acoustics.arrays import Array
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.texts import printable
+from rolling.bearing.band_uncertainty import stored_uncertainty
 from rolling.bearing.ring_record import DIRECTIONS, RingRecord
 from rolling.bearing.tracks import BearingTracks, BodyTrack
 from rolling.bearing_run import figures
@@ -349,6 +350,7 @@ def read_summary(path: Path) -> dict[str, Any]:
         float(summary["listen"]["own_full_scale_m_s2"])
         float(summary["listen"]["full_scale_m_s2"])
         stored_without_faults(summary.get("without_faults"))
+        stored_uncertainty(summary.get("bands_uncertainty_parts_db", {}))
     except OSError as error:
         raise FolderError(f"{path}: not readable ({error.strerror or error}); {advice}") from error
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:

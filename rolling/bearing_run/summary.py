@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from acoustics.numbers import decibels_a, rounded, si
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from rolling.bearing import assumed_damping
+from rolling.bearing.band_uncertainty import LOSS_FACTOR
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.lines import FAULT_LINES
 from rolling.bearing.ring_record import AXIAL, DIRECTIONS, NOTHING_UM_S, RADIAL, UM_S
@@ -48,9 +50,9 @@ def summarize(run: BearingRun) -> dict[str, Any]:
         "title": run.scene.title,
         "label": run.label,
         "bands_um_s": run.bands_um_s,
-        "bands_uncertainty_db": {
-            direction: run.record.bands[direction].uncertainty_db for direction in DIRECTIONS
-        },
+        "bands_uncertainty_db": run.uncertainty.totals_db,
+        "bands_uncertainty_parts_db": run.uncertainty.to_dict(),
+        "bands_verdict": band_verdicts(run),
         "iso_departures": run.departures,
         "housing": _housing(run),
         "moving_ring": run.moving,
@@ -78,6 +80,14 @@ def summarize(run: BearingRun) -> dict[str, Any]:
         "lost_contact_share": run.record.lost_contact_share,
         "doubts": [doubt_as_json(doubt) for doubt in doubts],
         "sentences": sentences(run),
+    }
+
+
+def band_verdicts(run: BearingRun) -> dict[str, dict[str, str]]:
+    """Return how far the ± of each band lets one trust it, by direction and band, in words."""
+    return {
+        direction: {band: severity_of(decibels).word for band, decibels in bands.items()}
+        for direction, bands in run.uncertainty.totals_db.items()
     }
 
 
@@ -304,6 +314,7 @@ def doubts_of(run: BearingRun) -> Iterator[Doubt]:
     """Yield what makes the bands of a run uncertain, one sentence each."""
     yield from run.solved
     yield from _short_record(run)
+    yield from _assumed_damping(run)
     for doubt in scene_rules(run.scene):
         if isinstance(doubt, Doubt):
             yield _with_share(run, doubt) if doubt.key == "ring_bending" else doubt
@@ -330,6 +341,35 @@ def _short_record(run: BearingRun) -> Iterator[Doubt]:
         largest,
         "four times sound.duration_s halve it",
     )
+
+
+def _assumed_damping(run: BearingRun) -> Iterator[Doubt]:
+    """Doubt bands that an assumed loss factor of the contacts moves."""
+    part = run.uncertainty.parts_db.get(LOSS_FACTOR)
+    if part is None:
+        return
+    largest = max(max(bands.values()) for bands in part.values())
+    if largest < _UNCERTAIN_DB:
+        return
+    most = assumed_damping.LARGEST_LOSS_FACTOR
+    change = assumed_damping.band_change_db(run.record, run.model, most)
+    radial, axial = (
+        ", ".join(f"{decibels:+.1f}" for decibels in _without_minus_zero(change[direction]))
+        for direction in DIRECTIONS
+    )
+    yield sized(
+        "loss_factor",
+        f"the loss factor of the contacts, {run.model.contact_loss_factor:g}, is assumed; at"
+        f" {most:g}, which a lubricated bearing may have, the three bands would be {radial} dB"
+        f" radially and {axial} dB axially",
+        largest,
+        advice="give bearing.contact_loss_factor as measured, such as by a tap on the ring",
+    )
+
+
+def _without_minus_zero(bands: Mapping[str, float]) -> list[float]:
+    """Return decibels with one digit and without a negative zero."""
+    return [round(decibels, 1) + 0.0 for decibels in bands.values()]
 
 
 def _with_share(run: BearingRun, doubt: Doubt) -> Doubt:

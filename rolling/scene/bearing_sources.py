@@ -34,6 +34,11 @@ def static_load_rating_n(scene: BearingQuantities) -> float | None:
     return float(library.data("bearings")["bearings"][named]["static_load_rating_n"][0])
 
 
+def has_assumed_loss_factor(scene: BearingQuantities) -> bool:
+    """Tell whether the loss factor of the contacts is assumed."""
+    return "contact_loss_factor" in assumed_keys(scene)
+
+
 def assumed_keys(scene: BearingQuantities) -> list[str]:
     """Return the keys of a bearing whose values are assumed.
 

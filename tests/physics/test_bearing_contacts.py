@@ -14,6 +14,7 @@ import rolling
 from acoustics.arrays import Array
 from acoustics.ring_velocity import velocity_bands
 from rolling.bearing import waves
+from rolling.bearing.band_uncertainty import BandUncertainty
 from rolling.bearing.motion import move_ring
 from rolling.bearing_contacts.contact_doubts import coarse_nodes_db, contact_doubts
 from rolling.bearing_contacts.contacts import (
@@ -321,7 +322,7 @@ def test_a_bridged_wave_is_a_doubt() -> None:
         scene = rolling.read_bearing("bearing-6204").with_(
             {"bearing.surfaces.inner": {"kind": "smooth", "waviness": {order: 0.5}}}
         )
-        doubts = contact_doubts(contact_plan(scene), {}, np.inf)
+        doubts = contact_doubts(contact_plan(scene), {}, np.inf, BandUncertainty())
         found.append([doubt.decibels for doubt in doubts if doubt.key == "steep_waves"])
     assert found[0][0] > 1.0 and not found[1]
 
