@@ -10,11 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from bearing_runs import WAVY, loads_bearing
 from firefox import Firefox, firefox_path
 from live_engine import node_path
-from report_browser import until, without_browser
+from report_browser import axe_findings, until, without_browser
 
 import rolling
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
@@ -191,8 +190,7 @@ def test_firefox_turns_and_plays_it_without_a_complaint(page_file: Path, tmp_pat
 def test_it_is_accessible(page_file: Path, opened, scheme: str) -> None:
     with opened(page_file, color_scheme=scheme) as page:
         until(page, IDLE)
-        found = Axe().run(page, options={"resultTypes": ["violations"], "preload": False})
-        assert found.response["violations"] == []
+        assert axe_findings(page) == []
 
 
 def test_names_of_strangers_stay_text(run: BearingRun, tmp_path: Path, opened) -> None:

@@ -8,9 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from firefox import Firefox, firefox_path
-from report_browser import MINUS, hear, until, without_browser
+from report_browser import MINUS, axe_findings, hear, until, without_browser
 from report_runs import HOSTILE, runs_of
 
 from rolling.report.page import page as page_of
@@ -36,7 +35,6 @@ PHONE = {"width": 360, "height": 740}
 
 DESK = {"width": 1400, "height": 900}
 SMALL = {"width": 390, "height": 844}
-RULES = {"resultTypes": ["violations"], "preload": False}  # it would wait for sounds
 FIRST = ("h1", ".what", ".answers b", ".lead", "#play")
 
 
@@ -98,9 +96,16 @@ def test_axe_finds_nothing_on_any_screen(names: str, pages, opened) -> None:
         for viewport, scheme in ((DESK, "light"), (SMALL, "dark")):
             page.set_viewport_size(viewport)
             page.emulate_media(color_scheme=scheme)
-            found = Axe().run(page, options=RULES).response["violations"]
-            places = [(rule["id"], [n["target"] for n in rule["nodes"]]) for rule in found]
-            assert places == [], (viewport, scheme)
+            assert axe_findings(page) == [], (viewport, scheme)
+
+
+def test_axe_finds_nothing_where_several_records_are_saved(pages, opened) -> None:
+    """A long record and passes have a button beside that of the solved record."""
+    with opened(pages("long", "memory")) as page:
+        for number in range(2):
+            page.keyboard.press(str(number + 1))
+            assert page.locator(".saves button:visible").count() == 2
+            assert axe_findings(page, ".saves:not([hidden])") == []
 
 
 @pytest.mark.slow
