@@ -480,6 +480,7 @@ def _surface(given: argparse.Namespace) -> int:
         given.channel,
         given.unit,
         given.xy_unit,
+        along=given.along,
         tip_radius_um=given.tip_radius_um,
         save=given.save,
         out=given.out,

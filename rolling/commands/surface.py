@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.texts import printable
+from rolling.commands.replaced import SOURCE, refuse_others, source_name
 from rolling.scene import file
-from rolling.scene.height_files import HeightFormatError, is_instrument
+from rolling.scene.height_files import HeightFormatError
 from rolling.scene.surfaces import Instrument
 from rolling.scene.track import MIN_NODES
 from rolling.surface import character, measured
-from rolling.surface.character import PROFILE_NODES
+from rolling.surface.described_file import FileOptions, described_file, offer_of_file
 from rolling.surface.instrument import faded, sight
 from rolling.surface.scene_surface import scene_surface
 from rolling.terminal import files, progress
@@ -32,6 +32,7 @@ def surface(
     unit: str = "m",
     xy_unit: str | None = None,
     *,
+    along: str | None = None,
     tip_radius_um: float | None = None,
     save: Path | None = None,
     out: Path | None = None,
@@ -42,7 +43,7 @@ def surface(
     ----------
     source : Path. A scene, whose surface is described, or a file of measured heights.
     overrides : sequence of str. Assignments such as "surface.level=plane", to a scene.
-    spacing_um, channel, unit, xy_unit : as in the section `surface` of a scene, of a file.
+    spacing_um, channel, unit, xy_unit, along : as in the section `surface` of a scene, of a file.
     tip_radius_um : float, um. Radius of the tip of the stylus that measured a file. Default: none.
     save : Path. File for the heights, in the format of its ending. Default: none.
     out : Path. Folder of picture and table. Default: outputs/NAME-surface.
@@ -52,25 +53,24 @@ def surface(
     SceneError, FolderError : bad input; nothing is written.
     """
     _refuse_taken(save, out)
+    options = FileOptions(spacing_um, channel, unit, xy_unit, along, tip_radius_um)
     is_scene = source.suffix.lower() in ("", ".yaml", ".yml")
     if is_scene:
-        if spacing_um or channel or unit != "m" or xy_unit or tip_radius_um:
+        if options != FileOptions():
             raise FolderError(
-                "--spacing-um, --channel, --height-unit, --xy-unit, --tip-radius-um: only for a "
-                "file of heights"
+                "--spacing-um, --channel, --height-unit, --xy-unit, --along, --tip-radius-um: only"
+                " for a file of heights"
             )
         described = _surface_of_scene(source, overrides)
     else:
         if overrides:
             raise FolderError("--set: only goes with a scene")
-        described = _surface_of_file(source, spacing_um, channel, unit, xy_unit, tip_radius_um)
+        described = _surface_of_file(source, options)
     folder = out or Path("outputs") / f"{described.name}-surface"
     with progress.step("computing the parameters, drawing the picture"):
-        lines, contents = _parameters_and_picture(described)
+        lines, contents = _parameters_and_picture(described, source_name(source, folder))
     for name, content in contents.items():
-        path = folder / name
-        if path.exists() and path.read_bytes() != content:
-            raise FolderError(f"{path}: exists; take another folder, or remove it")
+        refuse_others(folder / name, content)
     if save is not None:
         _save_heights(save, described)
     folder.mkdir(parents=True, exist_ok=True)
@@ -94,14 +94,23 @@ def _print_character(described: _DescribedSurface) -> None:
         print(wrapped(sentence, ""))
     if described.sight:
         print(wrapped(described.sight, ""))
-    if described.file_keys:
-        print("\nIn a scene, this rolls over the file itself:")
-        print(f"  {character.line_of_file(described.file_keys)}")
-    nodes_across = described.heights.shape[1]
-    made = character.line_of_statistics(numbers, min(described.steps), nodes_across)
-    if made:
-        print("\nIn a scene, this makes a random surface of these Ra and 1/e lengths:")
-        print(f"  {made}")
+    if described.of_file is not None:
+        if character.lies_along(numbers) and described.may_be_turned:
+            words = "The lay runs along the track. If the ball rolls across the lay, add --along x."
+            print(wrapped(words, ""))
+        _print_offer(described.of_file)
+    is_profile = described.heights.shape[1] == 1
+    width = 0.0 if is_profile else described.heights.shape[1] * described.steps[1]
+    of_statistics = character.offer_of_statistics(numbers, min(described.steps), width)
+    if of_statistics is not None:
+        _print_offer(of_statistics)
+
+
+def _print_offer(offer: character.Offer) -> None:
+    """Print a line of a scene below its sentence, which may say why there is no line."""
+    print(f"\n{wrapped(printable(offer.sentence), '')}")
+    if offer.line:
+        print(f"  {printable(offer.line)}")
 
 
 @dataclass(frozen=True)
@@ -114,7 +123,8 @@ class _DescribedSurface:
     steps : (2,) array, m. Spacing of the nodes along and across.
     is_periodic : bool. Whether the surface closes, as that of a scene does.
     pair : Pair. Ball and plate of the plasticity index.
-    file_keys : dict. Keys of the section `surface` of a scene with the file; empty for a scene.
+    of_file : Offer or None. The line of a scene that rolls over the file; None for a scene.
+    may_be_turned : bool. Whether the option `along` is left to choose.
     sight : str. What the instrument sees of a file; empty where there is nothing to say.
     """
 
@@ -124,7 +134,8 @@ class _DescribedSurface:
     steps: Array
     is_periodic: bool
     pair: character.Pair
-    file_keys: dict[str, Any]
+    of_file: character.Offer | None = None
+    may_be_turned: bool = False
     sight: str = ""
 
 
@@ -152,50 +163,31 @@ def _surface_of_scene(path: Path, overrides: Sequence[str]) -> _DescribedSurface
         steps=np.full(2, scene.spacing),
         is_periodic=True,
         pair=character.pair_of_scene(scene),
-        file_keys={},
     )
 
 
-def _surface_of_file(
-    path: Path,
-    spacing_um: float | None,
-    channel: str | None,
-    unit: str,
-    xy_unit: str | None,
-    tip_radius_um: float | None,
-) -> _DescribedSurface:
+def _surface_of_file(path: Path, options: FileOptions) -> _DescribedSurface:
     """Read and level a file of heights, and print the doubts about it."""
-    heights, steps, doubts = measured.levelled(path, spacing_um, channel, unit, xy_unit)
-    for doubt in doubts:
+    read = described_file(path, options)
+    for doubt in read.doubts:
         progress.line(printable(f"warning: {path}: {doubt}"))
     words = "less its least-squares plane"
-    gaps = np.count_nonzero(np.isnan(heights))
+    gaps = np.count_nonzero(np.isnan(read.heights))
     if gaps:
         words += f", {gaps} unmeasured"
-    keys: dict[str, Any] = {"kind": "file", "path": path.as_posix()}
-    given = {"channel": channel, "spacing_um": spacing_um, "xy_unit": xy_unit}
-    keys |= {name: value for name, value in given.items() if value is not None}
-    if unit != "m":
-        keys["height_unit"] = unit
-    if gaps:
-        keys["unmeasured"] = "fill"
-    if not is_instrument(path):
-        keys["periodic"] = "blend"  # as a measurement, which does not close
-    if heights.shape[1] == 1:
-        keys["width_um"] = float(f"{PROFILE_NODES * 1e6 * steps[0]:.10g}")
     instrument = None
-    if tip_radius_um is not None:
-        instrument = Instrument(tip_radius_um=tip_radius_um)
-        keys["instrument"] = {"tip_radius_um": tip_radius_um}
+    if options.tip_radius_um is not None:
+        instrument = Instrument(tip_radius_um=options.tip_radius_um)
     return _DescribedSurface(
         name=path.name,
         words=words,
-        heights=heights,
-        steps=steps,
+        heights=read.heights,
+        steps=read.steps,
         is_periodic=False,
         pair=character.pair_of_steel(),
-        file_keys=keys,
-        sight=_sight_words(heights, steps, instrument),
+        of_file=offer_of_file(path, read.keys),
+        may_be_turned=options.along is None and 1 not in read.heights.shape,
+        sight=_sight_words(read.heights, read.steps, instrument),
     )
 
 
@@ -214,8 +206,13 @@ def _sight_words(heights: Array, steps: Array, instrument: Instrument | None) ->
     return f"The measuring instrument sees {seen.words}."
 
 
-def _parameters_and_picture(described: _DescribedSurface) -> tuple[list[str], dict[str, bytes]]:
-    """Return the lines of the parameters of a surface, and its files by name."""
+def _parameters_and_picture(
+    described: _DescribedSurface, source: str
+) -> tuple[list[str], dict[str, bytes]]:
+    """Return the lines of the parameters of a surface, and its files by name.
+
+    Both files name their source, so that the command knows its own when it is given again.
+    """
     from rolling.figures.picture import csv_bytes
     from rolling.figures.settings import left_out_if_it_fails
     from rolling.figures.topography import parameter_lines, parameter_table, topography
@@ -225,10 +222,12 @@ def _parameters_and_picture(described: _DescribedSurface) -> tuple[list[str], di
     steps = described.steps
     values = parameters(heights, steps, described.is_periodic)
     is_bound = is_upper_bound(heights, steps, described.is_periodic)
-    contents = {"surface.csv": csv_bytes(parameter_table(values, is_bound))}
+    table = parameter_table(values, is_bound).assign(**{SOURCE.lower(): source})
+    contents = {"surface.csv": csv_bytes(table)}
     with left_out_if_it_fails("surface.png"):
         drawn = topography(described.name, values, heights, steps, described.is_periodic, is_bound)
-        contents["surface.png"] = drawn.file("png") or b""
+        facts = {"Software": "rolling-contact-noise", SOURCE: source}
+        contents["surface.png"] = drawn.file("png", facts) or b""
     return parameter_lines(values, is_bound), contents
 
 

@@ -5,7 +5,7 @@ import math
 import re
 import textwrap
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 
@@ -323,12 +323,15 @@ class Picture:
     table: DataFrame | None
 
     @own_settings()
-    def file(self, form: str) -> bytes | None:
-        """Return the picture as the bytes of a png, svg or csv file; a map has no csv."""
+    def file(self, form: str, facts: Mapping[str, str] | None = None) -> bytes | None:
+        """Return the picture as the bytes of a png, svg or csv file; a map has no csv.
+
+        Facts are texts by their keywords, which the header of a png keeps.
+        """
         if form == "csv":
             return None if self.table is None else csv_bytes(self.table)
         content = io.BytesIO()
-        metadata = {"Date": None} if form == "svg" else {}
+        metadata: dict[str, str | None] = {"Date": None} if form == "svg" else {**(facts or {})}
         with matplotlib.rc_context({"svg.hashsalt": self.name}):  # equal figures have equal ids
             self.figure.savefig(content, format=form, dpi=DPI, metadata=metadata)
         return content.getvalue()

@@ -6,6 +6,7 @@ They are roughness, the 1/e lengths of the autocorrelation, the rms slope and th
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -19,21 +20,22 @@ from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
 from rolling.scene.track import MIN_NODES
+from rolling.surface.heights import SurfaceError, turned_reach
+from rolling.surface.lay import E_FOLD, LAY, Ellipse, ellipse
 from rolling.surface.parameters import DECAY, about_mean, autocorrelation, roughness
 
 MATERIAL = "steel-100cr6"  # of ball and plate, where a file or an elastic plate names none
-E_FOLD = math.exp(-1)
 # Mikic's limits of E' tan(theta)/H are 1/3 and 3 with the mean absolute slope of a profile. On
 # isotropic Gaussian heights it is 1/sqrt(pi) of the rms slope of the surface.
 ELASTIC_BELOW = math.sqrt(math.pi) / 3
 PLASTIC_ABOVE = math.sqrt(math.pi) * 3
-_ISOTROPIC = 1.1  # ratio of both lengths up to which a surface counts as isotropic
 # Lag of a decay to 0.2 over that to 1/e: 1.27 of a Gaussian autocorrelation, 1.61 of an exponential
 # one. Between them lies the geometric mean.
 _EXPONENTIAL_ABOVE = 1.43
 _SKEWED = 0.2  # skewness from which heights are not made Gaussian
 _PEAKED = 0.5  # the same of the kurtosis about 3
 PROFILE_NODES = 128  # width of a surface that is made after a profile
+HOLDS = 2.5  # lengths across that the width of a made surface holds, so that it has them
 
 
 class Character(NamedTuple):
@@ -45,6 +47,8 @@ class Character(NamedTuple):
         up to half the surface, or where the surface is a profile.
     is_exponential : bool. Whether the autocorrelation is nearer to exp(-r/L) than to exp(-(r/L)^2).
     rms_slope : float. Root mean square gradient Sdq, of neighbouring nodes.
+    ellipse : Ellipse or None. Lags at which the autocorrelation falls to 1/e in the directions of
+        the lay; of a profile both are the one along. None where it falls along no axis.
     """
 
     ra: float
@@ -55,6 +59,7 @@ class Character(NamedTuple):
     across: float
     is_exponential: bool
     rms_slope: float
+    ellipse: Ellipse | None
 
 
 class Pair(NamedTuple):
@@ -76,6 +81,7 @@ def character(heights: Array, steps: Array, wrap: bool) -> Character:
     z = about_mean(heights)
     lengths = [math.nan, math.nan]
     ratios = []
+    share = None
     if values["Sq"] > 0:
         share = autocorrelation(z, wrap)
         middle = np.array(share.shape) // 2
@@ -84,6 +90,12 @@ def character(heights: Array, steps: Array, wrap: bool) -> Character:
             lengths[axis] = _lag(curve, E_FOLD) * steps[axis]
             ratios.append(_lag(curve, DECAY) / _lag(curve, E_FOLD))
     known = [ratio for ratio in ratios if math.isfinite(ratio)]
+    is_exponential = bool(known) and float(np.mean(known)) > _EXPONENTIAL_ABOVE
+    of_lay = None
+    if share is not None and 1 not in heights.shape:
+        of_lay = ellipse(share, lengths, steps, wrap, exponent=1 if is_exponential else 2)
+    elif math.isfinite(lengths[0]):
+        of_lay = Ellipse(lengths[0], lengths[0])
     return Character(
         ra=values["Sa"],
         rq=values["Sq"],
@@ -91,8 +103,9 @@ def character(heights: Array, steps: Array, wrap: bool) -> Character:
         kurtosis=values["Sku"],
         along=lengths[0],
         across=lengths[1],
-        is_exponential=bool(known) and float(np.mean(known)) > _EXPONENTIAL_ABOVE,
+        is_exponential=is_exponential,
         rms_slope=values["Sdq"],
+        ellipse=of_lay,
     )
 
 
@@ -156,7 +169,7 @@ def sentences(numbers: Character, pair: Pair) -> list[str]:
         outcome = "its asperities yield"
     return [
         f"Roughness: Ra {_um(numbers.ra)} and Rq {_um(numbers.rq)}.",
-        f"The autocorrelation falls to 1/e {_lengths(numbers)}.",
+        f"The autocorrelation falls to 1/e {_lengths(numbers)}.{_lay_words(numbers.ellipse)}",
         f"The rms slope is {rounded(numbers.rms_slope, 3)} between neighbouring nodes.",
         f"Mikic's plasticity index E' s/H is {rounded(index, 2)}: {outcome}. The rms slope is s; E'"
         f" {rounded(1e-9 * pair.modulus, 3)} GPa and H {rounded(1e-9 * pair.hardness, 3)} GPa are"
@@ -184,45 +197,116 @@ def _lengths(numbers: Character) -> str:
     return f"after {_um(length)} {name} the track, and not {other} it up to half the surface"
 
 
+def _lay_words(lay: Ellipse | None) -> str:
+    """Say how a lay is turned; empty where it is not."""
+    if lay is None or not lay.angle_deg:
+        return ""
+    along_lay = f"{_um(lay.second)} along it"
+    if lay.is_continued:
+        along_lay = "farther than half the surface along it"
+    return (
+        f" The lay is turned: the autocorrelation falls after {_um(lay.first)} at"
+        f" {lay.angle_deg:.0f} degrees from the track, square to the lay, and {along_lay}."
+    )
+
+
+def lies_along(numbers: Character) -> bool:
+    """Tell whether the lay of a surface runs along the track."""
+    lay = numbers.ellipse
+    return lay is not None and not lay.angle_deg and lay.first > LAY * lay.second
+
+
 # ---- lines of a scene
 
 
-def line_of_file(keys: Mapping[str, Any]) -> str:
-    """Write the section `surface` of a scene that rolls over a file, on one line of YAML."""
+class Offer(NamedTuple):
+    """A line of a scene and the sentence before it, which says why if there is no line."""
+
+    sentence: str
+    line: str = ""
+
+
+def line(keys: Mapping[str, Any]) -> str:
+    """Write the section `surface` of a scene on one line of YAML."""
     return f"surface: {{{_flow(keys)}}}"
 
 
-def line_of_statistics(numbers: Character, spacing: float, width_nodes: int) -> str:
+def offer_of_statistics(numbers: Character, spacing: float, width: float) -> Offer | None:
     """Write the section `surface` of a random surface with the numbers of a surface, on one line.
 
-    It is empty where the autocorrelation does not fall to 1/e along the track.
+    A smooth surface has no such line.
+
+    Parameters
+    ----------
+    numbers : Character
+        Numbers of the surface.
+    spacing : float, m
+        Spacing of its nodes, the finer one of two.
+    width : float, m
+        Its width; 0 of a profile.
     """
-    length = numbers.along
-    if not math.isfinite(length):
-        return ""
-    across = numbers.across
-    spacing_um = float(rounded(1e6 * spacing, 6))
-    if width_nodes < MIN_NODES:
-        width_nodes = PROFILE_NODES
-    keys: dict[str, Any] = {"kind": "gaussian"}
-    if numbers.is_exponential:
-        keys["autocorrelation"] = "exponential"
-    keys["roughness_ra_um"] = float(rounded(1e6 * numbers.ra, 4))
-    keys["correlation_length_um"] = float(rounded(1e6 * length, 3))
-    if math.isfinite(across) and not 1 / _ISOTROPIC <= across / length <= _ISOTROPIC:
-        keys["correlation_length_across_um"] = float(rounded(1e6 * across, 3))
+    if numbers.rq == 0:
+        return None
+    lay = numbers.ellipse
+    if lay is None:
+        return Offer(
+            "No random surface is like it in a scene, because its autocorrelation falls to 1/e"
+            f" {_lengths(numbers)}."
+        )
+    sentence = "In a scene, this makes a random surface of these Ra and 1/e lengths"
+    if lay.is_continued:
+        sentence += (
+            "; the longer one continues the decay up to half the surface, at most to its whole side"
+        )
+    elif not width:
+        sentence += "; a profile has no length across the track, so it is as along"
     moments = {}
     if abs(numbers.skewness) > _SKEWED or abs(numbers.kurtosis - 3) > _PEAKED:
         moments["skewness"] = float(rounded(numbers.skewness, 2))
         moments["kurtosis"] = float(rounded(numbers.kurtosis, 3))
-    grid = {"spacing_um": spacing_um, "width_um": float(f"{spacing_um * width_nodes:.10g}")}
-    for candidate in ({**keys, **moments, **grid, "seed": 1}, {**keys, **grid, "seed": 1}):
+    keys = _law_keys(numbers, lay)
+    grid = _grid_keys(lay, spacing, width)
+    reason = ""
+    # No made surface has some moments.
+    for made in ({**keys, **moments, **grid}, {**keys, **grid}):
         try:
-            Gaussian(**candidate)
-        except SceneError:  # such moments, which no made surface has
+            law = Gaussian(**made)
+            if law.correlation[2]:
+                turned_reach(law, spacing)
+        except (SceneError, SurfaceError) as error:
+            reason = str(error)
             continue
-        return line_of_file(candidate)
-    return ""
+        return Offer(f"{sentence}:", line(made))
+    return Offer(f"No random surface is like it in a scene: {reason}")
+
+
+def _law_keys(numbers: Character, lay: Ellipse) -> dict[str, Any]:
+    """Return the keys of a random surface that say its roughness and its autocorrelation."""
+    keys: dict[str, Any] = {"kind": "gaussian"}
+    if numbers.is_exponential:
+        keys["autocorrelation"] = "exponential"
+    keys["roughness_ra_um"] = float(rounded(1e6 * numbers.ra, 4))
+    first = float(rounded(1e6 * lay.first, 3))
+    second = float(rounded(1e6 * lay.second, 3))
+    keys["correlation_length_um"] = first
+    if second != first:
+        keys["correlation_length_across_um"] = second
+    if lay.angle_deg:
+        keys["lay_deg"] = lay.angle_deg
+    return keys
+
+
+def _grid_keys(lay: Ellipse, spacing: float, width: float) -> dict[str, Any]:
+    """Return the grid of a random surface, wide enough for its length across, and its seed."""
+    spacing_um = float(rounded(1e6 * spacing, 6))
+    nodes = PROFILE_NODES if not width else max(MIN_NODES, round(1e6 * width / spacing_um))
+    nodes = max(nodes, math.ceil(HOLDS * 1e6 * lay.across / spacing_um))
+    width_um = float(f"{spacing_um * nodes:.10g}")
+    return {"spacing_um": spacing_um, "width_um": width_um, "seed": 1}
+
+
+_PLAIN = re.compile("[a-z][a-z_-]*")  # texts that YAML takes for texts, but for its own words
+_YAML_WORDS = ("true", "false", "null", "yes", "no", "on", "off")
 
 
 def _flow(keys: Mapping[str, Any]) -> str:
@@ -236,7 +320,7 @@ def _scalar(value: Any) -> str:
         return f"{{{_flow(value)}}}"
     if isinstance(value, float):
         return f"{value:g}" if float(f"{value:g}") == value else repr(value)
-    if isinstance(value, str) and not value.replace("_", "a").replace("-", "a").isalnum():
+    if isinstance(value, str) and (not _PLAIN.fullmatch(value) or value in _YAML_WORDS):
         doubled = value.replace("'", "''")
         return f"'{doubled}'"
     return str(value)

@@ -92,16 +92,7 @@ def spectral_density(shape: tuple[int, ...], spacing: float, law: HeightLaw) -> 
 
     periodic = autocorrelation(x, y)
     if angle:
-        reach = (-np.log(_NEGLIGIBLE) / decay) ** (1 / exponent)
-        cosine = np.cos(angle)
-        sine = np.sin(angle)
-        ends = reach * np.hypot([first * cosine, first * sine], [second * sine, second * cosine])
-        if 4 * ends[0] * ends[1] > _MAX_LAGS * spacing**2:
-            longest = math.sqrt(_MAX_LAGS / (4 * ends[0] * ends[1])) * spacing
-            raise SurfaceError(
-                "lay_deg: got correlation lengths that reach too far to be turned, allowed: up to"
-                f" {rounded(longest, 2)} times as long"
-            )
+        ends = turned_reach(law, spacing)
         # The law is added about the neighbouring origins of the grid. Without them a turned law,
         # which is no function of the magnitudes of both lags, would have a step where a period
         # ends, and the surface a roughness in short waves.
@@ -120,6 +111,29 @@ def spectral_density(shape: tuple[int, ...], spacing: float, law: HeightLaw) -> 
     if angle:
         return np.asarray(density / periodic[0, 0])
     return np.asarray(density)
+
+
+def turned_reach(law: Roughness, spacing: float) -> Array:
+    """Return how far [m] a turned autocorrelation reaches along and across.
+
+    Raises
+    ------
+    SurfaceError
+        The reach has too many nodes of the spacing [m].
+    """
+    (first, second), name, angle = law.correlation
+    decay, exponent = AUTOCORRELATIONS[name]
+    reach = (-np.log(_NEGLIGIBLE) / decay) ** (1 / exponent)
+    cosine = np.cos(angle)
+    sine = np.sin(angle)
+    ends = reach * np.hypot([first * cosine, first * sine], [second * sine, second * cosine])
+    if 4 * ends[0] * ends[1] > _MAX_LAGS * spacing**2:
+        longest = math.sqrt(_MAX_LAGS / (4 * ends[0] * ends[1])) * spacing
+        raise SurfaceError(
+            "lay_deg: got correlation lengths that reach too far to be turned, allowed: up to"
+            f" {rounded(longest, 2)} times as long"
+        )
+    return np.asarray(ends)
 
 
 def _periodic_lags(nodes: int) -> Array:

@@ -27,6 +27,7 @@ FAR = 3.0  # jumps to the neighbours over the largest usual differences between 
 USUAL = 0.999  # quantile of the differences between neighbours that counts as their largest
 NEAR = 0.1  # quantile of the jumps that must be large
 FLOOR = 25  # nodes of a flat part, on average, from which it is a floor
+OUTLIERS = 6  # threshold of `surface.outliers` with which a scene replaces such values
 _MOST = 6  # different marks that are looked for
 _SAMPLED = 4_000_000  # nodes whose differences are sorted
 _SHIFTS = 20  # places at which a repeated surrounding is looked for
@@ -52,17 +53,15 @@ class Marker:
 def sentence(suspects: Sequence[Marker], section: str) -> str:
     """Write which values look like marks, and what to do about them.
 
-    The section is "surface" or "sphere.surface" of a scene, or "file" for a file without a scene.
+    The section is "surface" or "sphere.surface" of a scene, or "file" for a file without a scene,
+    in which such points count as unmeasured at once.
     """
+    keys = f"surface.outliers {OUTLIERS} together with surface.unmeasured fill"
+    advice = f"{keys} replaces such points by their surroundings"
     if section == "sphere.surface":
         advice = "replace such points in the file, since a surface of a sphere has no key that does"
-    else:
-        advice = (
-            "surface.outliers 6 together with surface.unmeasured fill replaces such points by their"
-            " surroundings"
-        )
-    if section == "file":
-        advice = f"in a scene, {advice}"
+    elif section == "file":
+        advice = f"they count as unmeasured here, and in a scene {advice}"
     values = ", ".join(marker.text for marker in suspects)
     return f"{values}, which looks like a mark of unmeasured or saturated points; {advice}"
 

@@ -25,8 +25,7 @@ from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.track import MIN_NODES
 from rolling.surface import markers
-from rolling.surface.levelling import HIGHEST, LARGEST_RA, in_metres
-from rolling.surface.parameters import without_plane
+from rolling.surface.levelling import in_metres
 from rolling.terminal import files
 
 # Median slope between neighbours above which x and y are in another unit than the heights, because
@@ -102,57 +101,6 @@ def doubts(
         f"half of the neighbouring heights are steeper than {rounded(steepest, 2)}, with x and y in"
         f" {xy_unit}: set {advice} if x and y are in another unit than z"
     ]
-
-
-def levelled(
-    path: Path,
-    spacing_um: float | None,
-    channel: str | None,
-    unit: str,
-    xy_unit: str | None = None,
-) -> tuple[Array, Array, list[str]]:
-    """Read measured heights [m] less their plane, and their spacings [m] along and across.
-
-    A sentence for each doubt about the file comes with them. A profile lies along the track. Raise
-    FolderError for heights that cannot be used, and for a spacing [um] that is missing or that the
-    file has itself.
-    """
-    if xy_unit is not None and path.suffix.lower() != height_files.TRIPLES:
-        raise files.FolderError(f"{path}: --xy-unit: only goes with a {height_files.TRIPLES} file")
-    try:
-        measured = read(path, channel, unit, xy_unit)
-    except HeightFormatError as error:
-        raise files.FolderError(error.of(path)) from error
-    if measured.spacing_m is None:
-        if spacing_um is None:
-            raise files.FolderError(f"{path}: --spacing-um: missing; the file holds no spacing")
-        steps = np.array([1e-6 * spacing_um, 1e-6 * spacing_um])
-    else:
-        if spacing_um is not None:
-            raise files.FolderError(f"{path}: --spacing-um: the file holds its own spacing")
-        steps = np.array(measured.spacing_m)
-    has_own_unit = measured.spacing_m is not None and path.suffix.lower() != height_files.TRIPLES
-    shown_unit = "m" if has_own_unit else unit
-    suspects = markers.suspected(measured.heights / UNITS[shown_unit], shown_unit)
-    sentences = doubts(path, measured, xy_unit or unit, "--xy-unit")
-    if suspects:
-        sentences.append(markers.sentence(suspects, "file"))
-    hint = "".join(f"; {sentence}" for sentence in sentences)
-    sizes = np.abs(measured.heights[np.isfinite(measured.heights)])
-    if not sizes.size:
-        raise files.FolderError(f"{path}: holds no heights{hint}")
-    if sizes.max() > HIGHEST:
-        raise files.FolderError(f"{path}: holds heights above {HIGHEST:g} m{hint}")
-    heights = without_plane(measured.heights)
-    if np.nanmean(np.abs(heights)) > LARGEST_RA:
-        too_rough = f"Ra would be more than {LARGEST_RA:g} m{hint}"
-        if has_own_unit:
-            raise files.FolderError(f"{path}: {too_rough}")
-        raise files.FolderError(f"{path}: --height-unit: {too_rough}")
-    if len(heights) == 1:
-        heights = heights.T
-        steps = steps[::-1]
-    return heights, steps, sentences
 
 
 def write(path: Path, heights_m: Array, spacing_m: tuple[float, float]) -> None:

@@ -182,7 +182,7 @@ def spatial_parameters(z: Array, steps: Array, wrap: bool) -> dict[str, float]:
     """
     if not np.nan_to_num(z).any():
         return {"Sal": np.nan, "Str": np.nan, "Std": np.nan}
-    decay, ends = _decay(autocorrelation(z, wrap), steps, wrap)
+    decay, ends = decay_of_rays(autocorrelation(z, wrap), steps, wrap)
     length = float(decay.min()) if np.isfinite(decay).any() else np.nan
     if 1 in z.shape:
         return {"Sal": length, "Str": np.nan, "Std": np.nan}
@@ -199,7 +199,7 @@ def is_upper_bound(heights: Array, spacing: float | Sequence[float] | Array, wra
     steps = np.broadcast_to(spacing, 2)
     if 1 in z.shape or not np.nan_to_num(z).any():
         return False
-    decay, _ = _decay(autocorrelation(z, wrap), steps, wrap)
+    decay, _ = decay_of_rays(autocorrelation(z, wrap), steps, wrap)
     return bool(np.isinf(decay).any() and np.isfinite(decay).any())
 
 
@@ -253,14 +253,17 @@ def autocorrelation(z: Array, wrap: bool) -> Array:
     return np.asarray(covariance / covariance[z.shape[0] // 2, z.shape[1] // 2])
 
 
-def _decay(share: Array, steps: Array, wrap: bool) -> tuple[Array, Array]:
-    """Return the distances [m] at which an autocorrelation decays on each ray, and the rays' ends.
+def decay_of_rays(
+    share: Array, steps: Array, wrap: bool, level: float = DECAY
+) -> tuple[Array, Array]:
+    """Return the distances [m] at which an autocorrelation falls to a level, and the rays' ends.
 
-    Without a decay the distance is infinite. The autocorrelation is interpolated by cubic splines.
+    The rays have the angles of `ray_angles`. Without a decay the distance is infinite. The
+    autocorrelation is interpolated by cubic splines.
     """
     from scipy import ndimage  # slow to import
 
-    angle = np.pi * np.arange(_RAYS) / _RAYS
+    angle = ray_angles()
     half = np.array(share.shape) // 2
     rays = np.array([np.cos(angle), np.sin(angle)]) / steps[:, None]  # nodes of each axis per m
     rays[1, 0] = rays[0, _RAYS // 2] = 0.0  # exactly along an axis
@@ -284,13 +287,18 @@ def _decay(share: Array, steps: Array, wrap: bool) -> tuple[Array, Array]:
         value[number > count[left]] = 1.0
         before = np.vstack([last[left], value])
         last[left] = value[-1]
-        column = np.flatnonzero(value.min(axis=0) <= DECAY)
-        row = np.argmax(value[:, column] <= DECAY, axis=0)
+        column = np.flatnonzero(value.min(axis=0) <= level)
+        row = np.argmax(value[:, column] <= level, axis=0)
         high = before[row, column]
         low = value[row, column]
-        number = first + row - (DECAY - low) / (high - low)
+        number = first + row - (level - low) / (high - low)
         decay[left[column]] = number * sample[left[column]]
     return decay, count * sample
+
+
+def ray_angles() -> Array:
+    """Return the angles of the rays [rad], over half a turn from along towards across."""
+    return np.pi * np.arange(_RAYS) / _RAYS
 
 
 def _lay(z: Array, steps: Array, wrap: bool) -> float:

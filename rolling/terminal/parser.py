@@ -398,6 +398,11 @@ def _add_surface(commands: Any) -> None:
         help="unit of x and y of an .xyz file (default: that of the heights)",
     )
     surface.add_argument(
+        "--along",
+        choices=["x", "y"],
+        help="axis of FILE along the track (default: y, so that a row lies across)",
+    )
+    surface.add_argument(
         "--tip-radius-um",
         type=arguments.positive,
         metavar="UM",

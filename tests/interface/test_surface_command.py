@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import io
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from rolling import cli, read_scene
+from rolling.commands.replaced import source_name
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 from rolling.surface import measured, scene_surface
@@ -88,6 +93,69 @@ def test_a_measurement_and_an_earlier_surface_are_not_replaced(
         np.save(f"{name}/scan.npy", factor * heights)
         code = cli.main(["surface", f"{name}/scan.npy", "--spacing-um", "2"])
         assert code == (2 if name == "b" else 0)
+
+
+def test_the_same_source_described_otherwise_replaces_its_files(tmp_path: Path) -> None:
+    """The option that the command advised changes the numbers, and both files are made anew."""
+    x, y = np.meshgrid(2e-3 * np.arange(30), 2e-3 * np.arange(20))
+    heights = 0.1 * np.random.default_rng(1).standard_normal(x.size)
+    np.savetxt("two.xyz", np.column_stack([x.ravel(), y.ravel(), heights]))
+    files = [Path("outputs/two.xyz-surface") / name for name in ("surface.csv", "surface.png")]
+    assert cli.main(["surface", "two.xyz", "--height-unit", "um", "-q"]) == 0
+    first = [path.read_bytes() for path in files]
+    words = ["--height-unit", "um", "--xy-unit", "mm", "-q"]
+    assert cli.main(["surface", "two.xyz", *words]) == 0
+    second = [path.read_bytes() for path in files]
+    assert all(old != new for old, new in zip(first, second, strict=True))
+    absolute = source_name(tmp_path / "two.xyz", files[0].parent)
+    assert absolute == source_name(Path("two.xyz"), files[0].parent) == "../../two.xyz"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda table, picture: (b"parameter,value,unit,meaning\n", picture),
+        lambda table, picture: (table.replace(b",source", b",source,mine"), picture),
+        lambda table, picture: (table.replace(b"two.npy", b"other.npy"), picture),
+        lambda table, picture: (b"1,2,3\n4,5,6\n", picture),
+        lambda table, picture: (b"\xff\x00", picture),
+        lambda table, picture: (table, picture.replace(b"two.npy", b"six.npy")),
+        lambda table, picture: (table, picture[:40]),
+        lambda table, picture: (table, b"no picture"),
+    ],
+)
+def test_files_that_do_not_name_program_and_source_are_kept(
+    change: Callable[[bytes, bytes], tuple[bytes, bytes]],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The table of an earlier version, of another source or of a person stays as it is."""
+
+    def both(described: object, source: str) -> tuple[list[str], dict[str, bytes]]:
+        table = f"parameter,value,unit,meaning,source\nSa,1,m,height,{source}\n".encode()
+        return [], {"surface.csv": table, "surface.png": png(source)}
+
+    monkeypatch.setattr("rolling.commands.surface._parameters_and_picture", both)
+    np.save("two.npy", np.zeros((9, 9)))
+    words = ["surface", "two.npy", "--spacing-um", "1", "--out", "here", "-q"]
+    assert cli.main(words) == cli.main(words) == 0
+    content = change(Path("here/surface.csv").read_bytes(), Path("here/surface.png").read_bytes())
+    Path("here/surface.csv").write_bytes(content[0])
+    Path("here/surface.png").write_bytes(content[1])
+    assert cli.main(words) == 2
+    assert ": exists; take another folder" in capsys.readouterr().err
+    assert Path("here/surface.csv").read_bytes() == content[0]
+    assert Path("here/surface.png").read_bytes() == content[1]
+
+
+def png(source: str) -> bytes:
+    """Return a picture of one point that names the program and a source."""
+    facts = PngInfo()
+    facts.add_text("Software", "rolling-contact-noise")
+    facts.add_text("Source", source)
+    stream = io.BytesIO()
+    Image.new("L", (1, 1)).save(stream, "png", pnginfo=facts)
+    return stream.getvalue()
 
 
 def test_the_surface_of_a_scene_is_described_and_saved(capsys: pytest.CaptureFixture[str]) -> None:
@@ -261,8 +329,10 @@ def test_a_mark_of_unmeasured_points_is_named(capsys: pytest.CaptureFixture[str]
     assert "6 of 1200 heights are exactly -9999 um" in said and "surface.outliers" in said
     heights[5:7, 6:9] = 1e37
     np.savetxt("scan.csv", heights)
-    assert cli.main(["surface", "scan.csv", *words]) == 2
-    assert "6 of 1200 heights are exactly 1e+37 um" in capsys.readouterr().err
+    assert cli.main(["surface", "scan.csv", *words]) == 0
+    said = capsys.readouterr()
+    assert "6 of 1200 heights are exactly 1e+37 um" in said.err
+    assert "Ra 0.0789 um" in said.out and "6 unmeasured" in said.out  # as without marks
 
 
 def test_triples_of_two_units_have_the_spacing_that_is_meant(

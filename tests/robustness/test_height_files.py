@@ -20,7 +20,8 @@ from rolling.check import findings
 from rolling.scene import file, height_files
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.surface import measured, scene_surface
+from rolling.surface import scene_surface
+from rolling.surface.described_file import DescribedFile, FileOptions, described_file
 from rolling.terminal.files import FolderError
 
 TEXT = """\
@@ -45,6 +46,11 @@ def fault(folder: Path, name: str, *overrides: str) -> str:
     (text,) = error.value.faults
     assert "pickle" not in text and "\n" not in text
     return text
+
+
+def described(folder: Path, unit: str) -> DescribedFile:
+    """Return h.csv as `rolling surface` describes it."""
+    return described_file(folder / "h.csv", FileOptions(spacing_um=2.0, height_unit=unit))
 
 
 def text_of(separator: str, end: str = "\n") -> str:
@@ -282,14 +288,14 @@ def test_triples_are_no_matrix(
     np.savetxt(tmp_path / "h.csv", points, "%.9g", separator)
     assert ".xyz" in fault(tmp_path, "h.csv")
     with pytest.raises(FolderError, match=r"\.xyz"):
-        measured.levelled(tmp_path / "h.csv", 2.0, None, "m")
+        described(tmp_path, "m")
 
 
 def test_three_columns_of_heights_are_described(tmp_path: Path) -> None:
     for heights in (Z[:, :3], Z[:3], np.round(UM[:, :3]), np.tile(Z[:1, :3], (24, 1))):
         np.savetxt(tmp_path / "h.csv", heights, "%.9g", ",")
-        read, _, doubts = measured.levelled(tmp_path / "h.csv", 2.0, None, "nm")
-        assert read.shape == heights.shape and doubts == []
+        read = described(tmp_path, "nm")
+        assert read.heights.shape == heights.shape and read.doubts == []
 
 
 def test_a_profile_with_its_places_is_refused(tmp_path: Path) -> None:
@@ -323,7 +329,7 @@ def test_a_line_that_counts_is_named(
     np.savetxt(tmp_path / "h.csv", change(Z), "%.9g", ",")
     sentences = scene_surface.scene_surface(scene(tmp_path, "h.csv")).suspicions
     assert [name for name in ("column", "row") if f"the first {name}" in str(sentences)] == names
-    assert measured.levelled(tmp_path / "h.csv", 2.0, None, "m")[2] == [*sentences]
+    assert described(tmp_path, "m").doubts == [*sentences]
 
 
 def test_a_text_in_utf_16_is_named(tmp_path: Path) -> None:

@@ -1,0 +1,67 @@
+"""Files that a command may replace: its own, of the same source, by what the files say.
+
+A table names its source in a column and a picture in its header. A file that says nothing, or
+another source, is a person's.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from pathlib import Path
+
+from PIL import PngImagePlugin
+
+from rolling.scene.height_files import read_regular
+from rolling.terminal.files import FolderError
+
+SOURCE = "Source"  # text of a picture, and in small letters the column of a table
+MAX_BYTES = 50_000_000  # of an earlier file, of which the command writes far less
+
+
+def source_name(source: Path, folder: Path) -> str:
+    """Name a source as seen from the folder of its files; a scene of the program by its name."""
+    if not source.exists():
+        return source.as_posix()
+    return Path(os.path.relpath(source.resolve(), folder.resolve())).as_posix()
+
+
+def refuse_others(path: Path, content: bytes) -> None:
+    """Raise FolderError where a file exists that a content of the same name may not replace."""
+    if not path.exists():
+        return
+    try:
+        is_own = _origin(path.suffix, read_regular(path, MAX_BYTES)) == _origin(
+            path.suffix, content
+        )
+    except OSError:
+        is_own = False
+    if not is_own:
+        raise FolderError(f"{path}: exists; take another folder, or remove it")
+
+
+def _origin(ending: str, content: bytes) -> object:
+    """Return what a table or a picture says of its origin; bytes that say nothing are their own."""
+    if ending == ".csv":
+        return _origin_of_table(content) or content
+    return _origin_of_picture(content) or content
+
+
+def _origin_of_table(content: bytes) -> tuple[list[str], list[tuple[str, str]]] | None:
+    """Return head, and first cell and source of each row, of a table; None without a source."""
+    try:
+        head, *rows = csv.reader(io.StringIO(content.decode()))
+        column = head.index(SOURCE.lower())
+        return head, [(row[0], row[column]) for row in rows]
+    except (ValueError, IndexError, csv.Error):
+        return None
+
+
+def _origin_of_picture(content: bytes) -> tuple[str, str] | None:
+    """Return program and source in the header of a PNG; None without them."""
+    try:
+        info = PngImagePlugin.PngImageFile(io.BytesIO(content)).info
+        return info["Software"], info[SOURCE]
+    except (OSError, SyntaxError, ValueError, KeyError):
+        return None
