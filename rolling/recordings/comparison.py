@@ -17,11 +17,13 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, EDGES_HZ, MID_HZ, NOMINAL_HZ
+from acoustics.numbers import rounded_up
 from acoustics.wav import SAMPLE_RATE_HZ as RATE
 from rolling.recordings.levels import (
     MODULATION_HZ,
     Bands,
     ComparedLevels,
+    Total,
     all_levels,
     third_octave_levels,
     totals_of,
@@ -30,6 +32,7 @@ from rolling.recordings.levels import (
 from rolling.recordings.pairs import RecordPair, pair_records, place_notes, placed_pairs
 from rolling.recordings.recorded import (
     PRESSURE,
+    FullScale,
     MeasuredQuantity,
     Recording,
     full_scales,
@@ -37,10 +40,13 @@ from rolling.recordings.recorded import (
     read_channels,
     usable,
 )
+from rolling.recordings.run_spread import PART_WORDS, RunSpread, run_spread
+from rolling.results.answer import uncertain
 from rolling.results.run_result import Run
 from rolling.terminal.files import FolderError
 
-MAX_DB = 10.0  # least uncertainty of a band that tells nothing
+MAX_DB = 10.0  # least uncertainty by its record of a band that tells nothing
+NAMED_DB = 0.1  # smallest part of a ± that a sentence names
 THIRD_OCTAVE = "third octave"
 MODULATION = "modulation"
 FULL_MODULATION = "full modulation"  # the reference of a modulation
@@ -85,17 +91,18 @@ def compare(
     measured = quantity_of(quantity)
     pairs = pair_records(run, path, measured, channels)
     count = len(read_channels(path, measured))
-    scales: list[float | None] = [None] * count
+    scales: list[FullScale | None] = [None] * count
     if calibration is not None:
         scales = [*full_scales(calibration, measured, count)]
     placed = placed_pairs(pairs)
+    spread = run_spread(run, measured)
     tables = []
     notes = [_run_note(run, pairs), *place_notes(pairs, placed)]
     for pair in placed.pairs:
         noise = None
         if background is not None:
             noise = _background(background, measured, pair.number, count)
-        compared = _compare_pair(pair, path, scales[pair.number], noise)
+        compared = _compare_pair(pair, spread, path, scales[pair.number], noise)
         tables.append(compared.table)
         notes += compared.notes
     if measured is PRESSURE and run.summary["source"] == "release":
@@ -129,11 +136,15 @@ class _PairComparison(NamedTuple):
 
 
 def _compare_pair(
-    pair: RecordPair, path: Path, full_scale: float | None, noise: Recording | None
+    pair: RecordPair,
+    spread: RunSpread,
+    path: Path,
+    full_scale: FullScale | None,
+    noise: Recording | None,
 ) -> _PairComparison:
     """Compare a record of a run with a channel of a recording.
 
-    Without the value of full scale [SI unit] the total levels are made equal.
+    Without the value of full scale the total levels are made equal.
     """
     quantity = pair.recording.quantity
     bands = _common_bands(pair, noise)
@@ -146,15 +157,21 @@ def _compare_pair(
     recorded = all_levels(pair.recording, bands.recording, octave)
     totals = totals_of(quantity)
     first_total = len(BAND_NAMES)  # the totals stand behind the bands
+    calibration_db = 0.0
     if full_scale is None:
         shift_db = own.levels_db[first_total] - recorded.levels_db[first_total]
         scale = f"not calibrated: its {totals[0].name} is made equal"
     else:
-        shift_db = 20 * math.log10(full_scale)
-        scale = f"full scale is {full_scale:.4g} {quantity.unit}"
-    recorded.levels_db[: first_total + len(totals)] += shift_db
+        shift_db = 20 * math.log10(full_scale.value)
+        scale = f"full scale is {full_scale.value:.4g} {quantity.unit}"
+        calibration_db = full_scale.uncertainty_db
+    levels = slice(0, first_total + len(totals))  # the modulation behind them is no level
+    recorded.levels_db[levels] += shift_db
+    records_db = np.hypot(own.uncertainties_db, recorded.uncertainties_db)
+    recorded.uncertainties_db[levels] = np.hypot(recorded.uncertainties_db[levels], calibration_db)
+    own.uncertainties_db[levels] = _whole_uncertainties_db(spread, own, bands.run, quantity)
     a_weighting_db = bands.run.a_weighted_db - bands.run.level_db
-    table = _pair_table(pair, own, recorded, a_weighting_db)
+    table = _pair_table(pair, own, recorded, records_db, a_weighting_db)
     which = "first channel" if pair.number == 0 else f"channel {pair.number + 1}"
     with_run = f" with the run's {pair.name}" if pair.name else ""
     loudest_of = f", where the run{f' ({pair.name})' if pair.name else ''} is loudest"
@@ -162,9 +179,44 @@ def _compare_pair(
         f"recording: {pair.recording.name}, {which}{with_run}, {pair.recording.seconds:.3g} s;"
         f" {scale}",
         f"modulation: from {octave[0]:.0f} to {octave[1]:.0f} Hz{loudest_of}",
+        *_spread_note(spread, bands.run, totals[0]),
         *bands.left_out,
     ]
     return _PairComparison(table=table, notes=notes)
+
+
+def _whole_uncertainties_db(
+    spread: RunSpread, own: ComparedLevels, bands: Bands, quantity: MeasuredQuantity
+) -> Array:
+    """Return the whole uncertainties of a run's third octaves and of their totals [dB].
+
+    `own` has those of its record.
+    """
+    count = len(BAND_NAMES)
+    records_db = own.uncertainties_db
+    of_totals = [
+        spread.of_total(records_db[count + number], _powers(bands, total))
+        for number, total in enumerate(totals_of(quantity))
+    ]
+    return np.hstack([spread.of_bands(records_db[:count]), of_totals])
+
+
+def _powers(bands: Bands, total: Total) -> Array:
+    """Return the powers of third octaves, (31,), with the weighting of their total."""
+    return np.asarray(10 ** (bands.weighted(total.weighting) / 10))
+
+
+def _spread_note(spread: RunSpread, bands: Bands, total: Total) -> list[str]:
+    """Say what the ± of a run's total holds beside the length of its record."""
+    parts = spread.parts_of_total(_powers(bands, total))
+    large = [
+        f"{rounded_up(part)} dB by {PART_WORDS[name]}"
+        for name, part in sorted(parts.items(), key=lambda item: -item[1])
+        if part >= NAMED_DB
+    ]
+    if not large:
+        return []
+    return [f"± of the run's {total.name}, beside the length of its record: {', '.join(large)}"]
 
 
 class _CommonBands(NamedTuple):
@@ -205,9 +257,16 @@ def _left_out(fault: str, bands: NDArray[np.bool_]) -> list[str]:
 
 
 def _pair_table(
-    pair: RecordPair, own: ComparedLevels, recorded: ComparedLevels, a_weighting_db: Array
+    pair: RecordPair,
+    own: ComparedLevels,
+    recorded: ComparedLevels,
+    records_db: Array,
+    a_weighting_db: Array,
 ) -> pd.DataFrame:
-    """Tabulate the levels of both records: third octaves, total levels, octaves of modulation."""
+    """Tabulate the levels of both records: third octaves, total levels, octaves of modulation.
+
+    `records_db` are the uncertainties of the differences [dB] by the lengths of the records alone.
+    """
     quantity = pair.recording.quantity
     totals = totals_of(quantity)
     bands = len(BAND_NAMES)
@@ -229,6 +288,7 @@ def _pair_table(
         "recording_uncertainty_db": recorded.uncertainties_db,
         "difference_db": own.levels_db - recorded.levels_db,
         "difference_uncertainty_db": np.hypot(own.uncertainties_db, recorded.uncertainties_db),
+        "records_uncertainty_db": records_db,
     }
     if quantity is PRESSURE:
         # Only third octaves are A-weighted beside; a total names its own weighting.
@@ -309,5 +369,5 @@ def _in_words(rows: pd.DataFrame, unit: str) -> pd.DataFrame:
     for name, column in columns.items():
         pairs = zip(rows[f"{name}_db"], rows[f"{name}_uncertainty_db"], strict=True)
         # A level that rounds to -0.0 is written as 0.0.
-        frame[column] = [f"{round(db, 1) + 0.0:.1f} ± {u:.1f}" for db, u in pairs]
+        frame[column] = [uncertain(round(db, 1) + 0.0, u) for db, u in pairs]
     return frame

@@ -187,10 +187,17 @@ def _is_clipped(channel: Array) -> bool:
 # ---- calibration
 
 
+class FullScale(NamedTuple):
+    """Value of full scale [SI unit], and the uncertainty of its level [dB] by a recorded tone."""
+
+    value: float
+    uncertainty_db: float
+
+
 def full_scales(
     calibration: str | Sequence[str], quantity: MeasuredQuantity, channels: int
-) -> list[float]:
-    """Return the value of full scale [SI unit] of each channel of a recording.
+) -> list[FullScale]:
+    """Return the full scale of each channel of a recording.
 
     Parameters
     ----------
@@ -221,19 +228,21 @@ def full_scales(
     return [_full_scale(part, quantity, number, channels) for number, part in enumerate(parts)]
 
 
-def _full_scale(text: str, quantity: MeasuredQuantity, number: int, channels: int) -> float:
-    """Return the value of full scale [SI unit] of a channel from a number, or from a tone."""
+def _full_scale(text: str, quantity: MeasuredQuantity, number: int, channels: int) -> FullScale:
+    """Return the full scale of a channel from a number, or from a tone."""
     path, sign, level = text.rpartition("=")
     try:
         value = float(level)
     except ValueError:
         value = math.nan
     if path and quantity is PRESSURE and 0 <= value <= MAX_TONE_DB:
-        return P_REF_PA * 10 ** (value / 20) / _tone_rms(Path(path), quantity, number, channels)
+        tone = _steady_tone(Path(path), quantity, number, channels)
+        return FullScale(P_REF_PA * 10 ** (value / 20) / tone.rms, tone.uncertainty_db)
     if path and quantity is not PRESSURE and 1 / LARGEST <= value <= LARGEST:
-        return value / _tone_rms(Path(path), quantity, number, channels)
+        tone = _steady_tone(Path(path), quantity, number, channels)
+        return FullScale(value / tone.rms, tone.uncertainty_db)
     if not sign and _is_scale(value, quantity):
-        return value
+        return FullScale(value, 0.0)
     if quantity is PRESSURE:
         allowed = (
             f"TONE.wav=DB, 0 to {MAX_TONE_DB:g} dB re {quantity.reference_text}, or the pressure of"
@@ -254,8 +263,15 @@ def _is_scale(value: float, quantity: MeasuredQuantity) -> bool:
     return 1e-15 <= value <= 1e15  # a displacement may be nanometres, a force kilonewtons
 
 
-def _tone_rms(path: Path, quantity: MeasuredQuantity, number: int, channels: int) -> float:
-    """Return the rms of a steady tone without the noise beyond half an octave from it.
+class _Tone(NamedTuple):
+    """Rms of a recorded tone [full scale], and what its parts scatter [dB]."""
+
+    rms: float
+    uncertainty_db: float
+
+
+def _steady_tone(path: Path, quantity: MeasuredQuantity, number: int, channels: int) -> _Tone:
+    """Return a steady tone without the noise beyond half an octave from it.
 
     The tone of a file with one channel holds for all channels of a recording.
     """
@@ -277,7 +293,7 @@ def _tone_rms(path: Path, quantity: MeasuredQuantity, number: int, channels: int
         raise FolderError(
             f"{tone.name}{of_channel}: no steady tone, or it is clipped or lost in noise"
         )
-    return math.sqrt(power)
+    return _Tone(math.sqrt(power), tone.scatter_db)
 
 
 def _counted(channels: int) -> str:

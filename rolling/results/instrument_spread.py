@@ -171,8 +171,22 @@ def instrument_numbers(run: SolvedRun) -> dict[str, Any]:
 
 def part_db(numbers: Mapping[str, Any], source: str) -> float | None:
     """Return the uncertainty [dB] of the LAeq of a source in the numbers of a summary."""
+    part: float | None = _of_source(numbers, source, "spread_db")
+    return part
+
+
+def third_octave_parts_db(
+    numbers: Mapping[str, Any], source: str
+) -> Mapping[str, float | None] | None:
+    """Return the uncertainties [dB] of the third octaves of a source in a summary, by name."""
+    parts: Mapping[str, float | None] | None
+    parts = _of_source(numbers, source, "third_octave_spread_db")
+    return parts
+
+
+def _of_source(numbers: Mapping[str, Any], source: str, key: str) -> Any:
+    """Return a number of the instrument for a source; None where there is none."""
     if "instrument" not in numbers:
         return None
     name = "vibration" if source == "vibration" else "released_power"
-    part: float | None = numbers["instrument"][f"{name}_spread_db"]
-    return part
+    return numbers["instrument"][f"{name}_{key}"]

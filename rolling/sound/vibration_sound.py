@@ -6,10 +6,12 @@ pressure at the first listener, and sound power stands beside them.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from acoustics import level, resampling, spectrum, uncertainty, wav
 from acoustics.arrays import Array, short_repr
@@ -71,6 +73,8 @@ class Vibration:
     spreads : dict, dB
         Known parts of the uncertainty of LAeq: record, comb, time_step, contact_loss and, on a free
         plate, baffle.
+    band_spreads : dict of (31,) arrays, dB
+        The same parts of the third octaves, but for that of the record.
     mean_laeq : float or None, dB
         Mean level over speeds within 3 %; None without a comb.
     plate_power, ball_power : (31,) arrays, W
@@ -102,6 +106,7 @@ class Vibration:
     levels: level.SoundLevels
     uncertainty: uncertainty.LevelUncertainty
     spreads: dict[str, float]
+    band_spreads: dict[str, Array]
     mean_laeq: float | None
     plate_power: Array
     ball_power: Array
@@ -226,6 +231,7 @@ def vibrate(
         known = 0.0 if spreads else None
         spread = spread.mapped(lambda _: known)
     plate_power, ball_power = powers(scene, force, highest)
+    band_spreads = _band_spreads(step_error_db, chain, combed, loss, unbaffled)
     return Vibration(
         motion=motion,
         law=law,
@@ -236,8 +242,9 @@ def vibrate(
         force=force,
         pressures=pressures,
         levels=levels,
-        uncertainty=_with_other_parts(spread, spreads, chain, combed, loss, unbaffled),
+        uncertainty=_with_other_parts(spread, spreads, band_spreads),
         spreads=spreads,
+        band_spreads=band_spreads,
         mean_laeq=None if combed is None else combed.mean_laeq_db,
         plate_power=plate_power,
         ball_power=ball_power,
@@ -306,44 +313,70 @@ def _weighted_squares(levels: level.SoundLevels) -> Array:
     return squares
 
 
-def _with_other_parts(
-    spread: uncertainty.LevelUncertainty,
-    spreads: dict[str, float],
+def _band_spreads(
+    step_error_db: float | None,
     chain: Chain,
     combed: Comb | None,
     loss: ContactLoss | None,
     unbaffled: BaffleSpread | None,
-) -> uncertainty.LevelUncertainty:
-    """Return uncertainties [dB] of the record joined with the other parts of LAeq's.
+) -> dict[str, Array]:
+    """Return the known parts of the uncertainty of third octaves (31,) [dB], without the record's.
 
-    The comb widens the levels of the whole, and each third octave by its own comb. The time steps
-    widen the levels of the whole and the third octave that holds the resonance, or all third
-    octaves on a plate with modes. The unknown loss of the contact widens each by half its change,
-    and the missing baffle of a free plate widens each.
+    Each third octave has its own comb. The time steps widen the third octave that holds the
+    resonance, or all on a plate with modes. The unknown loss of the contact widens each by half its
+    change, and the missing baffle of a free plate widens each.
     """
-    comb_db = spreads.get("comb", 0.0)
-    step_db = spreads.get("time_step", 0.0)
-    others_db = [step_db, spreads.get("contact_loss", 0.0), spreads.get("baffle", 0.0)]
-    whole = spread.mapped(lambda db: math.hypot(max(db, comb_db), *others_db))
-    in_step = set(BAND_NAMES)
-    if chain.modes is None:
-        widest = len(BAND_NAMES) - 1
-        of_resonance = min(int(np.searchsorted(EDGES_HZ[1:], chain.resonance_hz)), widest)
-        in_step = {BAND_NAMES[of_resonance]}
+    parts: dict[str, Array] = {}
+    if combed is not None:
+        parts["comb"] = combed.band_spread_db
+    if step_error_db is not None:
+        in_step = np.ones(len(BAND_NAMES), dtype=bool)
+        if chain.modes is None:
+            widest = len(BAND_NAMES) - 1
+            of_resonance = min(int(np.searchsorted(EDGES_HZ[1:], chain.resonance_hz)), widest)
+            in_step = np.arange(len(BAND_NAMES)) == of_resonance
+        parts["time_step"] = np.where(in_step, step_error_db, 0.0)
+    if loss is not None:
+        parts["contact_loss"] = HALF * np.abs(loss.third_octave_db)
+    if unbaffled is not None:
+        parts["baffle"] = unbaffled.third_octave_db
+    return parts
+
+
+def joined_db(record_db: ArrayLike, parts: Mapping[str, ArrayLike]) -> Array:
+    """Return the uncertainty of levels [dB] from that of their record and from its other parts.
+
+    The lines next to a sharp resonance are strong or weak by chance, which is in the part of the
+    record as well as in that of the comb: the larger of the two counts.
+    """
+    overlapping = np.maximum(record_db, parts.get("comb", 0.0))
+    square = np.square(overlapping)
+    for name, part in parts.items():
+        if name not in ("record", "comb"):
+            square = square + np.square(part)
+    return np.asarray(np.sqrt(square))
+
+
+def _with_other_parts(
+    spread: uncertainty.LevelUncertainty,
+    spreads: dict[str, float],
+    band_spreads: dict[str, Array],
+) -> uncertainty.LevelUncertainty:
+    """Return uncertainties [dB] of the record joined with the other parts.
+
+    The levels of the whole have the parts of LAeq.
+    """
+    whole = spread.mapped(lambda db: float(joined_db(db, spreads)))
     bands: dict[str, float | None] = {}
     for k, (name, db) in enumerate(spread.third_octave_db.items()):
-        if db is not None and combed is not None:
-            db = max(db, float(combed.band_spread_db[k]))
-        if db is not None and name in in_step:
-            db = math.hypot(db, step_db)
-        if db is not None and loss is not None:
-            db = math.hypot(db, HALF * float(loss.third_octave_db[k]))
-        if db is not None and unbaffled is not None:
-            db = math.hypot(db, float(unbaffled.third_octave_db[k]))
         bands[name] = db
+        if db is not None:
+            of_band = {part: values[k] for part, values in band_spreads.items()}
+            bands[name] = float(joined_db(db, of_band))
     joined = replace(whole, third_octave_db=bands)
+    comb_db = spreads.get("comb", 0.0)
     if comb_db > COMB_MOST_DB:  # the level is the mean over the comb, whatever the record is
-        joined = replace(joined, laeq_db=math.hypot(comb_db, *others_db))
+        joined = replace(joined, laeq_db=float(joined_db(comb_db, spreads)))
     return joined
 
 
