@@ -59,7 +59,7 @@ class MarchedContact:
     stiffness_change : float. Mean stiffness between the loads beside the middle one over Hertz's,
         less 1; NaN with fewer marches.
     max_pressure_pa : float, Pa. Maximum pressure.
-    seconds : float, s. Time of the marches at all loads, sum of their steps.
+    march_cpu_s : float, s. Processor time of the marches at all loads.
     """
 
     name: str
@@ -69,7 +69,7 @@ class MarchedContact:
     approach_loss: float
     stiffness_change: float
     max_pressure_pa: float
-    seconds: float
+    march_cpu_s: float
 
 
 def marched_contacts(plan: ContactPlan, marches: Marches) -> list[MarchedContact]:
@@ -112,7 +112,7 @@ def _numbers(
         approach_loss=means[middle] / hertz - 1,
         stiffness_change=change,
         max_pressure_pa=max(march.max_pressure_pa for march in by_load.values()),
-        seconds=sum(march.seconds for march in by_load.values()),
+        march_cpu_s=sum(march.effort.march_s for march in by_load.values()),
     )
 
 

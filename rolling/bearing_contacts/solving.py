@@ -17,6 +17,7 @@ import numpy as np
 
 from acoustics.arrays import Array, short_repr
 from rolling.contact.solver import ContactError
+from rolling.marches.effort import ARRAY, PieceEffort
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.results.run_folder import RunFolder
@@ -30,6 +31,8 @@ from rolling.terminal import progress, shortage
 from rolling.terminal.files import make_below, write_bytes
 
 CONTACTS = "contacts"  # folder of the marches, in the run folder
+# Arrays of the file of a march; the approach has as many values as the track has steps.
+_SHAPES: dict[str, tuple[int | None, ...]] = {"approach_m": (None,), "numbers": (2,), ARRAY: (3,)}
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,7 @@ class ContactMarch:
     approach_m : (steps,) array, m. Approach at each position.
     max_pressure_pa : float, Pa. Maximum pressure along the track.
     contact_area_m2 : float, m2. Mean contact area.
-    seconds : float, s. Time of the march, sum of its steps.
+    effort : PieceEffort, s. Processor times; zeros for a march that was taken from another run.
     """
 
     __repr__ = short_repr
@@ -47,7 +50,7 @@ class ContactMarch:
     approach_m: Array
     max_pressure_pa: float
     contact_area_m2: float
-    seconds: float
+    effort: PieceEffort
 
 
 Marches = Mapping[str, ContactMarch]  # by contact identity
@@ -173,7 +176,7 @@ def march_of(result: Result) -> ContactMarch:
         approach_m=result.series["approach"][: result.solved_steps],
         max_pressure_pa=float(result.series["max_pressure"].max()),
         contact_area_m2=float(result.series["contact_area"].mean()),
-        seconds=float(result.series["step_time"].sum()),
+        effort=result.effort.of_march(),
     )
 
 
@@ -193,7 +196,8 @@ def store_march(run: RunFolder, label: str, result: Result) -> None:
         content,
         allow_pickle=False,
         approach_m=march.approach_m,
-        numbers=np.array([march.max_pressure_pa, march.contact_area_m2, march.seconds]),
+        numbers=np.array([march.max_pressure_pa, march.contact_area_m2]),
+        effort=np.array(march.effort),
     )
     write_bytes(march_path(run.folder.parent, label), content.getvalue())
 
@@ -201,14 +205,19 @@ def store_march(run: RunFolder, label: str, result: Result) -> None:
 def _read_march(folder: Path, identity: str) -> ContactMarch | None:
     """Read the file of a march; return None for a missing or damaged file."""
     arrays = read_piece(march_path(folder, identity))
-    if arrays is None or set(arrays) != {"approach_m", "numbers"}:
+    if arrays is None or set(arrays) != _SHAPES.keys():
         return None
-    approach = arrays["approach_m"]
-    numbers = arrays["numbers"]
-    is_sound = approach.ndim == 1 and numbers.shape == (3,) and approach.dtype == np.float64
-    if not is_sound or not np.all(np.isfinite(approach)):
-        return None
-    pressure, area, seconds = numbers.tolist()
+    for name, shape in _SHAPES.items():
+        values = arrays[name]
+        is_sound = values.ndim == len(shape) and values.dtype == np.float64
+        if not is_sound or (shape != (None,) and values.shape != shape):
+            return None
+        if not np.all(np.isfinite(values)):
+            return None
+    pressure, area = arrays["numbers"].tolist()
     return ContactMarch(
-        approach_m=approach, max_pressure_pa=pressure, contact_area_m2=area, seconds=seconds
+        approach_m=arrays["approach_m"],
+        max_pressure_pa=pressure,
+        contact_area_m2=area,
+        effort=PieceEffort(*arrays[ARRAY].tolist()),
     )

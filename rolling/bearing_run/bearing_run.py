@@ -71,6 +71,8 @@ class BearingRun:
         Numbers of the rough contacts that were marched.
     contact_uncertainty : BandUncertainty
         Parts of the uncertainty of the bands that come from the rough contacts. Default: none.
+    parts_cpu_s : dict
+        Processor time [s] of each part of the run, as far as it is done.
     without_faults : WithoutFaults, optional
         Numbers of the same bearing without its single faults; None where it has none.
     values : dict
@@ -99,6 +101,7 @@ class BearingRun:
     solved: tuple[Doubt, ...] = ()
     contacts: tuple[dict[str, Any], ...] = ()
     contact_uncertainty: BandUncertainty = field(default_factory=BandUncertainty)
+    parts_cpu_s: Mapping[str, float | None] = field(default_factory=dict)
     without_faults: WithoutFaults | None = None
     values: Mapping[str, Value] = field(default_factory=dict)
     label: str = ""

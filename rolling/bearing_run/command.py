@@ -24,8 +24,10 @@ from rolling.bearing.ring_record import DIRECTIONS
 from rolling.bearing_run import page, simulation, stored_run, summary
 from rolling.bearing_run.bearing_run import BearingRun
 from rolling.bearing_run.without_faults import stored_without_faults
+from rolling.contact.processor_time import ProcessorTime
 from rolling.contact.solver import ContactError
 from rolling.figures.picture import csv_bytes
+from rolling.marches import effort
 from rolling.results.run_folder import FAILED, PAGE, RESULT, SUMMARY, TABLE, BearingFolder
 from rolling.run import folder as folders
 from rolling.scene.bearing_scene import BearingScene
@@ -187,6 +189,7 @@ def read_run(place: BearingFolder) -> BearingRun:
         solved=tuple(summary.stored_doubts(stored)),
         contacts=tuple(stored.get("contacts", ())),
         contact_uncertainty=stored_uncertainty(stored.get("bands_uncertainty_parts_db", {})),
+        parts_cpu_s=stored.get(effort.PARTS, {}),
         without_faults=stored_without_faults(stored.get("without_faults")),
         values=place.values,
         label=label_of(place),
@@ -208,19 +211,31 @@ def _write_derived(folder: Path, runs: Sequence[BearingFolder], report: bool) ->
         with progress.step("writing listen.wav with one gain for the sweep"):
             write_with_common_gain(done)
     files.write_bytes(folder / TABLE, csv_bytes(run_table(done)))
-    if report:
-        write_report(folder, done, [label_of(run) for run in runs if not run.is_done])
+    if not report:
+        return
+    began = ProcessorTime.now()
+    content = _drawn_report(folder, done, [label_of(run) for run in runs if not run.is_done])
+    spent = ProcessorTime.now().since(began)
+    for run in done:  # before the page, which must not be older than a summary
+        numbers = stored_run.read_summary(run.folder / SUMMARY)
+        files.write_json(run.folder / SUMMARY, effort.with_page(numbers, spent, len(done)))
+    files.write_bytes(folder / PAGE, content)
 
 
 def write_report(folder: Path, done: Sequence[BearingFolder], unsolved: Sequence[str]) -> None:
     """Write the figures of runs that are done and the page of a folder."""
+    files.write_bytes(folder / PAGE, _drawn_report(folder, done, unsolved))
+
+
+def _drawn_report(folder: Path, done: Sequence[BearingFolder], unsolved: Sequence[str]) -> bytes:
+    """Write the figures of runs that are done, and return the page of a folder."""
     with progress.step("drawing the figures"):
         runs = opened(done[: defaults.MAX_RUNS_ON_PAGE])
         not_shown = [*unsolved, *map(label_of, done[defaults.MAX_RUNS_ON_PAGE :])]
         for run in runs:
             stored_run.write_figures(run, run.folder)
     with progress.step("writing the page"):
-        files.write_bytes(folder / PAGE, page.page(runs, _scene_text(folder), not_shown))
+        return page.page(runs, _scene_text(folder), not_shown)
 
 
 def _scene_text(folder: Path) -> str:
@@ -268,6 +283,7 @@ def run_table(done: Sequence[BearingFolder]) -> DataFrame:
         housing = numbers.get("housing") or {}
         if "laeq_db" in housing:
             row["housing_laeq_db"] = housing["laeq_db"]
+        row["march_cpu_s"] = numbers.get("march_cpu_s")
         rows.append(row)
     return DataFrame(rows)
 

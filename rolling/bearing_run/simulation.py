@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,10 @@ from rolling.bearing_contacts.plan import ContactPlan, contact_plan
 from rolling.bearing_contacts.solving import Marches, solved_stages
 from rolling.bearing_run.bearing_run import BearingRun
 from rolling.bearing_run.without_faults import without_faults_of_record
+from rolling.contact.processor_time import ProcessorTime
+from rolling.marches import effort
+from rolling.marches.effort import Effort
+from rolling.marches.piece import contact_identity
 from rolling.scene import library
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.messages import SceneError
@@ -74,15 +78,53 @@ def bearing_stages(
     plan = contact_plan(scene)
     stages = [stage for stage in plan.stages if stage]
     if not stages:
-        yield BearingStage(_final(_moved(scene, plan, {}), plan, {}), is_final=True)
+        run, spent = _heard(scene, plan, {}, is_final=True)
+        yield BearingStage(_with_parts(run, Effort(), [spent]), is_final=True)
         return
     solving = solved_stages(stages, name=scene.name, folder=folder, workers=workers, shown=shown)
+    motions: list[ProcessorTime] = []
     for number, marches in enumerate(solving, start=1):
-        run = _moved(scene, plan, marches)
         is_final = number == len(stages)
-        if is_final:
-            run = _final(run, plan, marches)
-        yield BearingStage(run, is_final)
+        run, spent = _heard(scene, plan, marches, is_final)
+        motions.append(spent)
+        yield BearingStage(_with_parts(run, march_effort(plan, marches), motions), is_final)
+
+
+def _heard(
+    scene: BearingScene, plan: ContactPlan, marches: Marches, is_final: bool
+) -> tuple[BearingRun, ProcessorTime]:
+    """Return the run that the marches give, and the processor time that its motions took."""
+    began = ProcessorTime.now()
+    run = _moved(scene, plan, marches)
+    if is_final:
+        run = _final(run, plan, marches)
+    return run, ProcessorTime.now().since(began)
+
+
+def march_effort(plan: ContactPlan, marches: Marches) -> Effort:
+    """Return the processor times of the marches of a bearing; equal contacts count once."""
+    part_of: dict[str, str] = {}  # by contact identity
+    for contact in plan.rough.values():
+        for load, scene in contact.scenes.items():
+            part = effort.MARCH if load == contact.middle_load_n else effort.LOAD_MARCHES
+            part_of.setdefault(contact_identity(scene), part)
+    for stretch in plan.faults:
+        for pair in stretch.scenes.values():
+            for scene in pair:
+                part_of.setdefault(contact_identity(scene), effort.FAULT_STRETCHES)
+    whole = Effort()
+    for identity, part in part_of.items():
+        if identity in marches:
+            whole.add_piece(part, marches[identity].effort)
+    return whole
+
+
+def _with_parts(run: BearingRun, marched: Effort, motions: Sequence[ProcessorTime]) -> BearingRun:
+    """Return a run with the processor times of its marches and motions."""
+    parts = marched.numbers(effort.OF_BEARING)
+    for spent in motions:
+        parts = effort.with_work(parts, effort.SOUND, spent)
+    return replace(run, parts_cpu_s=parts)
 
 
 def refuse(scene: BearingScene, workers: int, folder: Path | None = None) -> None:

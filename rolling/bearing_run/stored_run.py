@@ -19,8 +19,10 @@ from rolling.bearing.ring_record import DIRECTIONS, RingRecord
 from rolling.bearing.tracks import BearingTracks, BodyTrack
 from rolling.bearing_run import figures
 from rolling.bearing_run.without_faults import stored_without_faults
+from rolling.contact.processor_time import ProcessorTime
 from rolling.figures.picture import csv_bytes
 from rolling.figures.settings import left_out_if_it_fails
+from rolling.marches import effort
 from rolling.results import result_file
 from rolling.results.run_folder import MAX_SUMMARY, RESULT, SUMMARY
 from rolling.results.summary import program_provenance
@@ -307,6 +309,7 @@ def write_run(run: BearingRun, folder: Path) -> None:
     ------
     OSError : a file cannot be written. An earlier file of this name is kept.
     """
+    began = ProcessorTime.now()
     files.write_bytes(folder / RESULT, result_bytes(run))
     sound = write_acceleration(run, folder)
     write_listen(run, folder, sound, sound.gain)
@@ -317,7 +320,10 @@ def write_run(run: BearingRun, folder: Path) -> None:
         "listen": listen_facts(sound, sound.gain),
         "provenance": program_provenance(run.label),
     }
-    files.write_json(folder / SUMMARY, {**run.summary, **facts})
+    numbers = {**run.summary, **facts}
+    spent = ProcessorTime.now().since(began)
+    numbers[effort.PARTS] = effort.with_work(numbers[effort.PARTS], effort.SOUND, spent)
+    files.write_json(folder / SUMMARY, numbers)
 
 
 def write_figures(run: BearingRun, folder: Path) -> None:
@@ -351,6 +357,8 @@ def read_summary(path: Path) -> dict[str, Any]:
         float(summary["listen"]["full_scale_m_s2"])
         stored_without_faults(summary.get("without_faults"))
         stored_uncertainty(summary.get("bands_uncertainty_parts_db", {}))
+        for seconds in summary.get(effort.PARTS, {}).values():
+            float(seconds or 0.0)
     except OSError as error:
         raise FolderError(f"{path}: not readable ({error.strerror or error}); {advice}") from error
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:

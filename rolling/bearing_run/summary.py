@@ -16,6 +16,7 @@ from rolling.bearing.lines import FAULT_LINES
 from rolling.bearing.ring_record import AXIAL, DIRECTIONS, NOTHING_UM_S, RADIAL, UM_S
 from rolling.bearing_contacts.bearing_check import scene_rules
 from rolling.check.doubt import Doubt, Severity, severity_of, sized
+from rolling.marches import effort
 
 if TYPE_CHECKING:
     from rolling.bearing_run.bearing_run import BearingRun
@@ -75,6 +76,8 @@ def summarize(run: BearingRun) -> dict[str, Any]:
         "ring_bending_hz": bending_hz,
         "ring_bending_note": f"above {bending_hz:.0f} Hz the rigid ring does not hold",
         "contacts": list(run.contacts),
+        "march_cpu_s": run.parts_cpu_s.get(effort.MARCH),
+        effort.PARTS: dict(run.parts_cpu_s),
         "contact_doubts": [doubt_as_json(doubt) for doubt in run.solved],
         "energy_error": run.record.energy_error,
         "lost_contact_share": run.record.lost_contact_share,

@@ -9,9 +9,11 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rolling.contact.processor_time import ProcessorTime
+from rolling.marches import effort
 from rolling.results import labels, runs_table
 from rolling.results.common_gain import write_with_common_gain
-from rolling.results.run_folder import PAGE, SUMMARY, TABLE, RunFolder
+from rolling.results.run_folder import PAGE, SUMMARY, TABLE, RunFolder, read_summary
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs
@@ -64,8 +66,15 @@ def write_derived(folder: Path, runs: Sequence[RunFolder], report: bool) -> None
         return
     with progress.step("writing the table"):
         write_table(runs_table.runs_table(runs), folder / TABLE)
-    if report:
-        write_report(open_runs(done), folder, [run for run in runs if not run.is_done])
+    if not report:
+        return
+    began = ProcessorTime.now()
+    content = _drawn_report(open_runs(done), folder, [run for run in runs if not run.is_done])
+    spent = ProcessorTime.now().since(began)
+    for run in done:  # before the page, which must not be older than a summary
+        summary = read_summary(run.folder / SUMMARY)
+        files.write_json(run.folder / SUMMARY, effort.with_page(summary, spent, len(done)))
+    files.write_bytes(folder / PAGE, content)
 
 
 def write_table(frame: pd.DataFrame, path: Path) -> None:
@@ -76,6 +85,12 @@ def write_table(frame: pd.DataFrame, path: Path) -> None:
 
 def write_report(runs: Sequence[Run], folder: Path, unsolved: Sequence[RunFolder]) -> None:
     """Write the figures that compare runs and the page of all runs into a folder."""
+    content = _drawn_report(runs, folder, unsolved)
+    files.write_bytes(folder / PAGE, content)
+
+
+def _drawn_report(runs: Sequence[Run], folder: Path, unsolved: Sequence[RunFolder]) -> bytes:
+    """Write the figures that compare runs into a folder, and return the page of all runs."""
     from rolling.figures import write_figures
     from rolling.report import page
 
@@ -86,4 +101,4 @@ def write_report(runs: Sequence[Run], folder: Path, unsolved: Sequence[RunFolder
         names: list[str] = []
         if unsolved:
             names = labels.labels(unsolved)
-        files.write_bytes(folder / PAGE, page.page(runs, names))
+        return page.page(runs, names)

@@ -20,6 +20,7 @@ from numba.extending import register_jitable
 
 from rolling.contact._by_address import address_of_uncompiled
 from rolling.contact.cached_code import KeptFiles, warn_not_kept
+from rolling.contact.processor_time import counted_as_compilation
 
 _VARIABLE = "NUMBA_CACHE_DIR"
 # Sums are ordered and rounded as the processor does them fastest, the same way in every run on it.
@@ -38,8 +39,11 @@ def njit(*, cache: bool, fused: bool = False) -> Callable[[Callable[..., Any]], 
 
     def compiled(function: Callable[..., Any]) -> Any:
         kernel = _with_cache(lambda **how: numba.njit(**how, **options)(function), cache)
-        if cache and not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+            return kernel
+        if cache:
             _compile_in_one_process(kernel, function, options)
+        _count_compilation(kernel)
         return kernel
 
     return compiled
@@ -70,17 +74,18 @@ def address_of(function: Callable[..., None], signature: Any) -> int:
     def compiled(cache: bool) -> Any:
         return numba.cfunc(signature, cache=cache)(function)
 
-    if files is None:
-        callback = compiled(cache=False)
-    else:
-        with global_compiler_lock, _locked(files):
-            try:
-                files.remove_what_differs()
-                callback = compiled(cache=True)
-                files.record()
-            except OSError as error:
-                warn_not_kept(files.folder, error.strerror or str(error))
-                callback = compiled(cache=False)
+    with counted_as_compilation():
+        if files is None:
+            callback = compiled(cache=False)
+        else:
+            with global_compiler_lock, _locked(files):
+                try:
+                    files.remove_what_differs()
+                    callback = compiled(cache=True)
+                    files.record()
+                except OSError as error:
+                    warn_not_kept(files.folder, error.strerror or str(error))
+                    callback = compiled(cache=False)
     _callbacks.append(callback)
     return int(callback.address)
 
@@ -109,6 +114,17 @@ def _locked(files: KeptFiles) -> Iterator[None]:
         with suppress(OSError, NotImplementedError):
             stack.enter_context(lock)
         yield
+
+
+def _count_compilation(kernel: Any) -> None:
+    """Count the processor time in which a kernel is compiled or loaded as compilation."""
+    compile_now = kernel.compile
+
+    def compile_counted(signature: Any) -> Any:
+        with counted_as_compilation():
+            return compile_now(signature)
+
+    kernel.compile = compile_counted
 
 
 def _compile_in_one_process(

@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 from acoustics.texts import printable
 from rolling.check import cost, error_cost
 from rolling.contact.march import march
+from rolling.contact.processor_time import ProcessorTime
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.subcells import half_space_of
+from rolling.marches.effort import ARRAY, PieceEffort
 from rolling.marches.observers import Events, Film, Maps, Observer, Series
 from rolling.marches.passes import Sinking, run_in, unrolled
 from rolling.marches.piece import Piece, contact_identity
@@ -30,10 +32,10 @@ from rolling.surface.scene_surface import continued_rows, heights, measured_rows
 SIDES = {"tight": 1.0, "fine": 0.5, "coarse": 2.0, "detail": 0.5}
 # Names of the series that a kind returns; the track and its passes return all of them.
 _SERIES = {
-    "load": ("approach", "step_time"),
-    "judge": ("approach", "step_time"),
+    "load": ("approach",),
+    "judge": ("approach",),
     "moving": ("release_energy", "loading_energy", "energy_defect", "approach"),
-    "error": ("release_energy", "approach", "plastic_area", "step_time"),
+    "error": ("release_energy", "approach", "plastic_area"),
 }
 
 
@@ -59,8 +61,22 @@ def march_piece(piece: Piece) -> dict[str, NDArray[Any]]:
     ------
     ContactError : a contact of the track has no solution, or the height file was replaced.
     """
-    scene = piece.scene
+    began = ProcessorTime.now()
     contact = _contact_of(piece)
+    surface = ProcessorTime.now().since(began)
+    arrays = _marched(piece, contact)
+    whole = ProcessorTime.now().since(began)
+    effort = PieceEffort(
+        surface_s=surface.work_s,
+        march_s=whole.work_s - surface.work_s,
+        compilation_s=whole.compilation_s,
+    )
+    return arrays | {ARRAY: np.array(effort)}
+
+
+def _marched(piece: Piece, contact: RollingContact) -> dict[str, NDArray[Any]]:
+    """March the contact of a piece and return its arrays."""
+    scene = piece.scene
     first = piece.first
     last = piece.last
     if piece.kind == "error":  # its contact begins with the stretch

@@ -7,7 +7,6 @@ arrays by name.
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array, short_repr
+from rolling.contact.processor_time import ProcessorTime
 from rolling.contact.recovery import EventTable, StepEnergy
 from rolling.contact.state import ContactState, RollingContact, Window
 from rolling.contact.subcells import cell_means
@@ -134,14 +134,14 @@ class Series:
         self._first = first
         self._steps: list[tuple[float, ...]] = []
         self._states: list[tuple[float, ...]] = []
-        self._began = time.perf_counter()
+        self._began = ProcessorTime.now()
 
     def observe(self, state: ContactState, energy: StepEnergy | None) -> None:
-        """Add the energies [J] and the time [s] of a step, and the scalars of a state."""
+        """Add the energies [J] and the processor time [s] of a step, and the scalars of a state."""
         is_first = state.position == self._first
         if not is_first:
-            now = time.perf_counter()
-            seconds = now - self._began
+            now = ProcessorTime.now()
+            seconds = now.since(self._began).work_s
             self._began = now
             if energy is None:
                 self._steps.append((math.nan, math.nan, math.nan, seconds))

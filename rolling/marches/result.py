@@ -15,6 +15,7 @@ from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
 from rolling.contact.recovery import join_events
 from rolling.dynamics.motion import BodyMotion
+from rolling.marches.effort import ARRAY, PARTS_OF_MARCHES, Effort, PieceEffort
 from rolling.marches.observers import (
     EVENT_COLUMNS,
     MOVING_SERIES,
@@ -70,7 +71,6 @@ class LoadMarches:
     approach : dict. Approach by load [N], (steps + 1,) m; NaN where it is not solved yet.
     judging : dict. Approach by load [N] on the stretch that judges the force law, (n + 1,) m.
     faults : dict. Reason by load [N] where a contact cannot be solved.
-    seconds : float, s. Time of all marches.
     """
 
     __repr__ = short_repr
@@ -79,7 +79,6 @@ class LoadMarches:
     approach: dict[float, Array] = field(default_factory=dict)
     judging: dict[float, Array] = field(default_factory=dict)
     faults: dict[float, str] = field(default_factory=dict)
-    seconds: float = 0.0
     _failures: dict[float, dict[int, str]] = field(default_factory=lambda: defaultdict(dict))
 
     @property
@@ -104,8 +103,6 @@ class LoadMarches:
         """
         load = piece.load
         fault = arrays.get("fault")
-        if fault is None:
-            self.seconds += float(arrays["step_time"].sum())
         if piece.kind == "judge":
             if fault is None:
                 self.judging[load] = arrays["approach"]
@@ -191,7 +188,6 @@ class StretchMarch:
     release : (steps,) array, J. Release per step; NaN if the march failed.
     approach : (steps + 1,) array, m. Approach at each position; NaN if the march failed.
     plastic_area : float, m2. Mean area at the hardness.
-    seconds : float, s. Time of the march.
     fault : str. Reason of a failure; empty if there is none.
     """
 
@@ -200,7 +196,6 @@ class StretchMarch:
     release: Array
     approach: Array
     plastic_area: float
-    seconds: float
     fault: str = ""
 
     @classmethod
@@ -210,7 +205,6 @@ class StretchMarch:
             release=np.full(steps, np.nan),
             approach=np.full(steps + 1, np.nan),
             plastic_area=math.nan,
-            seconds=0.0,
             fault=fault,
         )
 
@@ -236,11 +230,6 @@ class ErrorStretches:
             return ""
         return faults[min(faults)]
 
-    @property
-    def seconds(self) -> float:
-        """Time of all marches [s]."""
-        return sum(march.seconds for march in self.marches.values())
-
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
         """Add the march of a stretch on a level."""
         if "fault" in arrays:
@@ -250,7 +239,6 @@ class ErrorStretches:
                 release=arrays["release_energy"],
                 approach=arrays["approach"],
                 plastic_area=float(arrays["plastic_area"][-self.steps :].mean()),
-                seconds=float(arrays["step_time"].sum()),
             )
         self.marches[piece.first, piece.level] = march
 
@@ -277,6 +265,7 @@ class Result:
     extremes : dict. Minimum and maximum of the contact force [N] by vibration and loads of the law,
         kept because each takes a motion. They are not stored.
     motion : MotionOverLaw. The last motion, which is not stored. Default: None.
+    effort : Effort. Processor times of the marches, which are not stored.
     """
 
     __repr__ = short_repr
@@ -297,6 +286,7 @@ class Result:
     passes: Passes | None = None
     extremes: dict[LawKey, tuple[float, float]] = field(default_factory=dict)
     motion: MotionOverLaw | None = None
+    effort: Effort = field(default_factory=Effort)
 
     @classmethod
     def empty(cls, scene: Scene) -> Result:
@@ -321,6 +311,9 @@ class Result:
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
         """Add the arrays of a piece, as `march_piece` returns them."""
+        if ARRAY in arrays:
+            piece_effort = PieceEffort(*arrays[ARRAY].tolist())
+            self.effort.add_piece(PARTS_OF_MARCHES[piece.kind], piece_effort)
         if piece.kind == "track":
             self._add_track(piece, arrays)
         elif piece.kind == "pass":

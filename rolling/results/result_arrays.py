@@ -437,7 +437,6 @@ def _read_stretches(group: FileGroup) -> ErrorStretches:
                 release=arrays["release_energy"][row, column],
                 approach=arrays["approach"][row, column],
                 plastic_area=area,
-                seconds=0.0,
                 fault=fault,
             )
     return stretches

@@ -109,6 +109,7 @@ _MAPPINGS = (
     "signal",
     "listen",
     "listening",
+    "parts_cpu_s",
     "error_estimate",
     "levelling",
 )

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from acoustics.traps import ignoring_underflow
 from acoustics.uncertainty import widened
-from rolling.marches import force_law
+from rolling.contact.processor_time import ProcessorTime
+from rolling.marches import effort, force_law
 from rolling.marches.result import Result, released_energy
 from rolling.results import answer, listening, result_arrays, result_file, runs_table, verdict
 from rolling.results.channels import by_quantity, channel_wavs, wav_facts
@@ -170,6 +171,7 @@ def make_run(
     ------
     ContactError : the marches make no force law.
     """
+    began = ProcessorTime.now()
     scene = place.scene
     energy, is_closed = released_energy(scene, result)
     has_seam = scene_surface(scene).has_seam
@@ -190,7 +192,15 @@ def make_run(
     )
     if summary is None:
         run.summary.update(summarize(run, release))
+        _count_sound(run.summary, began)
     return run
+
+
+def _count_sound(summary: dict[str, Any], began: ProcessorTime) -> None:
+    """Add the processor time from a moment on to the sound of a run, where a summary counts it."""
+    if effort.PARTS in summary:
+        spent = ProcessorTime.now().since(began)
+        summary[effort.PARTS] = effort.with_work(summary[effort.PARTS], effort.SOUND, spent)
 
 
 def _vibration(scene: Scene, result: Result, release: ContactSound) -> Vibration | None:
@@ -220,6 +230,7 @@ def write_run(run: Run) -> None:
     ------
     OSError : a file cannot be written. An earlier file of this name is kept.
     """
+    began = ProcessorTime.now()
     listen_wav, listen_facts = listening.listen_wav(run)
     contents = {LISTEN: listen_wav, RESULT: result_file.write_result(run)}
     if run.result.passes is not None:
@@ -238,7 +249,9 @@ def write_run(run: Run) -> None:
     if run.channels:
         groups = by_quantity(run.channels)
         facts["channel_wavs"] = {name: wav_facts(channels) for name, channels in groups.items()}
-    write_json(run.folder / SUMMARY, run.summary | facts)
+    summary = run.summary | facts
+    _count_sound(summary, began)
+    write_json(run.folder / SUMMARY, summary)
 
 
 def read_run(run: RunFolder, label: str) -> Run:

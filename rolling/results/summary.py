@@ -25,7 +25,7 @@ from rolling.check import cost, heights
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.motion import BodyMotion
 from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
-from rolling.marches import force_law
+from rolling.marches import effort, force_law
 from rolling.marches.observers import STATE_SERIES
 from rolling.marches.passes import Passes
 from rolling.marches.result import MovingRelease, Result, released_energy
@@ -346,7 +346,7 @@ def joint_error(scene: Scene, result: Result) -> float | None:
 
 
 def _effort(scene: Scene, result: Result) -> dict[str, Any]:
-    """Return tolerance and steps, and the time of the march, which a march from a file lacks."""
+    """Return tolerance and steps, and processor times, which a march from a file lacks."""
     times = result.series["step_time"]
     times = times[np.isfinite(times)]
     choice = scene.step_choice
@@ -356,7 +356,8 @@ def _effort(scene: Scene, result: Result) -> dict[str, Any]:
         "step_choice": scene.step_reason,
         "step_lowest_speed_m_s": choice.lowest if choice is not None and choice.lowest else None,
         "step_ms": float(np.median(times) * 1e3) if len(times) else None,
-        "seconds": float(times.sum()),
+        "march_cpu_s": result.effort.march_s,
+        effort.PARTS: result.effort.numbers(effort.OF_SPHERE),
     }
 
 

@@ -49,6 +49,16 @@ def numbers(folder: Path) -> dict:
 # ---- numbers
 
 
+def test_a_run_of_a_bearing_states_processor_times(folder: Path) -> None:
+    """Waves are not marched; a summary of version 0.8.0 has no parts, and is read."""
+    stored = numbers(folder)
+    parts = stored["parts_cpu_s"]
+    assert parts["sound"] > 0 and parts["page"] > 0
+    assert stored["march_cpu_s"] == parts["march"] == 0
+    assert pd.read_csv(folder / "runs.csv")["march_cpu_s"].tolist() == [0]
+    assert rolling.open_bearing(folder).summary["parts_cpu_s"] == parts
+
+
 @pytest.mark.law("Bearing run: nine waves of the inner raceway have their velocity and their line.")
 def test_waves_have_their_velocity_in_their_band(run: BearingRun) -> None:
     """A / cos(alpha) at q BPFI + turn; the linear theory is 0.1 % off so far below resonance."""

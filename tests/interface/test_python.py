@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import inspect
+import json
 import re
 import shutil
 import subprocess
@@ -101,10 +102,32 @@ def test_same_numbers_as_the_command_bit_by_bit(folder: Path, run: Run) -> None:
         if name != "step_time":
             np.testing.assert_array_equal(values, stored_run.series[name])
     np.testing.assert_array_equal(run.sound.pressure, stored_run.sound.pressure)
-    timed = {"step_ms", "seconds", "sound_seconds", "provenance", "signal", "listen"}
+    timed = {"step_ms", "march_cpu_s", "parts_cpu_s", "provenance", "signal", "listen"}
     numbers = {key: value for key, value in run.summary.items() if key not in timed}
     assert numbers == {k: v for k, v in stored_run.summary.items() if k not in timed}
     assert run.events is not None and len(run.events["energy"]) > 0
+
+
+def test_a_folder_states_processor_times_and_one_of_080_is_read(
+    folder: Path, tmp_path: Path
+) -> None:
+    """Version 0.8.0 wrote `seconds`, the time of the clock, and no parts."""
+    out = tmp_path / "out"
+    shutil.copytree(folder / "out", out)
+    command = ["run", str(folder / "scene.yaml"), "--out", str(out), "-q"]
+    assert cli.main(command) == 0  # with a page
+    summary = json.loads((out / "summary.json").read_text())
+    parts = summary["parts_cpu_s"]
+    assert parts["page"] > 0 and parts["sound"] > 0
+    assert 0 < parts["march"] == summary["march_cpu_s"] and "seconds" not in summary
+    page = (out / "report.html").stat().st_mtime_ns
+    assert page >= (out / "summary.json").stat().st_mtime_ns
+    del summary["parts_cpu_s"], summary["march_cpu_s"]
+    old = summary | {"seconds": 154.8}
+    (out / "summary.json").write_text(json.dumps(old))
+    assert rc.open_run(out).summary["laeq_db"] == summary["laeq_db"]
+    assert cli.main(command) == 0  # its page is older than the summary
+    assert json.loads((out / "summary.json").read_text()) == old
 
 
 def test_a_saved_run_has_the_bytes_of_the_command_and_comes_back_equal(

@@ -56,12 +56,13 @@ def test_all_of_a_run_comes_back_to_the_last_bit(
         assert np.isnan(again.result.series["step_time"]).all()
         again.result.series["step_time"] = run.result.series["step_time"]
         for name in vars(again.result):
-            if name not in ("extremes", "motion"):
+            if name not in ("extremes", "motion", "effort"):
                 assert same(getattr(again.result, name), getattr(run.result, name)), name
         assert next_pieces(run.scene, again.result, film) == []
         assert np.array_equal(again.sound.pressure, run.sound.pressure)
-        stored = {key: again.summary[key] for key in run.summary}
-        assert stored == run.summary
+        solved = {key: run.summary[key] for key in run.summary if key != "parts_cpu_s"}
+        stored = {key: again.summary[key] for key in solved}
+        assert stored == solved  # writing the files took time as well
         assert write_result(again) == (run.folder / "result.h5").read_bytes()
 
 

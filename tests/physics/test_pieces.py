@@ -237,4 +237,4 @@ def test_a_track_that_cannot_be_solved_raises_and_a_load_returns_its_fault() -> 
     base = {"scene": given, "identity": contact_identity(given), "first": 0, "last": 20}
     for kind in ("load", "judge"):
         arrays = march_piece(Piece(**base, kind=kind, load=1e6))
-        assert list(arrays) == ["fault"] and "can carry" in str(arrays["fault"])
+        assert list(arrays) == ["fault", "effort"] and "can carry" in str(arrays["fault"])

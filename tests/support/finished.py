@@ -31,7 +31,7 @@ numerics: {step_nodes: 1}
 dynamics: {}
 sound: {source: vibration}
 """
-_UNSTORED = ("seconds", "extremes", "motion")
+_UNSTORED = ("effort", "extremes", "motion")
 WITHOUT_DYNAMICS = ("dynamics=", "sound=", "plate.thickness_mm=", "plate.loss_factor=")
 
 
