@@ -181,7 +181,7 @@ def read_run(place: BearingFolder) -> BearingRun:
     FolderError : a file is missing or damaged.
     """
     stored = stored_run.read_summary(place.folder / SUMMARY)
-    record, tracks = stored_run.read_result(place.folder / RESULT, place.scene.bearing.balls)
+    record, tracks = stored_run.read_result(place.folder / RESULT, place.scene)
     return BearingRun(
         scene=place.scene,
         record=record,

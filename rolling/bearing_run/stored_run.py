@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import io
 import json
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import h5py
 import numpy as np
 
 from acoustics import resampling, wav
@@ -17,6 +16,7 @@ from acoustics.texts import printable
 from rolling.bearing.band_uncertainty import stored_uncertainty
 from rolling.bearing.ring_record import DIRECTIONS, RingRecord
 from rolling.bearing.tracks import BearingTracks, BodyTrack
+from rolling.bearing_contacts import needs
 from rolling.bearing_run import figures
 from rolling.bearing_run.without_faults import stored_without_faults
 from rolling.contact.processor_time import ProcessorTime
@@ -26,6 +26,9 @@ from rolling.marches import effort
 from rolling.results import result_file
 from rolling.results.run_folder import MAX_SUMMARY, RESULT, SUMMARY
 from rolling.results.summary import program_provenance
+from rolling.scene import hdf5_files
+from rolling.scene.bearing_scene import BearingScene
+from rolling.scene.hdf5_files import ArrayRule
 from rolling.scene.height_files import read_regular
 from rolling.terminal import files, progress
 from rolling.terminal.files import FolderError
@@ -35,7 +38,8 @@ if TYPE_CHECKING:
 
     from rolling.bearing_run.bearing_run import BearingRun
 
-FORMAT = 1  # of result.h5
+FORMAT = 2  # of result.h5
+FORMER_FORMAT = 1  # of 0.8.0, without time and places
 SPECTRUM = "spectrum.csv"
 LINES = "lines.csv"
 ACCELERATION = "acceleration.wav"
@@ -53,36 +57,63 @@ _NEEDED = {
 }
 _TITLE_LETTERS = 400
 FADE_S = 0.05  # at the ends of a sound
-_MOST_BYTES = 4_000_000_000  # of a result
+# Arrays take at most so many times the disk that is estimated for the motion, and so many bytes for
+# the tracks, of which 0.8 million points at eight loads were the most that were seen.
+_MAX_TIMES = 5
+_MAX_TRACKS = 500_000_000
 _MIN_COMPRESSED = 10_000  # bytes of an array
+_AXES = ("x", "y", "z")
 
 
 class _Variable(NamedTuple):
-    """An array of result.h5: its dimensions, unit and meaning."""
+    """An array of result.h5: its dimensions, unit, type and meaning."""
 
     dimensions: tuple[str, ...]
     unit: str
+    dtype: str
     long_name: str
 
+    @property
+    def rule(self) -> ArrayRule:
+        """Type and dimensions in the file, where a text is a row of letters."""
+        if self.dtype == "S1":
+            return ArrayRule((*self.dimensions, "letter"), self.dtype)
+        return ArrayRule(self.dimensions, self.dtype)
 
-_VARIABLES = {
-    "velocity": _Variable(("time", "axis"), "m/s", "velocity of the ring along x, y and z"),
-    "acceleration": _Variable(("time", "axis"), "m/s2", "acceleration of the ring"),
-    "ball_load": _Variable(("time", "ball"), "N", "load of each ball"),
-    "track_loads": _Variable(("load",), "N", "loads at which the tracks are known"),
+
+_MOTION = {
+    "velocity": _Variable(("time", "axis"), "m/s", "f4", "velocity of the ring"),
+    "acceleration": _Variable(("time", "axis"), "m/s2", "f4", "acceleration of the ring"),
+    "ball_load": _Variable(("time", "ball"), "N", "f4", "load of each ball"),
+}
+_TRACKS = {
     "inner_track": _Variable(
-        ("load", "inner_place"), "m", "change of the approach around the inner raceway"
+        ("load", "inner_place"), "m", "f4", "change of the approach around the inner raceway"
     ),
     "outer_track": _Variable(
-        ("load", "outer_place"), "m", "change of the approach around the outer raceway"
+        ("load", "outer_place"), "m", "f4", "change of the approach around the outer raceway"
     ),
     "balls_on_inner": _Variable(
-        ("ball", "load", "ball_place"), "m", "change around each ball on the inner raceway"
+        ("ball", "load", "ball_place"), "m", "f4", "change around each ball on the inner raceway"
     ),
     "balls_on_outer": _Variable(
-        ("ball", "load", "ball_place"), "m", "change around each ball on the outer raceway"
+        ("ball", "load", "ball_place"), "m", "f4", "change around each ball on the outer raceway"
     ),
 }
+_COORDINATES = {
+    "time": _Variable(("time",), "s", "f8", "time from the start of the record"),
+    "axis": _Variable(("axis",), "1", "S1", "x to the middle of the load zone, z along the shaft"),
+    "ball": _Variable(("ball",), "1", "u4", "number of the ball"),
+    "load": _Variable(("load",), "N", "f8", "load of a contact at which the tracks are known"),
+    "inner_place": _Variable(("inner_place",), "m", "f8", "length along the inner raceway"),
+    "outer_place": _Variable(("outer_place",), "m", "f8", "length along the outer raceway"),
+    "ball_place": _Variable(("ball_place",), "m", "f8", "length along the track of a ball"),
+}
+_VARIABLES = {**_MOTION, **_TRACKS}
+_RULES = {name: variable.rule for name, variable in (_VARIABLES | _COORDINATES).items()}
+_FORMER_LOADS = "track_loads"
+_FORMER_RULES = {name: variable.rule for name, variable in _VARIABLES.items()}
+_FORMER_RULES[_FORMER_LOADS] = ArrayRule(("load",), "f4")
 _FACTS = ("energy_error", "lost_contact_share", "rate_hz", "cage_hz")
 
 
@@ -102,16 +133,28 @@ def _arrays(run: BearingRun) -> dict[str, Array]:
         """Return the tracks of balls at the same loads and places, (balls, loads, places)."""
         return np.stack([track.resampled(places).at_loads(loads) for track in balls])
 
+    turns = run.scene.circumferences
     return {
         "velocity": run.record.velocity_m_s,
         "acceleration": run.record.acceleration_m_s2,
         "ball_load": run.record.ball_load_n,
-        "track_loads": loads,
         "inner_track": tracks.inner.at_loads(loads),
         "outer_track": tracks.outer.at_loads(loads),
         "balls_on_inner": of_balls(tracks.balls_on_inner),
         "balls_on_outer": of_balls(tracks.balls_on_outer),
+        "time": np.arange(len(run.record.velocity_m_s)) / run.record.rate_hz,
+        "axis": np.array(_AXES),
+        "ball": np.arange(run.record.ball_load_n.shape[1]),
+        "load": loads,
+        "inner_place": _places(turns["inner"], tracks.inner.points),
+        "outer_place": _places(turns["outer"], tracks.outer.points),
+        "ball_place": _places(turns["balls"], places),
     }
+
+
+def _places(turn_m: float, points: int) -> Array:
+    """Return the places [m] of equally spaced points around a turn of some length."""
+    return turn_m * np.arange(points) / points
 
 
 def result_dataset(run: BearingRun) -> xarray.Dataset:
@@ -119,16 +162,25 @@ def result_dataset(run: BearingRun) -> xarray.Dataset:
     import xarray  # slow to import
 
     variables = {}
+    definitions = _VARIABLES | _COORDINATES
     for name, values in _arrays(run).items():
-        definition = _VARIABLES[name]
+        definition = definitions[name]
         attributes = {"units": definition.unit, "long_name": definition.long_name}
-        stored = values.astype("f4")
         encoding: dict[str, Any] = {"_FillValue": None}
+        stored = values
+        if definition.dtype == "S1":  # letters in the file, as texts of any length are bombs
+            encoding |= {"dtype": "S1", "char_dim_name": "letter"}
+        else:
+            stored = values.astype(definition.dtype)
         if stored.nbytes >= _MIN_COMPRESSED:
             encoding |= {"zlib": True, "complevel": 1, "shuffle": True}
         variables[name] = xarray.Variable(definition.dimensions, stored, attributes, encoding)
     facts = {name: float(getattr(run.record, name)) for name in _FACTS}
-    return xarray.Dataset(variables, attrs={"format": FORMAT, "kind": "bearing", **facts})
+    return xarray.Dataset(
+        data_vars={name: variables[name] for name in _VARIABLES},
+        coords={name: variables[name] for name in _COORDINATES},
+        attrs={"format": FORMAT, "kind": "bearing", **facts},
+    )
 
 
 def result_bytes(run: BearingRun) -> bytes:
@@ -137,54 +189,67 @@ def result_bytes(run: BearingRun) -> bytes:
     return content + result_file.seal(content)
 
 
-def read_result(path: Path, balls: int) -> tuple[RingRecord, BearingTracks]:
+def read_result(path: Path, scene: BearingScene) -> tuple[RingRecord, BearingTracks]:
     """Read the record of a ring and the tracks of its bearing.
 
     Raises
     ------
-    FolderError : the file is missing or damaged, or holds no bearing with so many balls.
+    FolderError : the file is missing or damaged, or holds no result of such a bearing.
     """
-    content = result_file.sealed_content(path, _MOST_BYTES)
+    most_bytes = round(_MAX_TIMES * needs.motion_disk(scene) + _MAX_TRACKS)
+    content = result_file.sealed_content(path, most_bytes)
+    lengths = {
+        "axis": len(_AXES),
+        "ball": scene.bearing.balls,
+        "time": max(1, round(scene.moved * wav.SAMPLE_RATE_HZ)),
+    }
     try:
-        with h5py.File(io.BytesIO(content), "r") as file:
-            return _read(path, file, balls)
+        with hdf5_files.reading(content, most_bytes) as file:
+            facts = file.attributes()
+            rules = {FORMAT: _RULES, FORMER_FORMAT: _FORMER_RULES}.get(facts["format"])
+            if rules is None or facts["kind"] != "bearing":
+                raise FolderError(f"{path}: no bearing's result of format {FORMAT}")
+            arrays = file.groups({"": rules}, lengths)[""].arrays
+        return _record(arrays, facts), _tracks(arrays)
     except FolderError:
         raise
-    except Exception as error:  # h5py raises errors of any kind on hostile files
-        text = " ".join(str(error).split()) or type(error).__name__
-        raise FolderError(f"{path}: not a bearing's result of this program ({text})") from error
+    except Exception as error:  # values of a hostile file lead to errors of any kind
+        raise result_file.no_result(path, "a bearing's result", error) from error
 
 
-def _read(path: Path, file: h5py.File, balls: int) -> tuple[RingRecord, BearingTracks]:
-    """Read an open file whose digest holds."""
-    attributes = {}
-    for name in ("format", "kind", *_FACTS):
-        attributes[name] = np.asarray(file.attrs[name]).item()
-    if attributes["format"] != FORMAT or attributes["kind"] != "bearing":
-        raise FolderError(f"{path}: no bearing's result of format {FORMAT}")
-    arrays = {name: np.asarray(file[name][()], dtype=float) for name in _VARIABLES}
-    shapes = {"axis": 3, "ball": balls}
-    for name, values in arrays.items():
-        for dimension, length in zip(_VARIABLES[name].dimensions, values.shape, strict=True):
-            if shapes.setdefault(dimension, length) != length:
-                raise ValueError(f"{name}: got {length} along {dimension}")
-        if not np.isfinite(values).all():
-            raise ValueError(f"{name}: values that are no finite numbers")
-    facts = {name: float(attributes[name]) for name in _FACTS}
-    record = RingRecord(
-        velocity_m_s=arrays["velocity"],
-        acceleration_m_s2=arrays["acceleration"],
-        ball_load_n=arrays["ball_load"],
-        **facts,
+def _record(arrays: dict[str, Array], facts: dict[str, Any]) -> RingRecord:
+    """Return the motion of a ring from its arrays and facts."""
+    numbers = {name: float(facts[name]) for name in _FACTS}
+    for name, number in numbers.items():
+        if not math.isfinite(number):
+            raise ValueError(f"{name}: no finite number")
+    if numbers["rate_hz"] != wav.SAMPLE_RATE_HZ:
+        raise ValueError(f"rate_hz: got {numbers['rate_hz']:g}, allowed: {wav.SAMPLE_RATE_HZ}")
+    return RingRecord(
+        velocity_m_s=_finite(arrays, "velocity"),
+        acceleration_m_s2=_finite(arrays, "acceleration"),
+        ball_load_n=_finite(arrays, "ball_load"),
+        **numbers,
     )
-    loads = arrays["track_loads"]
-    tracks = BearingTracks(
-        inner=BodyTrack(loads, arrays["inner_track"]),
-        outer=BodyTrack(loads, arrays["outer_track"]),
-        balls_on_inner=tuple(BodyTrack(loads, rows) for rows in arrays["balls_on_inner"]),
-        balls_on_outer=tuple(BodyTrack(loads, rows) for rows in arrays["balls_on_outer"]),
+
+
+def _tracks(arrays: dict[str, Array]) -> BearingTracks:
+    """Return the tracks of a bearing from its arrays."""
+    loads = _finite(arrays, "load" if "load" in arrays else _FORMER_LOADS)
+    return BearingTracks(
+        inner=BodyTrack(loads, _finite(arrays, "inner_track")),
+        outer=BodyTrack(loads, _finite(arrays, "outer_track")),
+        balls_on_inner=tuple(BodyTrack(loads, rows) for rows in _finite(arrays, "balls_on_inner")),
+        balls_on_outer=tuple(BodyTrack(loads, rows) for rows in _finite(arrays, "balls_on_outer")),
     )
-    return record, tracks
+
+
+def _finite(arrays: dict[str, Array], name: str) -> Array:
+    """Return the values of an array, which are finite numbers."""
+    values = arrays[name].astype(float)
+    if not np.isfinite(values).all():
+        raise ValueError(f"{name}: values that are no finite numbers")
+    return values
 
 
 # ---- sounds

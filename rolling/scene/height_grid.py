@@ -11,7 +11,7 @@ import math
 import warnings
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
@@ -93,13 +93,11 @@ def _read(
             warnings.simplefilter("ignore")  # of readers about the contents of the file
             if ending == TRIPLES:
                 channels = _triples(path, unit, xy_unit)
-            elif ending == ".x3p":
-                channels = _x3p(path)
-            elif ending == ".sdf":
-                channels = _sdf(path)
+                heights, spacing = _chosen(channels, channel)
             else:
-                channels = _topography(path)
-            heights, spacing = _chosen(channels, channel)
+                with _judged(path):
+                    channels = _channels_of_package(path, ending)
+                    heights, spacing = _chosen(channels, channel)
     except HeightFormatError:
         raise
     except ModuleNotFoundError as error:
@@ -120,6 +118,22 @@ def _read(
         raise HeightFormatError(f"{got}, allowed: {limits}{advice}")
     values.flags.writeable = False
     return Measured(values, (along, across), tuple(channels))
+
+
+def _judged(path: Path) -> AbstractContextManager[None]:
+    """Judge a file that may be HDF5, in whatever format, before a package reads it."""
+    from rolling.scene import hdf5_files  # slow to import
+
+    return hdf5_files.judged(path, MAX_BYTES)
+
+
+def _channels_of_package(path: Path, ending: str) -> _Channels:
+    """Return the channels of heights of a file that a package reads."""
+    if ending == ".x3p":
+        return _x3p(path)
+    if ending == ".sdf":
+        return _sdf(path)
+    return _topography(path)
 
 
 def _reason(error: Exception) -> str:

@@ -1,6 +1,5 @@
 """The study of speed against error: variants are marched, compared, and kept as one Dataset."""
 
-import io
 import json
 from collections.abc import Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Future
@@ -19,6 +18,8 @@ from rolling.contact.solver import ContactError
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.run import pools
 from rolling.run.executor import ended_by_signal
+from rolling.scene import hdf5_files
+from rolling.scene.hdf5_files import TEXT, ArrayRule
 from rolling.scene.height_files import read_regular
 from rolling.scene.identity import digest, scene_identity
 from rolling.scene.scene import Scene
@@ -35,6 +36,30 @@ LEVELS = ("laeq_db", "third_octave_db")
 MEANS = ("mean_release_w", "contact_area_m2", "plastic_area_m2", "max_pressure_pa")
 DATASET = "accuracy.nc"
 MAX_BYTES = 100_000_000  # of the dataset
+_MARCHED = {
+    "seconds_per_second": ("variant",),
+    "iterations": ("variant",),
+    "convolutions": ("variant",),
+    "laeq_db": ("variant",),
+    "third_octave_db": ("variant", "band"),
+    "intensity_w_m2": ("variant", "sample"),
+    "mean_release_w": ("variant",),
+    "contact_area_m2": ("variant",),
+    "plastic_area_m2": ("variant",),
+    "max_pressure_pa": ("variant",),
+}
+_ERRORS = {
+    "error_laeq_db": ("variant",),
+    "error_third_octave_db": ("variant", "band"),
+    "error_mean_release_percent": ("variant",),
+    "error_contact_area_percent": ("variant",),
+    "error_plastic_area_percent": ("variant",),
+    "error_max_pressure_percent": ("variant",),
+    "error_signal_db": ("variant",),
+    "solver_error_signal_db": ("variant",),
+}
+_SETTINGS = {"spacing_um": "f8", "step_um": "f8", "tolerance": "f8"}
+_NAMES = {"variant": TEXT, "curve": TEXT, "edges": TEXT, "precision": TEXT}
 
 
 def accuracy(
@@ -235,10 +260,45 @@ def _stored(folder: Path, identity: str) -> xr.Dataset | None:
     try:
         if not folder.exists() or all(path.suffix == files.PARTIAL for path in folder.iterdir()):
             return None
-        content = io.BytesIO(read_regular(folder / DATASET, MAX_BYTES))
-        study = xr.load_dataset(content, engine="h5netcdf")
-    except Exception as error:  # xarray raises errors of any kind on damaged files
+        study = read_study(folder / DATASET)
+    except (OSError, ValueError) as error:
         raise FolderError(f"{folder}: holds no study of accuracy; take another --out") from error
     if study.attrs.get("identity") != identity:
         raise FolderError(f"{folder}: holds the study of another scene; take another --out")
     return study
+
+
+def read_study(path: Path) -> xr.Dataset:
+    """Read a stored study, whose arrays are judged before.
+
+    Raises
+    ------
+    OSError, ValueError : the file is missing, larger than MAX_BYTES, or holds no study.
+    """
+    content = read_regular(path, MAX_BYTES)
+    with hdf5_files.reading(content, MAX_BYTES) as file:
+        stored = file.groups({"": _rules()}, {"band": len(BANDS)})[""]
+    coordinates = {*_NAMES, *_SETTINGS, "band"}
+    variables = {}
+    for name, values in stored.arrays.items():
+        dimensions = _rules()[name].dimensions
+        variables[name] = (dimensions if values.ndim else (), values)
+    study = xr.Dataset(
+        {name: variable for name, variable in variables.items() if name not in coordinates},
+        {name: variable for name, variable in variables.items() if name in coordinates},
+        stored.attributes,
+    )
+    missing = {*_rules()} - {*variables, "solver_error_signal_db"}
+    if missing:
+        raise ValueError(f"lacks {', '.join(sorted(missing))}")
+    return study
+
+
+def _rules() -> dict[str, ArrayRule]:
+    """Return type and dimensions of each array of a stored study."""
+    rules = {name: ArrayRule(dimensions, "f8") for name, dimensions in (_MARCHED | _ERRORS).items()}
+    for name, dtype in (_SETTINGS | _NAMES).items():
+        # A setting that no variant changes is stored once.
+        rules[name] = ArrayRule(("variant",), dtype, may_be_single=name != "variant")
+    rules["band"] = ArrayRule(("band",), TEXT)
+    return rules

@@ -1,6 +1,9 @@
-"""Address space of this process, where it is limited (`ulimit -v`)."""
+"""Address space of this process: its limit (`ulimit -v`), and a narrower one for a while."""
 
 import os
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from rolling.terminal import shortage
@@ -48,3 +51,35 @@ def refuse_few_for_libraries() -> None:
             f" (`ulimit -v`), and the libraries alone need about {LIBRARIES / 1e6:.0f} MB; allow"
             " more"
         )
+
+
+# ---- a limit for a while
+
+_narrowed = threading.RLock()  # the limit is of the whole process, so one thread sets it at a time
+
+
+@contextmanager
+def at_most(more_bytes: float) -> Iterator[None]:
+    """Let this process take at most so many bytes of addresses more than it has, for a while.
+
+    A library that is asked for more, by a damaged or hostile file, fails within the context in
+    place of filling the memory. Linux alone keeps such a limit; elsewhere nothing is done.
+    """
+    before = taken()
+    if before is None:
+        yield
+        return
+    import resource
+
+    with _narrowed:
+        soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+        wanted = round(before + more_bytes)
+        if soft != resource.RLIM_INFINITY:
+            wanted = min(wanted, soft)
+        if hard != resource.RLIM_INFINITY:
+            wanted = min(wanted, hard)
+        resource.setrlimit(resource.RLIMIT_AS, (wanted, hard))
+        try:
+            yield
+        finally:
+            resource.setrlimit(resource.RLIMIT_AS, (soft, hard))

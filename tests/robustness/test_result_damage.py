@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 import os
-from collections.abc import Callable
+import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 from finished import run_of
+from hostile_hdf5 import LINE, Spoil, inflated, seal, spoil, unwritten, virtual, with_long_text
 from scene_text import TINY
 
 from rolling.results.result_file import read_result
@@ -22,8 +22,6 @@ from rolling.scene.file import loads
 from rolling.terminal.files import FolderError
 
 SCENE = loads(TINY, ["recovery.events=true"])
-LINE = b"\nrolling-contact-noise result.h5, SHA-256 of all bytes before this line: "
-Spoil = Callable[[h5py.File], object]
 
 
 @pytest.fixture(scope="module")
@@ -39,16 +37,6 @@ def path(written: Path, tmp_path: Path) -> Path:
     copy = tmp_path / "result.h5"
     copy.write_bytes((written / "result.h5").read_bytes())
     return copy
-
-
-def spoil(path: Path, change: Spoil) -> None:
-    """Change a file as a program that knows the digest would."""
-    content = path.read_bytes()
-    path.write_bytes(content[: content.rindex(LINE)])
-    with h5py.File(path, "r+") as file:
-        change(file)
-    content = path.read_bytes()
-    path.write_bytes(content + LINE + hashlib.sha256(content).hexdigest().encode() + b"\n")
 
 
 def refusal(path: Path) -> str:
@@ -165,6 +153,9 @@ HOSTILE: list[tuple[str, Spoil]] = [
     ("another storage", filtered({"chunks": (10**6,), "maxshape": (None,), "compression": 9})),
     ("attribute", lambda file: file.attrs.__setitem__("title", ["text " * 1000] * 1000)),
     ("approach", stored_outside),
+    ("approach", virtual("approach", Path("/dev/zero"))),
+    ("not all in the file", unwritten("approach")),
+    ("not whole", inflated("approach", 100_000_000)),
     ("release_energy", without("release_energy")),
     ("not a result", without("snapshot/along")),
     ("distance_m", lambda file: file["snapshot"].attrs.__delitem__("distance_m")),
@@ -186,6 +177,17 @@ def test_a_hostile_file_is_refused_by_its_declarations(
 def test_an_untouched_file_with_a_new_digest_is_read(path: Path) -> None:
     spoil(path, lambda file: None)
     assert read_result(path, SCENE).is_complete
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="no other system limits a process")
+def test_a_text_that_states_four_gigabytes_is_not_made_room_for(path: Path) -> None:
+    import resource
+
+    content = path.read_bytes()
+    seal(path, with_long_text(content[: content.rindex(LINE)], 4_000_000_000))
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    refusal(path)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < before + 200_000  # kB
 
 
 def test_files_that_are_none_are_refused(path: Path, tmp_path: Path) -> None:
