@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from bearing_runs import WAVY
+from bearing_runs import WAVY, loads_bearing
 from hostile_hdf5 import (
     LINE,
     Spoil,
@@ -30,7 +30,6 @@ import rolling
 from rolling.bearing_run import stored_run
 from rolling.bearing_run.bearing_run import BearingRun
 from rolling.scene import hdf5_files
-from rolling.scene.bearing_file import loads_bearing
 from rolling.scene.height_files import HeightFormatError
 from rolling.studies import accuracy
 from rolling.surface import measured
