@@ -15,6 +15,7 @@ from rolling.report import recording_page, synthetic_bench
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs
+from rolling.scene.height_files import holds
 from rolling.terminal import files, progress
 from rolling.terminal.files import FolderError
 from rolling.terminal.streams import folded
@@ -137,13 +138,8 @@ def _free_page(page: Path, content: bytes, numbers: bytes) -> Path:
     free = page
     number = 1
     while free.exists() or free.with_suffix(".csv").exists():
-        if _holds(free, content) and _holds(free.with_suffix(".csv"), numbers):
+        if holds(free, content) and holds(free.with_suffix(".csv"), numbers):
             return free
         number += 1
         free = page.with_name(f"{page.stem}-{number}{page.suffix}")
     return free
-
-
-def _holds(path: Path, content: bytes) -> bool:
-    """Tell whether a file has this content."""
-    return path.is_file() and path.read_bytes() == content

@@ -26,7 +26,8 @@ MAX_S = 120.0
 MIN_RATE_HZ = 16_000  # of sound
 MIN_VIBRATION_RATE_HZ = 4_000  # of accelerations and forces
 MAX_RATE_HZ = 192_000
-MAX_BYTES = 200_000_000
+MAX_BYTES = 200_000_000  # of a file
+MAX_SAMPLE_BYTES = 500_000_000  # of all channels as they are read, or at 48 kHz if that is more
 FAINTEST = 1e-9  # of full scale; less is silence
 LARGEST = 1e6  # of full scale; more is no signal
 FULL_SCALE = 0.99  # at which extreme samples may be clipped,
@@ -142,6 +143,7 @@ def read_channels(path: Path, quantity: MeasuredQuantity = PRESSURE) -> list[Rec
             if not (MIN_S <= seconds <= MAX_S and least_hz <= rate <= MAX_RATE_HZ):
                 allowed = f"{MIN_S:g} to {MAX_S:g} s at {least_hz} to {MAX_RATE_HZ} Hz"
                 raise FolderError(f"{path}: got {seconds:.3g} s at {rate} Hz, allowed: {allowed}")
+            _refuse_many_samples(path, file)
             samples = file.read(dtype="float64", always_2d=True)
     except (OSError, RuntimeError) as error:
         reason = getattr(error, "error_string", getattr(error, "strerror", error))
@@ -166,6 +168,20 @@ def read_channels(path: Path, quantity: MeasuredQuantity = PRESSURE) -> list[Rec
             )
         channels.append(recorded)
     return channels
+
+
+def _refuse_many_samples(path: Path, file: soundfile.SoundFile) -> None:
+    """Refuse a file whose channels together have too many samples, by what its header says."""
+    rate = max(file.samplerate, RATE)
+    seconds = file.frames / file.samplerate
+    size = 8 * file.channels * seconds * rate
+    if size > MAX_SAMPLE_BYTES:
+        longest = MAX_SAMPLE_BYTES / (8 * file.channels * rate)
+        raise FolderError(
+            f"{path}: got {seconds:.3g} s of {_counted(file.channels)}, which take"
+            f" {size / 1e6:,.0f} MB, allowed: {MAX_SAMPLE_BYTES / 1e6:,.0f} MB; save fewer"
+            f" channels, or a stretch of at most {longest:.3g} s"
+        )
 
 
 def usable(path: Path, channels: list[Recording], number: int) -> Recording:

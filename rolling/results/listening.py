@@ -200,6 +200,8 @@ def _stored_long_record(run: SolvedRun) -> Listening | None:
     with suppress(OSError, ValueError, soundfile.LibsndfileError):
         content = read_regular(run.folder / "listen.wav", MAX_BYTES)
         with soundfile.SoundFile(io.BytesIO(content)) as file:
+            if file.frames * file.channels > len(content):  # packed, so not of this program
+                return None
             samples = file.read()
             rate = file.samplerate
             gain = gain_of_comment(file.comment)

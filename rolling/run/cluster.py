@@ -17,11 +17,13 @@ from urllib.parse import urlsplit
 
 from rolling.run import worker
 from rolling.run.pools import Pool, Task
+from rolling.scene.height_files import read_regular
 from rolling.scene.messages import SceneError
 from rolling.terminal import program
 
 CONNECT_SECONDS = 10.0
 COUNT_SECONDS = 5.0  # between two counts of the workers of a cluster
+MAX_FILE = 1_000_000  # bytes of a scheduler file
 PORT = 8786  # of a scheduler whose address names none
 
 
@@ -134,7 +136,7 @@ def _answering_address(text: str) -> str:
     reason = "not one of Dask"
     try:
         if text.endswith(".json"):
-            address = str(json.loads(Path(text).read_text(encoding="utf-8"))["address"])
+            address = str(json.loads(read_regular(Path(text), MAX_FILE))["address"])
         if not address.rpartition(":")[2].isdecimal():
             address += f":{PORT}"
         _connect_plainly(address)

@@ -20,6 +20,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from rolling.scene.messages import TABLES, SceneError, quoted
+from rolling.terminal.files import kind_of
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # of heights, in m
 MAX_BYTES = 500_000_000  # of a file, packed or not; reading takes long, and .npy may be larger
@@ -458,10 +459,6 @@ def _number(field: str) -> float | None:
 # ---- regular files
 
 
-# By the letter that `ls -l` shows.
-_KINDS = {"d": "a folder", "p": "a pipe", "c": "a device", "b": "a device"}
-
-
 def open_regular(path: Path) -> io.FileIO:
     """Open a regular file for reading; raise OSError for any other, and never wait for a pipe."""
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
@@ -473,7 +470,7 @@ def open_regular(path: Path) -> io.FileIO:
     if stat.S_ISREG(mode):
         return io.FileIO(descriptor, "rb")
     os.close(descriptor)
-    raise OSError(0, f"is {_KINDS.get(stat.filemode(mode)[0], 'no regular file')}")
+    raise OSError(0, f"is {kind_of(mode)}")
 
 
 def reason_of(error: OSError) -> str:
@@ -492,6 +489,14 @@ def read_regular(path: Path, most: int) -> bytes:
     if len(content) > most:
         raise OSError(0, f"is larger than {most:,} bytes")
     return content
+
+
+def holds(path: Path, content: bytes) -> bool:
+    """Tell whether a path is a regular file with this content."""
+    try:
+        return read_regular(path, len(content)) == content
+    except OSError:
+        return False
 
 
 def file_digest(path: Path) -> str:

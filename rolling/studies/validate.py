@@ -36,6 +36,7 @@ from rolling.results.run_result import Run
 from rolling.run.solving import Values, simulate_runs
 from rolling.scene import library
 from rolling.scene.file import read_scene
+from rolling.scene.height_files import read_regular
 from rolling.scene.laws import SelfAffineLaw
 from rolling.scene.messages import nearest
 from rolling.scene.scene import Scene
@@ -52,6 +53,7 @@ from rolling.terminal.program import identity
 PAGE = Path("validation.md")
 ALL = "all"
 TITLE = "# Validation\n"
+MAX_PAGE = 10_000_000  # bytes of a page that is replaced
 FOLDER = library.folder() / "validation"
 Case = dict[str, Any]  # a table of cases.toml
 
@@ -103,7 +105,7 @@ def validate(cases: Sequence[str], out: Path | None, benches: Sequence[Path] = (
             raise FolderError(f"CASE: got {name}{near}, allowed: {listed}")
     if out.is_dir() or not os.access(out.parent, os.W_OK):
         raise FolderError(f"--out: got {out}, allowed: a file in a folder that can be written")
-    if out.exists() and TITLE not in out.read_text(encoding="utf-8", errors="replace"):
+    if out.exists() and not _is_page(out):
         raise FolderError(f"{out}: exists and is no page of validation; take another --out")
     tables = {}
     for name in names:
@@ -119,6 +121,14 @@ def validate(cases: Sequence[str], out: Path | None, benches: Sequence[Path] = (
     write_bytes(out, page(tables, content).encode())
     print(out)
     return int(not all(rows["holds"].all() for rows in tables.values()))
+
+
+def _is_page(path: Path) -> bool:
+    """Tell whether a path is a page of validation."""
+    try:
+        return TITLE.encode() in read_regular(path, MAX_PAGE)
+    except OSError:  # of a pipe, a device or a larger file, too
+        return False
 
 
 def rows_of(case: Case, values: PublishedValues) -> pd.DataFrame:

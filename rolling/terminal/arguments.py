@@ -4,17 +4,30 @@ import argparse
 import difflib
 import os
 import re
+import stat
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
+
+from rolling.terminal.files import kind_of
 
 _LIKENESS = 0.5  # least likeness of a nearest name, between 0 and 1
 
 
 def path(text: str) -> Path:
-    """Return the path that a text names; refuse an empty text and a path below a file."""
+    """Return the path that a text names.
+
+    An empty text, a path below a file, and a pipe or a device, which might never end, are refused.
+    """
     if not text.strip():
         raise argparse.ArgumentTypeError("empty; is a variable of the shell not set?")
+    with suppress(OSError, ValueError):  # there is nothing yet, or nothing that could be opened
+        mode = os.stat(text).st_mode  # noqa: PTH116
+        if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
+            raise argparse.ArgumentTypeError(
+                f"got {text!r}, {kind_of(mode)}; allowed: a regular file, or a folder"
+            )
     # `Path.is_file` would raise an error where a folder may not be searched.
     files = (above for above in Path(text).parents if os.path.isfile(above))  # noqa: PTH113
     if file := next(files, None):

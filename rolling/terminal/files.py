@@ -4,6 +4,7 @@ import errno
 import json
 import os
 import secrets
+import stat
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,8 @@ from typing import Any
 from rolling.terminal import streams
 
 PARTIAL = ".partial"  # end of the names of files that are being written
+# By the letter that `ls -l` shows.
+_KINDS = {"d": "a folder", "p": "a pipe", "c": "a device", "b": "a device"}
 
 
 class FolderError(Exception):
@@ -26,6 +29,11 @@ class FolderError(Exception):
 
     def __init__(self, message: str) -> None:
         super().__init__(streams.harmless(message))  # it may have text of a stranger's file
+
+
+def kind_of(mode: int) -> str:
+    """Name the kind of something that is no regular file, by its mode."""
+    return _KINDS.get(stat.filemode(mode)[0], "no regular file")
 
 
 def make_below(root: Path, folder: Path) -> None:

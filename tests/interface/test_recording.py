@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +19,7 @@ from rolling.recordings import comparison
 from rolling.recordings.levels import third_octave_levels
 from rolling.recordings.recorded import PRESSURE, QUANTITIES, Recording, full_scales
 from rolling.recordings.run_spread import run_spread
+from rolling.results import listening
 from rolling.results.run_result import Run
 
 RATE = 44100
@@ -372,3 +374,43 @@ def test_a_damaged_recording_is_read_or_refused(folder: Path, tmp_path: Path) ->
         path.write_bytes(damaged)
         codes.add(cli.main(["compare", str(folder), str(path)]))
     assert codes <= {0, 2}
+
+
+def flac_that_says(path: Path, frames: int, channels: int, rate: int) -> None:
+    """Write a short FLAC whose header says that it has so many frames."""
+    soundfile.write(path, np.zeros((rate // 10, channels)), rate)
+    content = bytearray(path.read_bytes())
+    content[21:26] = (content[21] & 0xF0 | frames >> 32).to_bytes(1, "big") + (
+        frames & 0xFFFFFFFF
+    ).to_bytes(4, "big")
+    path.write_bytes(content)
+
+
+def test_a_small_file_that_says_many_samples_is_refused_unread(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Eight channels of 60 s at 192 kHz take 737 MB, whatever the size of their file."""
+    path = tmp_path / "bomb.flac"
+    flac_that_says(path, 60 * 192_000, channels=8, rate=192_000)
+    assert path.stat().st_size < 100_000
+    for words in (
+        ["compare", str(folder), str(path)],
+        ["compare", str(folder), str(path), "--quantity", "acceleration"],
+    ):
+        assert cli.main(words) == 2
+        said = capsys.readouterr().err
+        assert "got 60 s of 8 channels, which take 737 MB, allowed: 500 MB" in said
+        assert "save fewer channels, or a stretch of at most 40.7 s" in said
+
+
+def test_a_packed_sound_in_place_of_a_long_record_is_not_unpacked(run: Run, tmp_path: Path) -> None:
+    """A file of this program takes three bytes for each sample; the record is made anew."""
+    assert listening._stored_long_record(run) is not None
+    packed = io.BytesIO()
+    channels = 16
+    with soundfile.SoundFile(packed, "w", 48_000, channels, format="OGG") as file:
+        file.comment = listening.comment_of_gain(listening.Gain(1.0, "own"))
+        file.write(np.zeros((round(SECONDS * 48_000), channels)))
+    assert len(packed.getvalue()) < 300_000
+    (tmp_path / "listen.wav").write_bytes(packed.getvalue())
+    assert listening._stored_long_record(replace(run, folder=tmp_path)) is None

@@ -262,3 +262,72 @@ def test_no_name_of_a_file_steers_the_terminal(
     with pytest.raises(FolderError) as error:
         open_run(path)
     assert not steers(str(error.value))
+
+
+# ---- pipes, devices and files without an end that are named on the command line
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["validate", "impact", "--out"],
+        ["surface", "quickstart", "--out"],
+        ["surface", "quickstart", "--save"],
+        ["run", "quickstart", "--out"],
+        ["report", "out", "--out"],
+        ["gallery", "out", "--out"],
+        ["plot", "out", "--out"],
+        ["resound", "out", "--out"],
+        ["choose", "quickstart", "quickstart", "--out"],
+        ["accuracy", "quickstart", "--out"],
+        ["reproduce", "lee2025", "--out"],
+        ["compare", "out"],
+        ["surface"],
+        ["check"],
+        ["validate", "--bench"],
+    ],
+    ids=" ".join,
+)
+@pytest.mark.parametrize("kind", ["pipe", "zeros"])
+def test_a_pipe_or_a_device_is_refused_at_once(
+    kind: str, words: list[str], out: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    place(kind, out.parent / "odd", out.parent / "victim")
+    with pytest.raises(SystemExit, match="2"):
+        cli.main([*words, "odd"])
+    said = capsys.readouterr().err
+    assert f"got 'odd', a {'pipe' if kind == 'pipe' else 'device'}; allowed: a regular" in said
+
+
+@pytest.mark.parametrize("kind", ["pipe", "zeros", "endless"])
+def test_whatever_stands_at_the_target_of_a_study_is_not_read(kind: str, out: Path) -> None:
+    from rolling.studies.validate import validate
+
+    page = out.parent / "page.md"
+    if kind == "endless":
+        page.touch()
+        os.truncate(page, 60 * 2**30)  # sparse
+    else:
+        place(kind, page, out.parent / "victim")
+    with pytest.raises(FolderError, match="exists and is no page of validation"):
+        validate(["impact"], page)
+
+
+@pytest.mark.parametrize("kind", ["pipe", "zeros", "endless"])
+def test_whatever_stands_at_the_files_of_a_surface_is_not_read(kind: str, out: Path) -> None:
+    folder = out.parent / "described"
+    folder.mkdir()
+    if kind == "endless":
+        (folder / "surface.csv").touch()
+        os.truncate(folder / "surface.csv", 60 * 2**30)
+    else:
+        place(kind, folder / "surface.csv", out.parent / "victim")
+    assert cli.main(["surface", str(out.parent / "scene.yaml"), "--out", str(folder)]) == 2
+
+
+def test_a_pipe_is_no_scheduler_file(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("distributed")
+    place("pipe", out.parent / "scheduler.json", out.parent / "victim")
+    words = words_of(out.parent / "scene.yaml", out.parent / "new", "--cluster", "scheduler.json")
+    assert cli.main(words) == 2
+    assert "no scheduler answers" in capsys.readouterr().err
