@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
 from rolling.check import cost
-from rolling.run import worker
+from rolling.run import leftovers, worker
 from rolling.terminal import progress
 
 if TYPE_CHECKING:
@@ -114,6 +114,7 @@ class LocalPool(Pool):
 
     def __enter__(self) -> Self:
         """Start the processes, which end with the context."""
+        leftovers.remove_leftovers()
         self.enter_context(_worker_environment())
         self._start()
         self.callback(self._stop)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import mmap
 import os
 import signal
 import subprocess
+import sys
+from contextlib import suppress
 from pathlib import Path
 
 import psutil
@@ -24,6 +27,7 @@ from memory_scenes import MEMORY
 
 from rolling import cli
 from rolling.run import folder as folders
+from rolling.run import leftovers, pools
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL here")
 
@@ -217,3 +221,101 @@ def test_workers_of_a_folder_send_no_message_that_a_kill_could_cut(
     done = rolling(words_of(scene, tmp_path / "out", "--workers", "2"), tmp_path, PYTHONPATH=path)
     assert done.returncode == 0 and "long message" not in done.stderr
     assert contents(tmp_path / "out") == whole
+
+
+# ---- semaphores of a pool whose processes were all killed at once
+
+SEMAPHORES = """
+import os, time
+from loky.backend import get_context
+event = get_context("loky").Event()
+print(os.getpid(), flush=True)
+time.sleep(600)
+"""
+linux_only = pytest.mark.skipif(
+    not Path("/dev/shm").is_dir() or not Path("/proc/self/maps").is_file(),
+    reason="semaphores lie in no folder here",
+)
+
+
+def named(process: int) -> set[Path]:
+    """Return the semaphores that a process of loky made."""
+    return {*Path("/dev/shm").glob(f"*loky-{process}-*")}
+
+
+@linux_only
+def test_semaphores_of_a_killed_group_go_with_the_next_pool() -> None:
+    """The names are those that loky gives, and a living process keeps its own."""
+    command = [sys.executable, "-c", SEMAPHORES]
+    groups = [
+        subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True)
+        for _ in range(2)
+    ]
+    try:
+        for group in groups:
+            assert int(group.stdout.readline()) == group.pid
+        killed, living = groups
+        assert len(named(killed.pid)) >= 3
+        kept = named(living.pid)
+        os.killpg(killed.pid, signal.SIGKILL)  # with the process that would tidy up
+        killed.wait()
+        left = named(killed.pid)
+        assert len(left) >= 3
+        assert left <= {*leftovers.remove_leftovers()}
+        assert not named(killed.pid) and named(living.pid) == kept
+    finally:
+        for group in groups:
+            with suppress(ProcessLookupError):
+                os.killpg(group.pid, signal.SIGKILL)
+            group.wait()
+            group.stdout.close()
+        leftovers.remove_leftovers()
+
+
+@linux_only
+def test_nothing_else_in_shared_memory_is_touched(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    gone = [f"sem.loky-{dead.pid}-abc_12de", f"loky-{dead.pid}-abc_12de"]
+    kept = [
+        f"sem.loky-{os.getpid()}-abc_12de",
+        "sem.loky-1-abc_12de",
+        f"sem.mp-{dead.pid}abc",
+        f"sem.loky-{dead.pid}-abc_12def",
+        f"sem.loky-{dead.pid}-ABC_12DE",
+        f"joblib_memmapping_folder_{dead.pid}_abc",
+        f"sem.loky-{dead.pid}-in_use_0",
+        f"sem.loky-{dead.pid}-theirs_0",
+    ]
+    for name in (*gone, *kept):
+        (tmp_path / name).write_bytes(bytes(32))
+    (tmp_path / f"sem.loky-{dead.pid}-folder_0").mkdir()
+    (tmp_path / f"sem.loky-{dead.pid}-linked_0").symlink_to(tmp_path / kept[0])
+    lstat = Path.lstat
+
+    def of_another_user(path: Path) -> os.stat_result:
+        status = lstat(path)
+        if path.name.endswith("theirs_0"):
+            return os.stat_result([*status[:4], os.getuid() + 1, *status[5:10]])
+        return status
+
+    monkeypatch.setattr(Path, "lstat", of_another_user)
+    before = {*tmp_path.iterdir()}
+    with (
+        (tmp_path / f"sem.loky-{dead.pid}-in_use_0").open("r+b") as file,
+        mmap.mmap(file.fileno(), 32),
+    ):
+        removed = leftovers.remove_leftovers(tmp_path)
+    assert {path.name for path in removed} == {*gone}
+    assert {*tmp_path.iterdir()} == before - {tmp_path / name for name in gone}
+
+
+def test_a_pool_removes_leftovers_as_it_starts(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = []
+    monkeypatch.setattr(leftovers, "remove_leftovers", lambda: calls.append(1))
+    monkeypatch.setattr(pools.LocalPool, "_start", lambda pool: None)
+    monkeypatch.setattr(pools.LocalPool, "_stop", lambda pool: None)
+    with pools.LocalPool(2):
+        assert calls == [1]
