@@ -12,7 +12,7 @@ from rolling.check import cost, resolution
 from rolling.check.doubt import Doubt, Severity
 from rolling.scene.messages import SceneError, plain_number
 from rolling.scene.scene import Scene
-from rolling.terminal import addresses
+from rolling.terminal import addresses, defaults, system_errors
 
 OUTPUTS = Path("outputs")  # where runs are written unless another folder is given
 SHARE = 0.8  # of memory or free disk that a run may take; the rest belongs to others
@@ -34,7 +34,12 @@ GROUPS_OF_PROCESS = Path("/proc/self/cgroup")
 GROUPS = Path("/sys/fs/cgroup")
 
 
-def refuse(scene: Scene, workers: int = 0, folder: Path | None = None) -> None:
+def refuse(
+    scene: Scene,
+    workers: int = 0,
+    folder: Path | None = None,
+    unsolved: Sequence[Scene] | None = None,
+) -> None:
     """Refuse a scene that cannot be run here, with or without a sweep.
 
     Parameters
@@ -43,6 +48,8 @@ def refuse(scene: Scene, workers: int = 0, folder: Path | None = None) -> None:
         Number of processes; 0 means one per core. Default 0.
     folder : Path or None
         Folder of the results; None if nothing is written. Default None.
+    unsolved : sequence of Scene, optional
+        Runs whose files the folder lacks. Default: all.
 
     Raises
     ------
@@ -55,7 +62,10 @@ def refuse(scene: Scene, workers: int = 0, folder: Path | None = None) -> None:
     runs = [run for _, run in scene.runs()]
     for run in runs:
         _refuse_interleaved(run)
-    needs = excess(runs, workers or cost.cores(), folder)
+    needs = excess(runs, workers or cost.cores(), None)
+    if folder is not None:
+        written = runs if unsolved is None else unsolved
+        needs += lacking_disk(cost.disk(written), folder, ADVICE["record"])
     if needs:
         raise SceneError([need.line for need in needs])
 
@@ -114,12 +124,32 @@ def lacking_memory(parts: dict[str, float], advice: dict[str, str], of: str = ""
     ]
 
 
-def lacking_disk(size: float, folder: Path, advice: str, of: str = "") -> list[Doubt]:
-    """Return the doubt "disk" where files [bytes] do not fit where a folder is or will be."""
+def lacking_disk(size: float, folder: Path, shorter: str, of: str = "") -> list[Doubt]:
+    """Return the doubt "disk" where files [bytes] do not fit where a folder is or will be.
+
+    Parameters
+    ----------
+    size : float, bytes
+        Size of the files that are to be written.
+    folder : Path
+        Their folder.
+    shorter : str
+        Advice that makes them smaller, for a run that has not begun.
+    of : str
+        Words that name the runs. Default: none.
+    """
+    if is_read_only(folder):
+        text = f"{system_errors.READ_ONLY} where {folder} is"
+        advice = system_errors.ANOTHER_DISK
+        return [Doubt("disk", f"disk{of}: {text}", Severity.REFUSED, advice=advice)]
     free = free_disk(folder)
     if size <= SHARE * free:
         return []
     text = f"needs about {byte_size(size)}, allowed: {_share(free)} free where {folder} is"
+    if (folder / defaults.SCENE).is_file():  # another scene would not go on in this folder
+        advice = "free some space, and the same command goes on"
+    else:
+        advice = f"free some space, {system_errors.ANOTHER_DISK}, or {shorter}"
     return [Doubt("disk", f"disk{of}: {text}", Severity.REFUSED, advice=advice)]
 
 
@@ -200,11 +230,26 @@ def refuse_few_addresses(scenes: Sequence[Scene]) -> None:
 
 def free_disk(folder: Path) -> float:
     """Return the free bytes where a folder is or will be, infinite if unknown."""
-    places = (place for place in (folder, *folder.absolute().parents) if place.exists())
+    place = _existing(folder)
     try:
-        return float(shutil.disk_usage(next(places, Path())).free)
+        return float(shutil.disk_usage(place).free)
     except OSError:
         return math.inf
+
+
+def is_read_only(folder: Path) -> bool:
+    """Tell whether a folder is or will be on a disk that is mounted read-only."""
+    place = _existing(folder)
+    try:
+        return bool(os.statvfs(place).f_flag & os.ST_RDONLY)
+    except (AttributeError, OSError):  # not of Windows
+        return False
+
+
+def _existing(folder: Path) -> Path:
+    """Return the first of a folder and those above it that exists."""
+    places = (place for place in (folder, *folder.absolute().parents) if place.exists())
+    return next(places, Path())
 
 
 def _number(file: Path) -> float:

@@ -168,8 +168,8 @@ def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None)
     with progress.step("reading the runs, making their sound"):
         runs = open_runs(folders.done_runs(folder))
     if out is None:
-        out = folder / "figures"
-        files.make_below(folder, out)
+        out = folder / "figures"  # made with the first figure that can be drawn
+        files.refuse_link_below(folder, out)
     else:
         drawn = names or FIGURES
         for path in out.glob(f"*.{form}"):

@@ -104,7 +104,8 @@ def solve_folder(
     ------
     SceneError, FolderError, OSError, KeyboardInterrupt : as in `rolling.commands.run.run_scene`.
     """
-    refusals.refuse(scene, workers, folder)
+    unsolved = [run.scene for run in folders.runs_in(folder, scene) if not run.is_done]
+    refusals.refuse(scene, workers, folder, unsolved)
     if part is not None and not scene.sweep:
         raise SceneError(["sweep: a part is a share of the runs of a sweep, the scene has none"])
     folders.refuse_other(folder, scene)

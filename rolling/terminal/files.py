@@ -36,8 +36,8 @@ def kind_of(mode: int) -> str:
     return _KINDS.get(stat.filemode(mode)[0], "no regular file")
 
 
-def make_below(root: Path, folder: Path) -> None:
-    """Make a folder below a root folder; the root may be a link, the folders below it may not.
+def refuse_link_below(root: Path, folder: Path) -> None:
+    """Refuse a folder below a root folder to which a link leads; the root itself may be a link.
 
     Raises
     ------
@@ -45,6 +45,11 @@ def make_below(root: Path, folder: Path) -> None:
     """
     if folder.resolve() != root.resolve() / folder.relative_to(root):
         raise FolderError(f"{folder}: a link, but results are written into real folders only")
+
+
+def make_below(root: Path, folder: Path) -> None:
+    """Make a folder below a root folder, as `refuse_link_below` allows it."""
+    refuse_link_below(root, folder)
     if not folder.is_dir():
         folder.mkdir(parents=True, exist_ok=True)
         _sync(folder.parent)

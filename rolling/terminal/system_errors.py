@@ -3,13 +3,15 @@
 import errno
 from pathlib import Path
 
+READ_ONLY = "the disk is read-only"
+ANOTHER_DISK = "take a folder on another disk"
 _NOT_PERMITTED = "not permitted; change the permissions, or take another folder"
 # Errors of a path; another path, or a mended one, is the way out.
 _OF_A_PATH = {
     errno.ENOENT: "no such file or folder; a folder on the way is missing, or a link dangles",
     errno.EACCES: _NOT_PERMITTED,
     errno.EPERM: _NOT_PERMITTED,
-    errno.EROFS: "the disk is read-only; take a folder on another disk",
+    errno.EROFS: f"{READ_ONLY}; {ANOTHER_DISK}",
     errno.ELOOP: "links lead in a circle; remove one of them, or take another path",
     errno.ENAMETOOLONG: "the path is too long for the disk; take shorter names",
     errno.ENOTDIR: "a part of the path is a file, not a folder; take another path",

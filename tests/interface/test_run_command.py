@@ -396,7 +396,9 @@ def test_plot_draws_single_figures(
     assert path.name == f"release_power.{form}" and path.stat().st_size > 200
     assert cli.main([*words, "--out", str(tmp_path / "drawn")]) == 2  # of another run, for all that
     assert f"{path}: exists; take another folder" in capsys.readouterr().err
+    before = {*swept.rglob("*")}
     assert cli.main(["plot", str(swept), "--figure", "release_pwoer"]) == 2
+    assert {*swept.rglob("*")} == before  # no empty folder for it
     assert "release_power" in capsys.readouterr().err
 
 

@@ -456,3 +456,14 @@ def test_check_says_by_its_code_that_a_scene_does_not_run(
     assert cli.main(["check", str(scene), "--fast", "--set", override]) == code
     said = capsys.readouterr().out
     assert ("It does not run" in said) == (code != 0)
+
+
+def test_a_figure_that_there_is_not_leaves_no_folder(
+    scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert run(scene, out) == 0
+    for name, word in (("nosuch", "no figure"), ("levels", "no such figure")):
+        assert cli.main(["plot", str(out), "--figure", name]) == 2
+        assert word in capsys.readouterr().err
+        assert not (out / "figures").exists()

@@ -16,7 +16,7 @@ from scene_text import MADE, TEXT, TINY
 
 import rolling
 from rolling import cli
-from rolling.check import findings, refusals
+from rolling.check import cost, findings, refusals
 from rolling.run.executor import RunLoop
 from rolling.scene.file import loads, read_scene
 from rolling.scene.messages import SceneError
@@ -193,3 +193,54 @@ def test_memory_is_limited_by_control_groups(
     monkeypatch.setattr(refusals, "GROUPS_OF_PROCESS", lines)
     monkeypatch.setattr(refusals, "GROUPS", groups)
     assert refusals.memory_limit() == 123456789
+
+
+# ---- disks
+
+
+def test_a_disk_that_is_mounted_read_only_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It has no free space either, and no shorter run would fit."""
+    real = os.statvfs
+
+    def read_only(path: object) -> os.statvfs_result:
+        fields = list(real(path))
+        fields[4] = 0  # bytes that are free to this user
+        fields[8] |= os.ST_RDONLY
+        return os.statvfs_result(fields)
+
+    (tmp_path / "tiny.yaml").write_text(TINY)
+    (tmp_path / "many.yaml").write_text(MANY_BALLS.replace("listen_s: 120", "listen_s: 1"))
+    monkeypatch.setattr(os, "statvfs", read_only)
+    for name in ("tiny.yaml", "many.yaml"):
+        assert cli.main(["run", str(tmp_path / name), "--out", str(tmp_path / "out")]) == 2
+        said = capsys.readouterr().err
+        assert "disk: the disk is read-only where" in said
+        assert "take a folder on another disk" in said
+        assert "needs" not in said and "shorten" not in said
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_disk_that_filled_half_way_is_to_be_freed_and_done_runs_need_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Another scene, such as a shorter one, would not go on in this folder."""
+    scene = tmp_path / "tiny.yaml"
+    scene.write_text(TINY + "sweep: {sound.distance_m: [1, 2]}\n")
+    out = tmp_path / "out"
+    words = ["run", str(scene), "--out", str(out), "--no-report", "-q", "--workers", "1"]
+    monkeypatch.setattr(refusals, "free_disk", lambda folder: 1e6)
+    assert cli.main(words) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "free some space, take a folder on another disk, or shorten rolling.duration_s" in said
+    one_run = 1.1 * cost.disk([loads(TINY)]) / refusals.SHARE
+    monkeypatch.setattr(refusals, "free_disk", lambda folder: 1e12)
+    assert cli.main([*words, "--part", "1/1"]) == 0
+    next(out.glob("*distance*=2/summary.json")).unlink()
+    monkeypatch.setattr(refusals, "free_disk", lambda folder: 1e6)
+    assert cli.main(words) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "free some space, and the same command goes on" in said and "shorten" not in said
+    monkeypatch.setattr(refusals, "free_disk", lambda folder: one_run)
+    assert cli.main(words) == 0  # the other run needs no disk
