@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from acoustics.arrays import Array
 from rolling.bearing import waves
 from rolling.bearing.tracks import BearingTracks, BodyTrack, smooth_track
+from rolling.bearing_contacts.contact_gain import contact_gain
 from rolling.bearing_contacts.contacts import RoughContact
 from rolling.bearing_contacts.faults import FaultStretch, added_at_angle
 from rolling.bearing_contacts.plan import (
@@ -32,9 +31,10 @@ from rolling.surface.scene_surface import form_heights
 
 LEAST_POINTS = 4096  # of a turn without roughness
 POINTS_PER_WAVE = 8  # at least, so that a wave of a high order is not taken for one of a low order
-# Parts of seeds, so that roughness and place of balls differ.
+# Parts of seeds, so that roughness, place of balls and what is not linear differ.
 _ROUGHNESS = 1
 _PLACE = 2
+_REST = 3
 
 
 def bearing_tracks(
@@ -246,40 +246,14 @@ def specimen_rows(contact: RoughContact, marches: Marches, draw: int) -> Array:
     """Return the changes of the approach over the heights of a specimen [m], (loads, steps).
 
     The first specimen is the marched one. Each other one has heights of its own, whose linear
-    response is corrected by what the march changes in the spectrum of the first.
+    response takes the gain that the march found.
     """
     rows = rough_rows(contact, marches)
     if draw == 0 or contact.scene.height_paths:
         return rows
-    other = contact.of_specimen(draw).own_linear_rows
-    return with_gain(other, contact.own_linear_rows, rows)
-
-
-def with_gain(rows: Array, before: Array, after: Array) -> Array:
-    """Return closed rows with the gain that leads from other rows to what became of them.
-
-    The gain is the ratio of their powers in third octaves of the waves along the rows. All arrays
-    have the shape (rows, positions).
-    """
-    count = rows.shape[1]
-    spectrum = np.fft.rfft(rows, axis=1)
-    power_before = np.abs(np.fft.rfft(before, axis=1)) ** 2
-    power_after = np.abs(np.fft.rfft(after, axis=1)) ** 2
-    edges = _third_octaves(spectrum.shape[1])
-    for first, end in pairwise(edges):
-        was = power_before[:, first:end].sum(axis=1)
-        became = power_after[:, first:end].sum(axis=1)
-        gain = np.ones(len(rows))
-        np.divide(became, was, out=gain, where=was > 0)
-        spectrum[:, first:end] *= np.sqrt(gain)[:, None]
-    return np.asarray(np.fft.irfft(spectrum, count, axis=1))
-
-
-def _third_octaves(count: int) -> list[int]:
-    """Return the edges of third octaves of the orders from 1 below a count."""
-    octaves = math.log2(max(count, 2))
-    edges = np.round(2 ** np.arange(0, octaves, 1 / 3)).astype(int)
-    return [*np.unique(edges).tolist(), count]
+    own_seed = getattr(contact.scene.surface, "seed", 0)
+    linear_rows = contact.of_specimen(draw).own_linear_rows
+    return contact_gain(contact, rows).specimen(linear_rows, (own_seed, _REST, draw))
 
 
 def _fault_change(stretch: FaultStretch, marches: Marches) -> Array | None:

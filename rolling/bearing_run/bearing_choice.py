@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from acoustics.arrays import Array
 from acoustics.level import level_db
 from acoustics.texts import printable
 from acoustics.traps import ignoring_underflow
+from rolling.bearing_contacts.band_gain import gain_uncertainty_db
 from rolling.bearing_run.band_difference import HOUSING, NAMES, BandDifference, band_difference
 from rolling.results.answer import uncertain
 from rolling.terminal.streams import columns
@@ -43,6 +44,9 @@ class BearingChoice:
         The wanted ±.
     folder : Path
         Folder of the choice; it is gone unless one was given.
+    gain_levels : dict of list of arrays, dB
+        By band, for each bearing: its level without each group of waves of its marches, as of
+        `rolling.bearing_contacts.band_gain.gain_levels`. Bands without it have certain gains.
 
     Examples
     --------
@@ -59,6 +63,7 @@ class BearingChoice:
     limit: str
     within_db: float
     folder: Path = Path()
+    gain_levels: dict[str, list[Array]] = field(default_factory=dict)
 
     @property
     def pairs(self) -> int:
@@ -69,9 +74,24 @@ class BearingChoice:
     def differences(self) -> list[list[BandDifference]]:
         """How much more each bearing after the first moves in each band [dB]."""
         return [
-            [band_difference(band, values[0], values[number]) for band, values in self.rms.items()]
+            [
+                band_difference(band, values[0], values[number], self._gain_db(band, number))
+                for band, values in self.rms.items()
+            ]
             for number in range(1, len(self.labels))
         ]
+
+    def _gain_db(self, band: str, number: int) -> float:
+        """Return the uncertainty by the gains of contacts of the first and another bearing [dB].
+
+        The sound of a housing has that of its most uncertain band.
+        """
+        bands = self.gain_levels if band == HOUSING else [band] if band in self.gain_levels else []
+        parts = [
+            gain_uncertainty_db(self.gain_levels[name][0], self.gain_levels[name][number])
+            for name in bands
+        ]
+        return max(parts, default=0.0)
 
     @property
     def sentences(self) -> list[str]:
@@ -83,6 +103,12 @@ class BearingChoice:
             lines.append(
                 f"A ± is above the wanted {self.within_db:g} dB, because {self.limit}; four times"
                 " as many specimens would halve it."
+            )
+        parts = [apart.gain_db for differences in self.differences for apart in differences]
+        if max(parts) > self.within_db:
+            lines.append(
+                f"The gains of the rough contacts alone leave ± {max(parts):.1f} dB, which a longer"
+                " numerics.window_mm lowers, and more specimens do not."
             )
         return lines
 
@@ -103,6 +129,7 @@ class BearingChoice:
                     "velocity_um_s": float(np.sqrt(np.mean(np.square(values[number])))),
                     "more_db": None,
                     "more_uncertainty_db": None,
+                    "more_gain_db": None,
                     "sureness": None,
                 }
                 if band == HOUSING:
@@ -111,6 +138,7 @@ class BearingChoice:
                     apart = self.differences[number - 1][place]
                     row["more_db"] = apart.db if math.isfinite(apart.db) else None
                     row["more_uncertainty_db"] = apart.uncertainty_db
+                    row["more_gain_db"] = apart.gain_db
                     row["sureness"] = apart.sureness
                 row["specimens"] = self.pairs
                 found.append(row)

@@ -39,6 +39,24 @@ def test_the_uncertainty_covers_repeated_choices() -> None:
     assert 0.60 < within / 400 < 0.76
 
 
+@pytest.mark.law("Choice of bearings: what all specimens share stays uncertain with many of them.")
+def test_a_gain_that_all_specimens_share_is_in_the_uncertainty() -> None:
+    rms = {"high": np.array([np.full(20, 1.0), np.full(20, 2.0)])}
+    certain = np.zeros(10)
+    scattered = np.resize([0.4, -0.4], 10)  # without each tenth of the waves
+    parts = {
+        "equal marches": [scattered, scattered],
+        "other marches": [certain, scattered],
+    }
+    found = {}
+    for name, levels in parts.items():
+        choice = BearingChoice(["a", "b"], rms, "", 1.0, gain_levels={"high": levels})
+        found[name] = choice.differences[0][0].uncertainty_db
+        assert ("numerics.window_mm" in str(choice)) == (name == "other marches")
+    assert found["equal marches"] == pytest.approx(0.0, abs=1e-9)
+    assert found["other marches"] == pytest.approx(0.4 * 3.0)  # the root of 0.9 times 10
+
+
 def test_sentences_name_each_band_once() -> None:
     values = np.array([[1.0, 1.1, 0.9, 1.0], [2.0, 2.1, 1.9, 2.0], [1.0, 1.2, 0.8, 1.0]])
     rms = {"low": values, "medium": values[::-1], "high": values}

@@ -1,0 +1,127 @@
+"""Gain of a rough contact: what its march adds to its linear response, by waves along the track.
+
+Heights change the approach of a nearly closed contact by their linear response L. Its rim opens
+and closes, and adds a part E that L does not explain. Over the waves k of a march N
+
+    N(k) = H(k) L(k) + E(k),    H = Re sum(conj(L) N) / sum(|L|^2),    S_E = mean(|N - H L|^2)
+
+with sums over neighbouring waves. Neither H nor S_E changes much between waves that differ by a
+part of a wave in the length of a contact, so the sums are over many waves also where a track holds
+few long ones. A ratio of powers would scatter by 3 to 11 dB from wave to wave, because a wave of L
+is small by chance where the same wave of E is not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from acoustics.arrays import Array, short_repr
+from rolling.bearing import waves
+from rolling.bearing_contacts.contacts import RoughContact
+
+LEAST_LINES = 10  # to either side of a wave, over which its gain is estimated
+PART_OF_CONTACT = 0.25  # of a wave in the length of a contact: the reach of a sum, where longer
+THIRD_OCTAVE = 2 ** (1 / 6) - 2 ** (-1 / 6)  # its width over its middle: the reach of short waves
+GROUPS = 10  # of the waves, each of which is left out once to learn how the gain scatters
+Complexes = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class ContactGain:
+    """How the march of a rough contact differs from its linear response.
+
+    linear, marched : complex array (loads, waves), m. Waves 1, 2, ... along the track.
+    first, end : int arrays (waves,). The neighbours over which the sums at each wave go.
+    positions : int. Number of positions of the track.
+    """
+
+    __repr__ = short_repr
+
+    linear: Complexes
+    marched: Complexes
+    first: NDArray[np.int64]
+    end: NDArray[np.int64]
+    positions: int
+
+    def coherent(self, left_out: int | None = None) -> Array:
+        """Return the gain H of the linear response, (loads, waves), perhaps without a group."""
+        linear_power = self._mean(np.abs(self.linear) ** 2, left_out)
+        shared = self._mean((np.conj(self.linear) * self.marched).real, left_out)
+        gain = np.ones_like(shared)
+        np.divide(shared, linear_power, out=gain, where=linear_power > 0)
+        return gain
+
+    def rest_power(self, gain: Array, left_out: int | None = None) -> Array:
+        """Return the power [m2] of what a gain (loads, waves) does not explain, (loads, waves)."""
+        return self._mean(np.abs(self.marched - gain * self.linear) ** 2, left_out)
+
+    def expected_power(self, left_out: int | None = None) -> Array:
+        """Return the expected power [m2] of each wave of a specimen, (loads, waves)."""
+        gain = self.coherent(left_out)
+        linear_power = self._mean(np.abs(self.linear) ** 2)
+        return gain**2 * linear_power + self.rest_power(gain, left_out)
+
+    def specimen(self, linear_rows: Array, seed: tuple[int, ...]) -> Array:
+        """Return the change of the approach [m] of a specimen by its linear response.
+
+        The rest is drawn at random, with the power and the coherence between loads of the march.
+
+        Parameters
+        ----------
+        linear_rows : array (loads, positions), m
+            Linear response of the specimen.
+        seed : tuple of int
+            Seed of the rest.
+        """
+        random = np.random.default_rng(seed)
+        gain = self.coherent()
+        level = np.sqrt(self.rest_power(gain))
+        rest = self.marched - gain * self.linear
+        whitened = np.divide(rest, level, out=np.zeros_like(rest), where=level > 0)
+        # Each wave takes the rest of a neighbour at random, at its own level, with another phase.
+        neighbour = random.integers(self.first, self.end)
+        phase = np.exp(2j * np.pi * random.uniform(size=len(neighbour)))
+        spectrum = np.fft.rfft(linear_rows, axis=1)
+        spectrum[:, 0] = 0.0
+        spectrum[:, 1:] = gain * spectrum[:, 1:] + level * whitened[:, neighbour] * phase
+        return np.asarray(np.fft.irfft(spectrum, self.positions, axis=1))
+
+    def _mean(self, lines: Array, left_out: int | None = None) -> Array:
+        """Return the mean of rows of waves over the neighbours of each wave."""
+        kept = np.ones(lines.shape[1])
+        if left_out is not None:
+            kept[left_out::GROUPS] = 0.0
+        sums = np.cumsum(np.pad(lines * kept, ((0, 0), (1, 0))), axis=1)
+        counts = np.cumsum(np.pad(kept, (1, 0)))
+        number = np.maximum(counts[self.end] - counts[self.first], 1.0)
+        return np.asarray((sums[:, self.end] - sums[:, self.first]) / number)
+
+
+def contact_gain(contact: RoughContact, marched_rows: Array) -> ContactGain:
+    """Return the gain of a rough contact from its march.
+
+    Parameters
+    ----------
+    contact : RoughContact
+        Contact, whose linear response is known.
+    marched_rows : array (loads, positions), m
+        Changes of its approach along the closed track, as of `joined_tracks.rough_rows`.
+    """
+    positions = marched_rows.shape[1]
+    linear = np.fft.rfft(contact.own_linear_rows, axis=1)[:, 1:]
+    marched = np.fft.rfft(marched_rows, axis=1)[:, 1:]
+    length = positions * contact.scene.step
+    axes = waves.semi_axes(contact.contact, contact.middle_load_n)
+    contacts = length / (2 * axes.along)  # waves of the length of a contact
+    number = np.arange(1, linear.shape[1] + 1)
+    reach = np.maximum(max(LEAST_LINES, PART_OF_CONTACT * contacts), THIRD_OCTAVE / 2 * number)
+    return ContactGain(
+        linear=linear,
+        marched=marched,
+        first=np.maximum(number - 1 - np.rint(reach), 0).astype(np.int64),
+        end=np.minimum(number + np.rint(reach), len(number)).astype(np.int64),
+        positions=positions,
+    )
