@@ -7,62 +7,87 @@ Contacts with the same march move together, and their part cancels in a differen
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
-from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
+from rolling.bearing.ring_record import RADIAL
 from rolling.bearing_contacts.contact_gain import GROUPS, contact_gain
-from rolling.bearing_contacts.joined_tracks import bearing_tracks, rough_rows
-from rolling.bearing_contacts.plan import RINGS, ContactPlan, radius_of
+from rolling.bearing_contacts.contact_uncertainty import (
+    STEP_HZ,
+    shown_hz,
+    track_length_m,
+    velocity_per_approach,
+)
+from rolling.bearing_contacts.joined_tracks import rough_rows
+from rolling.bearing_contacts.plan import ContactPlan
 from rolling.bearing_contacts.solving import Marches
 
-FREQUENCIES = 400  # of a band, at which its power is summed
+
+class RoughBand(NamedTuple):
+    """Mean square of the radial velocity in a band [m2/s2] by all rough contacts, as expected.
+
+    whole : float. With all waves of the marches.
+    without_groups : array (GROUPS,). Without each group of waves.
+    """
+
+    whole: float
+    without_groups: Array
+
+    def levels_db(self, mean_square: float) -> Array:
+        """Return the level of a band of a mean square [m2/s2] without each group, less that with.
+
+        What else moves the ring, such as form, stays. Shape (GROUPS,).
+        """
+        stays = max(mean_square - self.whole, 0.0)
+        if not stays + self.whole > 0:
+            return np.zeros(GROUPS)
+        return np.asarray(10 * np.log10((stays + self.without_groups) / (stays + self.whole)))
 
 
-def gain_levels(model: BearingModel, plan: ContactPlan, marches: Marches) -> dict[str, Array]:
-    """Return the radial level of each band [dB] without each group of waves of the marches.
-
-    The ring is linear here, and equal changes of the approach of any contact move it alike.
+def rough_bands(model: BearingModel, plan: ContactPlan, marches: Marches) -> dict[str, RoughBand]:
+    """Return what the rough contacts make of each band, by linear theory of the ring.
 
     Parameters
     ----------
     model : BearingModel
     plan : ContactPlan
-        Its contacts.
+        Its contacts. Those of a measured turn are as they were marched, and have no part.
     marches : dict
         Marches by contact identity, as of `solved_stages`.
 
     Returns
     -------
-    dict of arrays (GROUPS,), dB
-        Level over that with all waves, by the name of the band; zeros where nothing is rough, or a
-        whole turn was measured.
+    dict of RoughBand, by the name of the band
     """
-    mobility = linear_ring(model).radial_mobility
-    speed = model.kinematics.rolling_speed_m_s
-    densities = list(_densities(plan, marches, speed))
-    forms = list(_waves_around(plan, speed))
-    levels = {}
-    for band, (low_hz, high_hz) in VELOCITY_BANDS_HZ.items():
-        grid_hz = np.linspace(low_hz, high_hz, FREQUENCIES)
-        weight = np.abs(mobility(grid_hz)) ** 2 * (high_hz - low_hz) / FREQUENCIES
-        power = 0.0
-        powers = np.zeros(GROUPS)
-        for waves_hz, whole, parts in densities:
-            power += float(np.interp(grid_hz, waves_hz, whole) @ weight)
-            powers += [np.interp(grid_hz, waves_hz, part) @ weight for part in parts]
-        for waves_hz, squares in forms:
-            inside = (waves_hz >= low_hz) & (waves_hz < high_hz)
-            of_form = float(np.abs(mobility(waves_hz[inside])) ** 2 @ squares[inside])
-            power += of_form
-            powers += of_form
-        levels[band] = 10 * np.log10(powers / power) if power > 0 else powers
-    return levels
+    frequency_hz = shown_hz()
+    gain = velocity_per_approach(model, frequency_hz)[RADIAL]
+    whole = np.zeros_like(frequency_hz)
+    without = np.zeros((GROUPS, len(frequency_hz)))
+    for contact in plan.rough.values():
+        if contact.scene.height_paths:
+            continue
+        place = contact.loads_n.index(contact.middle_load_n)
+        response = contact_gain(contact, rough_rows(contact, marches))
+        line_hz = model.kinematics.rolling_speed_m_s / track_length_m(contact)
+        waves = frequency_hz / line_hz
+        factor = 2 / contact.steps**2 * STEP_HZ / line_hz * gain
+        whole += factor * _between(waves, response.expected_power()[place])
+        for group in range(GROUPS):
+            without[group] += factor * _between(waves, response.expected_power(group)[place])
+    bands = {}
+    for band, (low, high) in VELOCITY_BANDS_HZ.items():
+        inside = (frequency_hz >= low) & (frequency_hz < high)
+        bands[band] = RoughBand(float(whole[inside].sum()), without[:, inside].sum(axis=1))
+    return bands
+
+
+def _between(waves: Array, power: Array) -> Array:
+    """Return the power between the waves 1, 2, ... of a track; beyond them it is constant."""
+    return np.interp(waves, np.arange(1, len(power) + 1), power)
 
 
 def gain_uncertainty_db(first: Array, second: Array) -> float:
@@ -71,57 +96,7 @@ def gain_uncertainty_db(first: Array, second: Array) -> float:
     Parameters
     ----------
     first, second : arrays (GROUPS,), dB
-        Levels of a band of two bearings, as of `gain_levels`.
+        Levels of a band of two bearings without each group, as of `RoughBand.levels_db`.
     """
     apart = second - first
     return float(np.sqrt((1 - 1 / GROUPS) * np.sum((apart - apart.mean()) ** 2)))
-
-
-def _densities(
-    plan: ContactPlan, marches: Marches, speed_m_s: float
-) -> Iterator[tuple[Array, Array, list[Array]]]:
-    """Yield frequencies [Hz] and densities [m2/Hz] of the approach of each rough contact.
-
-    The last ones are the densities without each group of waves.
-    """
-    for contact in plan.rough.values():
-        if contact.scene.height_paths:
-            continue
-        gain = contact_gain(contact, rough_rows(contact, marches))
-        place = contact.loads_n.index(contact.middle_load_n)
-        seconds = contact.steps * contact.scene.step / speed_m_s
-        factor = 2 * seconds / contact.steps**2
-        whole = factor * gain.expected_power()[place]
-        parts = [factor * gain.expected_power(group)[place] for group in range(GROUPS)]
-        yield np.arange(1, len(whole) + 1) / seconds, whole, parts
-
-
-def _waves_around(plan: ContactPlan, speed_m_s: float) -> Iterator[tuple[Array, Array]]:
-    """Yield frequencies [Hz] and mean squares [m2] of the waves around the bodies.
-
-    A ring is moved radially by its orders q Z + 1 and q Z - 1 alone, by all Z balls at once, and by
-    even orders of a ball alone, by both of its contacts at once.
-    """
-    tracks = bearing_tracks(replace(plan, rough={}, faults=()))
-    balls = plan.geometry.balls
-    load = np.array([plan.loads_n[len(plan.loads_n) // 2]])
-    for ring in RINGS:
-        (heights,) = getattr(tracks, ring).at_loads(load)
-        orders, squares = _mean_squares(heights)
-        moving = np.isin(orders % balls, (1, balls - 1))
-        yield orders * _turns_hz(plan, ring, speed_m_s), squares * moving * balls / 2
-    for on_inner, on_outer in zip(tracks.balls_on_inner, tracks.balls_on_outer, strict=True):
-        heights = on_inner.at_loads(load)[0] + on_outer.at_loads(load)[0]
-        orders, squares = _mean_squares(heights)
-        yield orders * _turns_hz(plan, "balls", speed_m_s), squares * (orders % 2 == 0) / balls
-
-
-def _mean_squares(heights_m: Array) -> tuple[Array, Array]:
-    """Return the orders of the waves around a turn, and their mean squares [m2]."""
-    lines = np.fft.rfft(heights_m)[1:] / len(heights_m)
-    return np.arange(1.0, len(lines) + 1), 2 * np.abs(lines) ** 2
-
-
-def _turns_hz(plan: ContactPlan, body: str, speed_m_s: float) -> float:
-    """Return how often a place of a body meets the same contact [Hz]."""
-    return speed_m_s / (2 * np.pi * radius_of(plan.geometry, body))

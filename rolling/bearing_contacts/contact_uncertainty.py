@@ -75,12 +75,8 @@ def roughness_powers(
 
     Balls meet a random roughness at places of their own, so the powers of their forces add.
     """
-    frequency_hz = np.arange(STEP_HZ, VELOCITY_BANDS_HZ["high"][1], STEP_HZ)
-    forces = _force_per_approach(model)
-    mobility = linear_ring(model).mobility(frequency_hz)
-    velocity = mobility @ forces @ np.conj(np.swapaxes(mobility, 1, 2))
-    squares = np.real(np.diagonal(velocity, axis1=1, axis2=2))
-    gain = {RADIAL: squares[:, :2].mean(axis=1), AXIAL: squares[:, 2]}
+    frequency_hz = shown_hz()
+    gain = velocity_per_approach(model, frequency_hz)
     powers = {}
     for name, contact in plan.rough.items():
         row = rough_rows(contact, marches)[contact.loads_n.index(contact.middle_load_n)]
@@ -91,6 +87,23 @@ def roughness_powers(
         density = {direction: gain[direction] * approach for direction in DIRECTIONS}
         powers[name] = RoughnessPower(frequency_hz, density, line_hz)
     return powers
+
+
+def shown_hz() -> Array:
+    """Return the frequencies [Hz] at which powers are taken, below the end of the high band."""
+    return np.arange(STEP_HZ, VELOCITY_BANDS_HZ["high"][1], STEP_HZ)
+
+
+def velocity_per_approach(model: BearingModel, frequency_hz: Array) -> dict[str, Array]:
+    """Return the mean square of the ring's velocity over that of the approach of a contact [1/s2].
+
+    All balls have an approach of this mean square, each at random. By direction, (n,).
+    """
+    forces = _force_per_approach(model)
+    mobility = linear_ring(model).mobility(frequency_hz)
+    velocity = mobility @ forces @ np.conj(np.swapaxes(mobility, 1, 2))
+    squares = np.real(np.diagonal(velocity, axis1=1, axis2=2))
+    return {RADIAL: squares[:, :2].mean(axis=1), AXIAL: squares[:, 2]}
 
 
 def _force_per_approach(model: BearingModel) -> Array:

@@ -46,7 +46,7 @@ class BearingChoice:
         Folder of the choice; it is gone unless one was given.
     gain_levels : dict of list of arrays, dB
         By band, for each bearing: its level without each group of waves of its marches, as of
-        `rolling.bearing_contacts.band_gain.gain_levels`. Bands without it have certain gains.
+        `rolling.bearing_contacts.band_gain`. Bands without it have certain gains. Default: none.
 
     Examples
     --------

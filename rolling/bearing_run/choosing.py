@@ -26,7 +26,7 @@ from acoustics.pairs import FIRST_PAIRS, pairs_needed
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ, velocity_bands
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.motion import move_ring
-from rolling.bearing_contacts.band_gain import gain_levels
+from rolling.bearing_contacts.band_gain import RoughBand, rough_bands
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan, stages_of
 from rolling.bearing_contacts.solving import Marches, solved_stages
@@ -67,14 +67,14 @@ class BearingCandidate:
     scene : BearingScene. A scene without a sweep.
     plan : ContactPlan. Its rough contacts.
     heard : list of dict. Root mean squares by band, of each specimen so far.
-    gain_levels : dict of arrays, dB. By band: the level without each group of waves of the marches.
+    rough_bands : dict of RoughBand. What its rough contacts make of each band.
     """
 
     label: str
     scene: BearingScene
     plan: ContactPlan
     heard: list[dict[str, float]] = field(default_factory=list)
-    gain_levels: dict[str, Array] = field(default_factory=dict)
+    rough_bands: dict[str, RoughBand] = field(default_factory=dict)
 
     @property
     def is_random(self) -> bool:
@@ -130,7 +130,7 @@ def choose_bearings(
         marches = _marched(candidates, target, workers)
         with progress.step("judging the gains of the contacts"):
             for one in candidates:
-                one.gain_levels = gain_levels(one.scene.model, one.plan, marches)
+                one.rough_bands = rough_bands(one.scene.model, one.plan, marches)
         hearing = _Hearing(candidates, marches, target, workers, stack)
         choice = _until_known(hearing, within_db, minutes)
         _write_files(choice)
@@ -357,7 +357,11 @@ def _choice(
         within_db=within_db,
         folder=folder,
         gain_levels={
-            band: [one.gain_levels[band] for one in candidates] for band in VELOCITY_BANDS_HZ
+            band: [
+                one.rough_bands[band].levels_db(float(np.mean(np.square(of_one / UM_S))))
+                for one, of_one in zip(candidates, rms[band], strict=True)
+            ]
+            for band in VELOCITY_BANDS_HZ
         },
     )
 
