@@ -1,10 +1,10 @@
 """Geometry of a ball bearing, and the elliptic Hertz contacts of its balls.
 
-The contact angle is fixed. `angle_under_load` says how far an axial load would turn it.
+The contact angle is fixed. `moving_angle` says how far loads would turn it.
 """
 
 from dataclasses import dataclass
-from math import acos, cos, pi, sin, sqrt
+from math import cos, pi, sin, sqrt
 from typing import Literal
 
 import numpy as np
@@ -156,29 +156,6 @@ def contact_lines(angles: Array, contact_angle: float, moving: Ring) -> Array:
     radial = sign * cos(contact_angle)
     axial = np.full_like(angles, sin(contact_angle))
     return np.stack((radial * np.cos(angles), radial * np.sin(angles), axial), axis=1)
-
-
-def angle_under_load(geometry: BearingGeometry, axial_load_n: float) -> float:
-    """Return the contact angle [rad] under an axial load [N] alone, by exact geometry.
-
-    The centres of the grooves move apart along the axis, from r_i + r_o - D to
-    (r_i + r_o - D) cos(alpha_0) / cos(alpha), and the balls bear Z K d^(3/2) sin(alpha).
-    """
-    from scipy.optimize import brentq  # slow to import
-
-    distance = geometry.groove_distance_m
-    start = geometry.contact_angle
-    stiffness = geometry.balls * geometry.series_stiffness
-
-    def missing(angle: float) -> float:
-        """Return the load that the balls bear at an angle beyond the load given."""
-        approach = distance * max(cos(start) / cos(angle) - 1, 0.0)
-        return float(stiffness * approach**1.5 * sin(angle) - axial_load_n)
-
-    if axial_load_n <= 0:
-        return start
-    steepest = acos(1e-3 * cos(start))  # where the approach is a thousand times that distance
-    return float(brentq(missing, start, steepest, xtol=1e-14))
 
 
 def ring_bending_hz(

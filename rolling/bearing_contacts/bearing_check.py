@@ -11,10 +11,10 @@ from acoustics.numbers import rounded, si
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.traps import ignoring_underflow
 from rolling.bearing import iso_15242
-from rolling.bearing.geometry import angle_under_load
 from rolling.bearing.kinematics import lines_of
 from rolling.bearing.limits import bounce_hz, motion_seconds
 from rolling.bearing.linear_ring import free_tilt_db, linear_ring
+from rolling.bearing.moving_angle import angles_under_loads
 from rolling.bearing.waves import hertz_pressure, semi_axes
 from rolling.bearing_contacts import needs
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
@@ -32,7 +32,8 @@ from rolling.terminal.streams import folded
 
 HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
 _PLACES = 8  # of the cage, over which loads are stated
-_ANGLE_DB = 0.5  # change of axial velocities by the turned contact angle, from which on it is said
+_TURNED_DEG = 0.5  # turn of the contact angle by the loads, beyond which axial bands do not hold
+AXIAL_DOUBT = "contact_angle"  # key of the doubt that concerns axial velocities alone
 _SHOWING_SECONDS = 2.0  # of processor time for figures and page of each second of motion
 _CENTRIFUGAL_SHARE = 0.1  # of the mean load of a ball, from which on it is said
 
@@ -120,24 +121,50 @@ def _geometry(scene: BearingScene) -> Iterator[Finding | Doubt]:
     if not scene.axial_load:
         yield Finding("contact_angle", "contact angle", "0 under a purely radial load")
         return
-    angle = math.degrees(scene.contact_angle)
-    turned = angle_under_load(scene.geometry, scene.axial_load)
-    text = f"{rounded(angle, 3)} degrees without load"
+    free = rounded(math.degrees(scene.contact_angle), 3)
     yield Finding(
         "contact_angle",
         "contact angle",
-        f"{text}, kept in motion; {rounded(math.degrees(turned), 3)} under the axial load alone",
+        f"{free} degrees without load, kept in motion; {_turned(scene)} under the loads",
     )
-    decibels = 20 * math.log10(math.sin(turned) / math.sin(scene.contact_angle))
-    if decibels > _ANGLE_DB:
-        yield sized(
-            "contact_angle",
-            f"the axial load would turn the contact angle from {rounded(angle, 3)} to"
-            f" {rounded(math.degrees(turned), 3)} degrees, and axial velocities would be"
-            f" {rounded(decibels)} dB lower",
-            decibels,
-            advice="bearing.contact_angle_deg takes the turned angle",
-        )
+    doubt = contact_angle_doubt(scene)
+    if doubt is not None:
+        yield doubt
+
+
+def contact_angle_doubt(scene: BearingScene) -> Doubt | None:
+    """Return the doubt about axial velocities at an angle that the loads would turn, if they do.
+
+    How wrong these are depends on the frequency, because the angle moves the axial resonance. The
+    turned angle in place of the free one would leave errors as well.
+    """
+    if not scene.axial_load:
+        return None
+    free = math.degrees(scene.contact_angle)
+    if max(abs(angle - free) for angle in _angles_under_loads(scene)) <= _TURNED_DEG:
+        return None
+    return Doubt(
+        AXIAL_DOUBT,
+        f"the loads would turn the contact angle from {rounded(free, 3)} degrees to"
+        f" {_turned(scene)}, and the motion keeps it, so axial velocities are wrong by decibels"
+        " that are not known",
+        Severity.DO_NOT_QUOTE,
+        advice="quote the radial velocities alone",
+    )
+
+
+def _angles_under_loads(scene: BearingScene) -> tuple[float, float]:
+    """Return the least and the largest contact angle [degrees] of balls that bear load."""
+    least, most = angles_under_loads(
+        scene.geometry, axial_load_n=scene.axial_load, radial_load_n=scene.radial_load
+    )
+    return math.degrees(least), math.degrees(most)
+
+
+def _turned(scene: BearingScene) -> str:
+    """Write the contact angles under the loads."""
+    first, last = (rounded(angle, 3) for angle in _angles_under_loads(scene))
+    return f"{first} degrees" if first == last else f"between {first} and {last} degrees"
 
 
 def _speeds(scene: BearingScene) -> Iterator[Finding]:
@@ -365,11 +392,17 @@ def conclusion(findings: Findings) -> str:
     if findings.refusal is not None:
         return f"It does not run: {findings.refusal.text}."
     doubts = [doubt for of_run in findings.doubts.values() for doubt in of_run]
-    worst = max((doubt.severity for doubt in doubts), default=Severity.NOTE)
+    radial = [doubt.severity for doubt in doubts if doubt.key != AXIAL_DOUBT]
+    worst = max(radial, default=Severity.NOTE)
     time = f"It runs in {forecast.takes(findings.seconds)}."
+    of_what = "velocities"
+    axial = ""
+    if len(radial) < len(doubts):
+        of_what = "radial velocities"
+        axial = f" Its axial velocities are under the verdict {Severity.DO_NOT_QUOTE.word}."
     if worst <= Severity.TRUST:
-        return f"{time} Nothing speaks against its velocities."
-    return f"{time} The verdict on its velocities will at best be {worst.word}."
+        return f"{time} Nothing speaks against its {of_what}.{axial}"
+    return f"{time} The verdict on its {of_what} will at best be {worst.word}.{axial}"
 
 
 def lines_in_short(findings: Findings) -> list[str]:

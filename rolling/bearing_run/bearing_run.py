@@ -17,12 +17,14 @@ from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.traps import ignoring_underflow
 from rolling.bearing import assumed_damping, lines
 from rolling.bearing.band_uncertainty import LOSS_FACTOR, RECORD, BandUncertainty
-from rolling.bearing.geometry import BearingGeometry, angle_under_load
+from rolling.bearing.geometry import BearingGeometry
 from rolling.bearing.kinematics import Kinematics
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.lines import BearingLine
 from rolling.bearing.model import BearingModel
+from rolling.bearing.moving_angle import angles_under_loads
 from rolling.bearing.ring_record import (
+    AXIAL,
     DIRECTIONS,
     NOTHING_UM_S,
     PLACES,
@@ -31,7 +33,7 @@ from rolling.bearing.ring_record import (
     RingRecord,
 )
 from rolling.bearing.tracks import BearingTracks
-from rolling.bearing_contacts.bearing_check import departures
+from rolling.bearing_contacts.bearing_check import contact_angle_doubt, departures
 from rolling.bearing_run import summary
 from rolling.bearing_run.housing import HousingSound, housing_of_scene
 from rolling.bearing_run.without_faults import WithoutFaults
@@ -187,9 +189,18 @@ class BearingRun:
         return departures(self.scene)
 
     @cached_property
-    def angle_under_load(self) -> float:
-        """Contact angle [rad] to which the axial load would turn it; the motion keeps its own."""
-        return angle_under_load(self.geometry, self.scene.bearing.axial_load_n)
+    def angles_under_loads(self) -> tuple[float, float]:
+        """Least and largest contact angle [rad] under the loads; the motion keeps the free one."""
+        return angles_under_loads(
+            self.geometry,
+            axial_load_n=self.model.axial_load_n,
+            radial_load_n=self.model.radial_load_n,
+        )
+
+    @cached_property
+    def axial_doubt(self) -> Doubt | None:
+        """Doubt that forbids to quote the axial velocities, None where they may be quoted."""
+        return contact_angle_doubt(self.scene)
 
     @cached_property
     def share_above_bending_db(self) -> float:
@@ -327,7 +338,11 @@ class BearingRun:
         for name, words in summary.BAND_WORDS.items():
             cells = ""
             for direction in DIRECTIONS:
-                cells += f"<td>{summary.velocity(self.bands_um_s[direction][name])}</td>"
+                velocity = summary.velocity(self.bands_um_s[direction][name])
+                verdict = ""
+                if direction == AXIAL and self.axial_doubt is not None:
+                    verdict = f", {self.axial_doubt.severity.word}"
+                cells += f"<td>{velocity}{verdict}</td>"
             rows += f"<tr><td>{words}</td>{cells}</tr>"
         heads = "".join(f"<th>{direction} [um/s]</th>" for direction in DIRECTIONS)
         return f"{said}<table><tr><th>band</th>{heads}</tr>{rows}</table>"

@@ -24,6 +24,7 @@ from rolling.bearing.ring_record import DIRECTIONS
 from rolling.bearing_run import page, simulation, stored_run, summary
 from rolling.bearing_run.bearing_run import BearingRun
 from rolling.bearing_run.without_faults import stored_without_faults
+from rolling.check.doubt import Severity
 from rolling.contact.processor_time import ProcessorTime
 from rolling.contact.solver import ContactError
 from rolling.figures.picture import csv_bytes
@@ -280,12 +281,19 @@ def run_table(done: Sequence[BearingFolder]) -> DataFrame:
                 row[f"{direction}_{band}_um_s"] = numbers["bands_um_s"][direction][band]
                 uncertain = numbers["bands_uncertainty_db"][direction][band]
                 row[f"{direction}_{band}_uncertainty_db"] = uncertain
+                row[f"{direction}_{band}_verdict"] = _band_verdict(numbers, direction, band)
         housing = numbers.get("housing") or {}
         if "laeq_db" in housing:
             row["housing_laeq_db"] = housing["laeq_db"]
         row["march_cpu_s"] = numbers.get("march_cpu_s")
         rows.append(row)
     return DataFrame(rows)
+
+
+def _band_verdict(numbers: dict[str, Any], direction: str, band: str) -> str | None:
+    """Return the verdict on a band that is stored, None where none is."""
+    verdict = numbers.get("bands_verdict", {}).get(direction, {}).get(band)
+    return None if verdict is None else str(verdict)
 
 
 # ---- terminal
@@ -328,7 +336,14 @@ def band_table(done: Sequence[BearingFolder]) -> str:
 
 def line_lines(numbers: dict[str, Any]) -> str:
     """Write the lines of a run in aligned columns."""
-    rows = [["line", "Hz", "radial um/s", "axial um/s"]]
+    heads = ["line", "Hz"]
+    for direction in DIRECTIONS:
+        head = f"{direction} um/s"
+        verdicts = {_band_verdict(numbers, direction, band) for band in VELOCITY_BANDS_HZ}
+        if verdicts == {Severity.DO_NOT_QUOTE.word}:
+            head += f" ({Severity.DO_NOT_QUOTE.word})"
+        heads.append(head)
+    rows = [heads]
     for line in numbers["lines"]:
         velocities = [summary.velocity(line[f"{name}_um_s"]) for name in DIRECTIONS]
         rows.append([line["name"], f"{line['frequency_hz']:.2f}", *velocities])
@@ -336,9 +351,13 @@ def line_lines(numbers: dict[str, Any]) -> str:
 
 
 def _print_doubts(stored: Sequence[dict[str, Any]]) -> None:
-    """Print each kind of doubt at its worst, the largest first; all of them if verbose."""
+    """Print each kind of doubt at its worst, the worst first; all of them if verbose."""
     every = [doubt for numbers in stored for doubt in numbers["doubts"]]
-    every.sort(key=lambda doubt: -(doubt["decibels"] or 0.0))
+    severities = [severity.word for severity in Severity]
+    every.sort(
+        key=lambda doubt: (severities.index(doubt["severity"]), doubt["decibels"] or 0.0),
+        reverse=True,
+    )
     by_key: dict[str, dict[str, Any]] = {}
     for doubt in every:
         by_key.setdefault(doubt["key"], doubt)

@@ -58,7 +58,10 @@ def spectrum(run: BearingRun, ax: Axes) -> Axes:
         log_hz = np.asarray(np.log(narrow.frequency_hz[shown]), dtype=float)
         x, y = thinned(log_hz, np.maximum(um_s, _NOTHING_UM_S))
         width = 0.9 if direction == RADIAL else 0.5
-        ax.plot(np.exp(x), y, color=colour, linewidth=width, label=direction)
+        label = direction
+        if direction == AXIAL and run.axial_doubt is not None:
+            label = f"{direction} ({run.axial_doubt.severity.word})"
+        ax.plot(np.exp(x), y, color=colour, linewidth=width, label=label)
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.set_xlim(*_SHOWN_HZ)

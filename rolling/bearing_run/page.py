@@ -16,7 +16,7 @@ from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.texts import printable
 from rolling import __version__
 from rolling.bearing import lines
-from rolling.bearing.ring_record import DIRECTIONS, RADIAL, UM_S
+from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL, UM_S
 from rolling.bearing.tracks import BodyTrack
 from rolling.bearing_run import figures, stored_run, summary
 from rolling.figures.settings import left_out_if_it_fails
@@ -108,6 +108,8 @@ def _view(run: BearingRun, gains: PageGains) -> dict[str, Any]:
         for direction in DIRECTIONS:
             spread = run.uncertainty.total_db(direction, name)
             spread_text = f"± {spread:.1f} dB" if spread >= 0.05 else "± < 0.1 dB"
+            if direction == AXIAL and run.axial_doubt is not None:
+                spread_text = run.axial_doubt.severity.word
             cells.append((summary.velocity(run.bands_um_s[direction][name]), spread_text))
         rows.append((words, cells))
     first, _, *others = run.summary["sentences"]  # the second has the axial velocities
@@ -121,6 +123,7 @@ def _view(run: BearingRun, gains: PageGains) -> dict[str, Any]:
         f" full scale is {rounded(1 / gains.ring, 3)} m/s2",
         "housing_src": _housing_src(run, gains.housing),
         "housing": f"plate of the housing at {run.scene.sound.distance_m:g} m",
+        "axial_verdict": "" if run.axial_doubt is None else run.axial_doubt.severity.word,
         "lines": [_line_cells(row) for row in run.summary["lines"]],
         "envelope_lines": [
             (row["name"], f"{row['frequency_hz']:.2f}", _height(row["height"]))
@@ -169,8 +172,8 @@ def _facts(run: BearingRun) -> list[tuple[str, str]]:
         ("Pitch diameter", f"{bearing.pitch_diameter_mm:g} mm"),
         (
             "Contact angle",
-            f"{numbers['contact_angle_deg']:.1f} degrees; the axial load would turn it to"
-            f" {numbers['contact_angle_under_load_deg']:.1f}",
+            f"{numbers['contact_angle_deg']:.1f} degrees; the loads would turn it to"
+            f" {_range_of_angles(numbers['contact_angles_under_loads_deg'])}",
         ),
         ("Rolling speed of a contact", f"{rounded(speeds['rolling_speed_m_s'], 3)} m/s"),
         ("Moving ring", f"the {run.moving} one, {rounded(1e3 * numbers['ring_mass_kg'], 3)} g"),
@@ -187,6 +190,11 @@ def _facts(run: BearingRun) -> list[tuple[str, str]]:
         ),
         ("Energy that the balance lacks", f"{rounded(100 * numbers['energy_error'])} %"),
     ]
+
+
+def _range_of_angles(degrees: Sequence[float]) -> str:
+    """Write the least and the largest of some angles, or one where they are alike."""
+    return " to ".join(dict.fromkeys(f"{degree:.1f}" for degree in degrees))
 
 
 # ---- data of the instrument

@@ -19,6 +19,7 @@ from rolling.bearing.tracks import BearingTracks, BodyTrack
 from rolling.bearing_contacts import needs
 from rolling.bearing_run import figures
 from rolling.bearing_run.without_faults import stored_without_faults
+from rolling.check.doubt import Severity
 from rolling.contact.processor_time import ProcessorTime
 from rolling.figures.picture import csv_bytes
 from rolling.figures.settings import left_out_if_it_fails
@@ -424,6 +425,12 @@ def read_summary(path: Path) -> dict[str, Any]:
         stored_uncertainty(summary.get("bands_uncertainty_parts_db", {}))
         for seconds in summary.get(effort.PARTS, {}).values():
             float(seconds or 0.0)
+        severities = [severity.word for severity in Severity]
+        for doubt in summary["doubts"]:
+            severities.index(doubt["severity"])
+        for bands in summary.get("bands_verdict", {}).values():
+            for band in VELOCITY_BANDS_HZ:
+                severities.index(bands[band])
     except OSError as error:
         raise FolderError(f"{path}: not readable ({error.strerror or error}); {advice}") from error
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:

@@ -70,7 +70,7 @@ def summarize(run: BearingRun) -> dict[str, Any]:
         },
         "loads": _loads(run),
         "contact_angle_deg": math.degrees(run.geometry.contact_angle),
-        "contact_angle_under_load_deg": math.degrees(run.angle_under_load),
+        "contact_angles_under_loads_deg": [math.degrees(one) for one in run.angles_under_loads],
         "ring_mass_kg": run.model.ring_mass_kg,
         "resonances_hz": linear_ring(run.model).resonances_hz.tolist(),
         "ring_bending_hz": bending_hz,
@@ -87,11 +87,17 @@ def summarize(run: BearingRun) -> dict[str, Any]:
 
 
 def band_verdicts(run: BearingRun) -> dict[str, dict[str, str]]:
-    """Return how far the ± of each band lets one trust it, by direction and band, in words."""
-    return {
+    """Return how far each band is to be trusted, by direction and band, in words.
+
+    The ± decides, and for the axial bands also an angle that the loads would turn.
+    """
+    verdicts = {
         direction: {band: severity_of(decibels).word for band, decibels in bands.items()}
         for direction, bands in run.uncertainty.totals_db.items()
     }
+    if run.axial_doubt is not None:
+        verdicts[AXIAL] = dict.fromkeys(VELOCITY_BANDS_HZ, run.axial_doubt.severity.word)
+    return verdicts
 
 
 def _housing(run: BearingRun) -> dict[str, Any] | None:
@@ -180,13 +186,23 @@ def answer(run: BearingRun) -> str:
 
 def sentences(run: BearingRun) -> list[str]:
     """Say what a run has: bands, axial bands, lines that lead, faults, and its departures."""
-    axial = _three(run.bands_um_s[AXIAL])
-    texts = [answer(run), f"Axially it vibrates at {axial} um/s in the same bands."]
+    texts = [answer(run), axial_sentence(run)]
     texts += [rigid_sentence(run), housing_sentence(run)]
     texts += [leading_lines(run), *fault_sentences(run), load_sentence(run)]
     if run.departures:
         texts.append(f"Not ISO 15242: {'; '.join(run.departures)}.")
     return [text for text in texts if text]
+
+
+def axial_sentence(run: BearingRun) -> str:
+    """Say how fast the ring vibrates along its axis, and whether that is to be quoted."""
+    axial = f"Axially it vibrates at {_three(run.bands_um_s[AXIAL])} um/s in the same bands"
+    if run.axial_doubt is None:
+        return f"{axial}."
+    return (
+        f"{axial}: do not quote these, because the loads would turn the contact angle, which is"
+        " kept here."
+    )
 
 
 def rigid_sentence(run: BearingRun) -> str:
@@ -241,7 +257,10 @@ def leading_lines(run: BearingRun) -> str:
             if row[f"{direction}_um_s"] >= max(least, NOTHING_UM_S)
         ]
         if named:
-            texts.append(f"{direction} {', '.join(named)}")
+            verdict = ""
+            if direction == AXIAL and run.axial_doubt is not None:
+                verdict = f" ({run.axial_doubt.severity.word})"
+            texts.append(f"{direction}{verdict} {', '.join(named)}")
     if not texts:
         return "No line stands out."
     return f"The largest lines are {'; '.join(texts)}."

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -77,6 +78,50 @@ def test_waves_of_the_outer_raceway_are_axial(run: BearingRun) -> None:
     wanted = 0.05 / math.sin(math.radians(12)) * 2 * math.pi * bpfo / math.sqrt(2)
     assert run.bands_um_s["axial"]["low"] == pytest.approx(wanted, rel=0.01)
     assert any("inner 9" in text and "outer 8" in text for text in run.summary["sentences"])
+
+
+@pytest.mark.law("Bearing run: no axial band is to be quoted whose angle the loads would turn.")
+def test_axial_bands_under_a_turned_angle_are_not_to_be_quoted(
+    run: BearingRun, folder: Path
+) -> None:
+    """70 N turn 12 degrees to 13.9; the verdict stands wherever axial velocities do."""
+    word = "do not quote"
+    numbers_of_run = run.summary
+    assert set(numbers_of_run["bands_verdict"]["axial"].values()) == {word}
+    assert word not in numbers_of_run["bands_verdict"]["radial"].values()
+    (doubt,) = [doubt for doubt in numbers_of_run["doubts"] if doubt["key"] == "contact_angle"]
+    assert doubt["severity"] == word and doubt["decibels"] is None
+    assert " dB" not in doubt["text"] and "contact_angle_deg" not in doubt["advice"]
+    (sentence,) = [text for text in numbers_of_run["sentences"] if text.startswith("Axially")]
+    assert word in sentence
+    assert run._repr_html_().count(f", {word}</td>") == 3
+    table = pd.read_csv(folder / "runs.csv")
+    assert set(table.filter(regex="axial_.*_verdict").iloc[0]) == {word}
+    assert table.filter(regex="radial_.*_verdict").shape[1] == 3
+    page = (folder / "report.html").read_text()
+    cells = re.findall(r"<td><b>[^<]*</b> <small>([^<]*)</small></td>", page)
+    assert [cell == word for cell in cells] == [False, True] * 3
+    assert f"Axial [µm/s] <small>{word}</small>" in page
+    spectrum = run.plot("spectrum")
+    assert f"axial ({word})" in [line.get_label() for line in spectrum.lines]
+    plt.close(spectrum.figure)
+
+
+def test_an_angle_that_hardly_turns_has_no_verdict() -> None:
+    scene = loads_bearing(WAVY, ["bearing.axial_load_n=5", "bearing.contact_angle_deg=25"])
+    assert "contact_angle" not in {doubt.key for doubt in scene.check().doubts["wavy"]}
+
+
+def test_the_turned_angle_counts_both_loads() -> None:
+    """A radial load of 250 N turns the angles of a 6204 by less than 70 N along the axis alone."""
+    texts = {}
+    for radial in (0, 250):
+        findings = loads_bearing(WAVY, [f"bearing.radial_load_n={radial}"]).check()
+        (texts[radial],) = [
+            doubt.text for doubt in findings.doubts["wavy"] if doubt.key == "contact_angle"
+        ]
+    assert "from 12 degrees to 13.9 degrees" in texts[0]
+    assert "from 12 degrees to between 12.4 and 12.7 degrees" in texts[250]
 
 
 @pytest.mark.law("Bearing lines: orders of waviness have the frequencies of the theory.")

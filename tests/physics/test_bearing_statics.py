@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, degrees, pi, sin, tan
+from math import acos, cos, degrees, pi, sin, tan
 
 import numpy as np
 import pytest
@@ -11,12 +11,12 @@ from bearings import STEEL, angular, bearing, miniature, sjovall
 import rolling
 from rolling.bearing.geometry import (
     BearingGeometry,
-    angle_under_load,
     contact_lines,
     ring_bending_hz,
 )
 from rolling.bearing.kinematics import kinematics_of, lines_of
 from rolling.bearing.linear_ring import free_tilt_db
+from rolling.bearing.moving_angle import angles_under_loads, moving_angle_balance
 from rolling.bearing.static_load import least_axial_load, static_balance
 from rolling.contact import closed_forms
 
@@ -179,17 +179,55 @@ def test_loads_without_a_balance_are_refused(angle_deg: float, axial: float, rad
         static_balance(bearing(angle_deg=angle_deg), axial_load_n=axial, radial_load_n=radial)
 
 
+# ---- contact angles that turn
+
+
 @pytest.mark.parametrize("name", GEOMETRIES)
-def test_angle_under_load_balances_the_groove_centres(name: str) -> None:
+def test_the_angle_under_an_axial_load_balances_the_groove_centres(name: str) -> None:
     """The balls' force along the turned line has the axial load as its axial part."""
     geometry = GEOMETRIES[name]
     for load in (1.0, 300.0):
-        angle = angle_under_load(geometry, load)
+        angle, most = angles_under_loads(geometry, axial_load_n=load, radial_load_n=0.0)
+        assert most == pytest.approx(angle, rel=1e-9)
         stretch = cos(geometry.contact_angle) / cos(angle) - 1
         force = geometry.series_stiffness * (stretch * geometry.groove_distance_m) ** 1.5
         assert geometry.balls * force * sin(angle) == pytest.approx(load, rel=1e-6)
-    assert angle_under_load(geometry, 0.0) == geometry.contact_angle
-    assert degrees(angle_under_load(bearing(), 70.0)) == pytest.approx(13.91, abs=0.01)
+    angle, _ = angles_under_loads(bearing(), axial_load_n=70.0, radial_load_n=0.0)
+    assert degrees(angle) == pytest.approx(13.91, abs=0.01)
+
+
+@pytest.mark.law("Bearings: displacements under moving contact angles are those that are printed.")
+@pytest.mark.parametrize(
+    ("clearance_um", "radial_um", "axial_um"), [(0.0, 15.1101, 133.5381), (10.0, 21.223, 149.1717)]
+)
+def test_moving_angles_give_the_printed_displacements(
+    clearance_um: float, radial_um: float, axial_um: float
+) -> None:
+    """Seven balls of 11.5 mm on 43.5 mm under 1 kN, along a radius, or the axis from the plane."""
+    distance = (0.52 + 0.53 - 1) * 11.5e-3
+    geometry = bearing(
+        balls=7,
+        ball_mm=11.5,
+        pitch_mm=43.5,
+        angle_deg=degrees(acos(1 - 1e-6 * clearance_um / (2 * distance))),
+        inner=0.52,
+        outer=0.53,
+    )
+    plane = distance * sin(geometry.contact_angle)
+    radial = moving_angle_balance(geometry, axial_load_n=0.0, radial_load_n=1000.0)
+    assert 1e6 * radial.radial_m == pytest.approx(radial_um, rel=1e-4)
+    assert radial.axial_m == pytest.approx(-plane, abs=1e-10)
+    axial = moving_angle_balance(geometry, axial_load_n=1000.0, radial_load_n=0.0)
+    assert 1e6 * (axial.axial_m + plane) == pytest.approx(axial_um, rel=1e-4)
+
+
+def test_moving_angles_balance_both_loads() -> None:
+    geometry = bearing()
+    balance = moving_angle_balance(geometry, axial_load_n=70.0, radial_load_n=250.0, cage_angle=0.3)
+    around = geometry.ball_angles(0.3)
+    along = balance.ball_load_n * np.cos(balance.angles) * np.cos(around)
+    assert along.sum() == pytest.approx(250.0, rel=1e-6)
+    assert (balance.ball_load_n * np.sin(balance.angles)).sum() == pytest.approx(70.0, rel=1e-6)
 
 
 def test_ring_bending_is_that_of_a_thin_ring() -> None:
