@@ -72,12 +72,15 @@ def rough_bands(model: BearingModel, plan: ContactPlan, marches: Marches) -> dic
             continue
         place = contact.loads_n.index(contact.middle_load_n)
         response = contact_gain(contact, rough_rows(contact, marches))
+        power = response.marched_power[place]
+        expected = response.power_gain()[place]
         line_hz = model.kinematics.rolling_speed_m_s / track_length_m(contact)
         waves = frequency_hz / line_hz
         factor = 2 / contact.steps**2 * STEP_HZ / line_hz * gain
-        whole += factor * _between(waves, response.expected_power()[place])
+        whole += factor * _between(waves, power)
         for group in range(GROUPS):
-            without[group] += factor * _between(waves, response.expected_power(group)[place])
+            change = response.power_gain(group)[place] / expected
+            without[group] += factor * _between(waves, power * change)
     bands = {}
     for band, (low, high) in VELOCITY_BANDS_HZ.items():
         inside = (frequency_hz >= low) & (frequency_hz < high)

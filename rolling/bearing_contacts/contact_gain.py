@@ -5,10 +5,11 @@ and closes, and adds a part E that L does not explain. Over the waves k of a mar
 
     N(k) = H(k) L(k) + E(k),    H = Re sum(conj(L) N) / sum(|L|^2),    S_E = mean(|N - H L|^2)
 
-with sums over neighbouring waves. Neither H nor S_E changes much between waves that differ by a
-part of a wave in the length of a contact, so the sums are over many waves also where a track holds
-few long ones. A ratio of powers would scatter by 3 to 11 dB from wave to wave, because a wave of L
-is small by chance where the same wave of E is not.
+with sums over neighbouring waves. Neither H nor S_E over the power of N changes much between waves
+that differ by a part of a wave in the length of a contact, so the sums are over many waves also
+where a track holds few long ones. All waves count alike: they are divided by their smooth level
+before. A ratio of powers would scatter by 3 to 11 dB from wave to wave, because a wave of L is
+small by chance where the same wave of E is not.
 """
 
 from __future__ import annotations
@@ -25,15 +26,19 @@ from rolling.bearing_contacts.contacts import RoughContact
 LEAST_LINES = 10  # to either side of a wave, over which its gain is estimated
 PART_OF_CONTACT = 0.25  # of a wave in the length of a contact: the reach of a sum, where longer
 THIRD_OCTAVE = 2 ** (1 / 6) - 2 ** (-1 / 6)  # its width over its middle: the reach of short waves
+FEW = 2  # waves to either side over which a power is averaged before its logarithm is taken
 GROUPS = 10  # of the waves, each of which is left out once to learn how the gain scatters
+_FLOOR = 1e-26  # of the largest power of a wave, below which only rounding remains
 Complexes = NDArray[np.complex128]
+Places = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
 class ContactGain:
     """How the march of a rough contact differs from its linear response.
 
-    linear, marched : complex array (loads, waves), m. Waves 1, 2, ... along the track.
+    linear, marched : complex array (loads, waves). Waves 1, 2, ... along the track over the level.
+    level : array (loads, waves), m. Smooth level of the waves.
     first, end : int arrays (waves,). The neighbours over which the sums at each wave go.
     positions : int. Number of positions of the track.
     """
@@ -42,8 +47,9 @@ class ContactGain:
 
     linear: Complexes
     marched: Complexes
-    first: NDArray[np.int64]
-    end: NDArray[np.int64]
+    level: Array
+    first: Places
+    end: Places
     positions: int
 
     def coherent(self, left_out: int | None = None) -> Array:
@@ -55,14 +61,22 @@ class ContactGain:
         return gain
 
     def rest_power(self, gain: Array, left_out: int | None = None) -> Array:
-        """Return the power [m2] of what a gain (loads, waves) does not explain, (loads, waves)."""
+        """Return the power of what a gain (loads, waves) does not explain, over the level."""
         return self._mean(np.abs(self.marched - gain * self.linear) ** 2, left_out)
 
-    def expected_power(self, left_out: int | None = None) -> Array:
-        """Return the expected power [m2] of each wave of a specimen, (loads, waves)."""
+    def power_gain(self, left_out: int | None = None) -> Array:
+        """Return the expected power of waves over that of their linear response, (loads, waves)."""
         gain = self.coherent(left_out)
+        rest_power = self.rest_power(gain, left_out)
         linear_power = self._mean(np.abs(self.linear) ** 2)
-        return gain**2 * linear_power + self.rest_power(gain, left_out)
+        share = np.zeros_like(rest_power)
+        np.divide(rest_power, linear_power, out=share, where=linear_power > 0)
+        return gain**2 + share
+
+    @property
+    def marched_power(self) -> Array:
+        """Smooth power of the march [m2], (loads, waves)."""
+        return self.level**2 * self._mean(np.abs(self.marched) ** 2)
 
     def specimen(self, linear_rows: Array, seed: tuple[int, ...]) -> Array:
         """Return the change of the approach [m] of a specimen by its linear response.
@@ -78,15 +92,13 @@ class ContactGain:
         """
         random = np.random.default_rng(seed)
         gain = self.coherent()
-        level = np.sqrt(self.rest_power(gain))
         rest = self.marched - gain * self.linear
-        whitened = np.divide(rest, level, out=np.zeros_like(rest), where=level > 0)
         # Each wave takes the rest of a neighbour at random, at its own level, with another phase.
         neighbour = random.integers(self.first, self.end)
         phase = np.exp(2j * np.pi * random.uniform(size=len(neighbour)))
         spectrum = np.fft.rfft(linear_rows, axis=1)
         spectrum[:, 0] = 0.0
-        spectrum[:, 1:] = gain * spectrum[:, 1:] + level * whitened[:, neighbour] * phase
+        spectrum[:, 1:] = gain * spectrum[:, 1:] + self.level * rest[:, neighbour] * phase
         return np.asarray(np.fft.irfft(spectrum, self.positions, axis=1))
 
     def _mean(self, lines: Array, left_out: int | None = None) -> Array:
@@ -94,10 +106,7 @@ class ContactGain:
         kept = np.ones(lines.shape[1])
         if left_out is not None:
             kept[left_out::GROUPS] = 0.0
-        sums = np.cumsum(np.pad(lines * kept, ((0, 0), (1, 0))), axis=1)
-        counts = np.cumsum(np.pad(kept, (1, 0)))
-        number = np.maximum(counts[self.end] - counts[self.first], 1.0)
-        return np.asarray((sums[:, self.end] - sums[:, self.first]) / number)
+        return _mean_between(lines, self.first, self.end, kept)
 
 
 def contact_gain(contact: RoughContact, marched_rows: Array) -> ContactGain:
@@ -118,10 +127,39 @@ def contact_gain(contact: RoughContact, marched_rows: Array) -> ContactGain:
     contacts = length / (2 * axes.along)  # waves of the length of a contact
     number = np.arange(1, linear.shape[1] + 1)
     reach = np.maximum(max(LEAST_LINES, PART_OF_CONTACT * contacts), THIRD_OCTAVE / 2 * number)
+    first, end = _neighbours(number, np.rint(reach))
+    level = _level(np.abs(linear) ** 2 + np.abs(marched) ** 2, first, end)
     return ContactGain(
-        linear=linear,
-        marched=marched,
-        first=np.maximum(number - 1 - np.rint(reach), 0).astype(np.int64),
-        end=np.minimum(number + np.rint(reach), len(number)).astype(np.int64),
+        linear=linear / level,
+        marched=marched / level,
+        level=level,
+        first=first,
+        end=end,
         positions=positions,
     )
+
+
+def _neighbours(number: Array, reach: Array) -> tuple[Places, Places]:
+    """Return the first neighbour of each wave 1, 2, ... up to a reach, and that behind the last."""
+    first = np.maximum(number - 1 - reach, 0).astype(np.int64)
+    return first, np.minimum(number + reach, len(number)).astype(np.int64)
+
+
+def _level(power: Array, first: Places, end: Places) -> Array:
+    """Return the smooth level of waves by the logarithmic mean of their power over neighbours.
+
+    A steep spectrum is followed so, where a plain mean would be that of its largest neighbours.
+    """
+    few = _neighbours(np.arange(1, power.shape[1] + 1), np.array(float(FEW)))
+    floor = np.maximum(_FLOOR * power.max(axis=1, keepdims=True), np.finfo(float).tiny)
+    kept = np.ones(power.shape[1])
+    logarithm = np.log(np.maximum(_mean_between(power, *few, kept), floor))
+    return np.asarray(np.exp(0.5 * _mean_between(logarithm, first, end, kept)))
+
+
+def _mean_between(lines: Array, first: Places, end: Places, kept: Array) -> Array:
+    """Return the mean of rows of lines from a first one to before an end; `kept` is 1 or 0."""
+    sums = np.cumsum(np.pad(lines * kept, ((0, 0), (1, 0))), axis=1)
+    counts = np.cumsum(np.pad(kept, (1, 0)))
+    number = np.maximum(counts[end] - counts[first], 1.0)
+    return np.asarray((sums[:, end] - sums[:, first]) / number)
