@@ -17,9 +17,9 @@ FASTEST_HZ = 1.25e6  # resonance that can be moved, with 50 million steps a seco
 DECAYS = 7  # decay times of the slowest resonance in the run-in, during which the tracks grow
 SHORTEST_RUN_IN_S = 0.02
 LONGEST_RUN_IN_S = 2.0
-# Processor time for a step of a ball, with the decimation: 0.4 to 0.7 us were measured for 3 to 30
+# Processor time for a step of a ball, with the decimation: 0.3 to 0.7 us were measured for 3 to 30
 # balls, with and without mass.
-_SECONDS_PER_BALL = 0.6e-6
+_SECONDS_PER_BALL = 0.4e-6
 _BESIDE = 1.001  # a limit that is told keeps this distance, so that it is allowed when rounded
 
 

@@ -12,11 +12,16 @@ from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.traps import ignoring_underflow
 from rolling.bearing import iso_15242
 from rolling.bearing.kinematics import lines_of
-from rolling.bearing.limits import bounce_hz, motion_seconds
+from rolling.bearing.limits import bounce_hz
 from rolling.bearing.linear_ring import free_tilt_db, linear_ring
 from rolling.bearing.moving_angle import angles_under_loads
 from rolling.bearing.waves import hertz_pressure, semi_axes
 from rolling.bearing_contacts import needs
+from rolling.bearing_contacts.bearing_forecast import (
+    different_marches,
+    forecast_of,
+    marches_seconds,
+)
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
 from rolling.check import cost, forecast, refusals
 from rolling.check.doubt import TRUSTED_DB, Doubt, Finding, Severity, sized
@@ -24,8 +29,6 @@ from rolling.check.findings import Findings
 from rolling.scene import bearing_rules
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.bearing_sources import assumed_keys, sources, static_load_rating_n
-from rolling.scene.identity import contact_keys, digest
-from rolling.scene.scene import Scene
 from rolling.scene.surfaces import BallHeightFile, BallSurface, GradedBall
 from rolling.scene.sweep import run_name
 from rolling.terminal.streams import folded
@@ -34,7 +37,6 @@ HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
 _PLACES = 8  # of the cage, over which loads are stated
 _TURNED_DEG = 0.5  # turn of the contact angle by the loads, beyond which axial bands do not hold
 AXIAL_DOUBT = "contact_angle"  # key of the doubt that concerns axial velocities alone
-_SHOWING_SECONDS = 2.0  # of processor time for figures and page of each second of motion
 _CENTRIFUGAL_SHARE = 0.1  # of the mean load of a ball, from which on it is said
 
 
@@ -66,8 +68,7 @@ def check_bearing(scene: BearingScene) -> Findings:
     """
     rows: dict[str, list[Finding]] = {}
     doubts: dict[str, list[Doubt]] = {}
-    marches: dict[str, Scene] = {}
-    seconds = 0.0
+    runs: list[tuple[BearingScene, ContactPlan]] = []
     for values, run in scene.runs():
         name = run_name(values) or run.name
         plan = contact_plan(run)
@@ -75,12 +76,13 @@ def check_bearing(scene: BearingScene) -> Findings:
         found = [*scene_rules(run), *_cost(plan), *lacking]
         rows[name] = [row for row in found if isinstance(row, Finding)]
         doubts[name] = [doubt for doubt in found if isinstance(doubt, Doubt)]
-        marches |= _marches(plan)
-        motions = 2 if run.has_faults else 1  # with and without them
-        seconds += motions * motion_seconds(run.model, run.moved) + _SHOWING_SECONDS * run.moved
-    seconds += sum(_march_seconds(march) for march in marches.values())
-    of_all = (("time of the whole run", f"{forecast.takes(seconds)}, with files and page"),)
-    return Findings(rows, doubts, of_all, seconds=seconds)
+        runs.append((run, plan))
+    of_runs = forecast_of(runs)
+    whole = f"{forecast.takes(of_runs.core_seconds)}, with start, files and page"
+    if of_runs.compilations:
+        whole += f", and with compilation of the {' and the '.join(of_runs.compilations)}"
+    of_all = (("time of the whole run", whole),)
+    return Findings(rows, doubts, of_all, seconds=of_runs.core_seconds)
 
 
 def scene_rules(scene: BearingScene) -> Iterator[Finding | Doubt]:
@@ -350,20 +352,9 @@ def _words(surface: BallSurface | None) -> str:
     return "; ".join(parts) or "smooth"
 
 
-def _marches(plan: ContactPlan) -> dict[str, Scene]:
-    """Return the different marches of a run by their identity."""
-    listed = [march for stage in plan.stages for march in stage]
-    return {digest(contact_keys(march)): march for march in listed}
-
-
-def _march_seconds(march: Scene) -> float:
-    """Estimate the time [s] of a march on one core, with the making of its surface."""
-    return cost.expected_seconds(march) + sum(cost.surface_seconds(march))
-
-
 def _cost(plan: ContactPlan) -> Iterator[Finding]:
-    marches = _marches(plan).values()
-    seconds = sum(map(_march_seconds, marches))
+    marches = different_marches([plan]).values()
+    seconds = marches_seconds(marches)
     text = "none, nothing is rough"
     if marches:
         text = f"{len(marches)}, {cost.computing(seconds)}"

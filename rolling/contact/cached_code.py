@@ -54,6 +54,12 @@ class KeptFiles:
             for path in self._paths():
                 path.unlink()
 
+    @property
+    def are_whole(self) -> bool:
+        """Whether there are files, and they are those of the record."""
+        present = self._digests()
+        return bool(present) and present == self._recorded()
+
     def record(self) -> None:
         """Record the digests of the files, where the folder lets it."""
         digests = self._digests()

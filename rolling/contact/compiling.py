@@ -116,6 +116,14 @@ def _locked(files: KeptFiles) -> Iterator[None]:
         yield
 
 
+def is_kept(kernel: Any) -> bool:
+    """Tell whether the compiled code of a kernel is kept, so that this machine need not compile."""
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return True
+    folder = kernel.stats.cache_path
+    return bool(folder) and KeptFiles(kernel.py_func, folder).are_whole
+
+
 def _count_compilation(kernel: Any) -> None:
     """Count the processor time in which a kernel is compiled or loaded as compilation."""
     compile_now = kernel.compile

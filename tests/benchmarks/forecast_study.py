@@ -3,7 +3,7 @@
 `python tests/benchmarks/forecast_study.py` checks and runs the scenes of `SCENES` on one processor,
 and prints the forecast, the processor time of the run with start, files and page, and their ratio.
 Processor time hardly depends on other programs that run meanwhile. `--cores N` takes more
-processors. All scenes take some five minutes.
+processors. All spheres take some five minutes, and all bearings some four.
 """
 
 from __future__ import annotations
@@ -33,11 +33,44 @@ SCENES: dict[str, tuple[str, list[str]]] = {
     "marble dropped": ("marble-dropped", []),
     "running in": ("running-in", []),
 }
+# Bearings that the laws of `bearing_forecast` were not read from.
+BEARINGS: dict[str, tuple[str, list[str]]] = {
+    "608, rough balls": (
+        "bearing-6204",
+        ["bearing.named=608", "bearing.axial_load_n=30", "numerics.window_mm=3"],
+    ),
+    "6305, radial load": (
+        "bearing-6204",
+        [
+            *("bearing.named=6305", "bearing.axial_load_n=150", "bearing.radial_load_n=200"),
+            *("numerics.window_mm=2", "sound.listen_s=1"),
+        ],
+    ),
+    "608, pit of the inner ring": (
+        "bearing-inner-fault",
+        ["bearing.named=608", "numerics.window_mm=2", "sound.listen_s=2"],
+    ),
+    "6305, balls with mass": (
+        "bearing-6204",
+        [
+            *("bearing.named=6305", "bearing.ball_inertia=true"),
+            *("numerics.window_mm=2", "sound.listen_s=1"),
+        ],
+    ),
+    "6204 in a housing, three speeds": (
+        "bearing-in-housing",
+        [
+            *("numerics.window_mm=2", "sound.listen_s=0.5", "sound.duration_s=0.5"),
+            "sweep.bearing.speed_rpm=[900, 1800, 3600]",
+        ],
+    ),
+}
 
 
 def measure(source: str, words: Sequence[str], cores: int) -> dict[str, float | str]:
     """Check and run a scene, and return the times [s]."""
-    scene = rc.read_scene(source, words)
+    reader = rc.read_bearing if source.startswith("bearing-") else rc.read_scene
+    scene = reader(source, words)
     seconds = scene.check().seconds
     began = time.perf_counter()
     before = _processor_seconds()
@@ -66,13 +99,16 @@ def _processor_seconds() -> float:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure the scenes and print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"of {', '.join(SCENES)}")
+    parser.add_argument(
+        "scenes", nargs="*", metavar="SCENE", help=f"of {', '.join(SCENES | BEARINGS)}"
+    )
     parser.add_argument("--cores", type=int, default=1, help="processors (1)")
     given = parser.parse_args(arguments)
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[: given.cores])
     rows = []
-    for name in given.scenes or SCENES:
-        rows.append({"scene": name} | measure(*SCENES[name], given.cores))
+    scenes = SCENES | BEARINGS
+    for name in given.scenes or scenes:
+        rows.append({"scene": name} | measure(*scenes[name], given.cores))
         print(rows[-1], file=sys.stderr, flush=True)
     print(pd.DataFrame(rows).round(2).to_string(index=False))
     return 0

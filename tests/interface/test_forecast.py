@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
 import pytest
 from finished import VIBRATING
 from scene_text import PLAIN
 
+import rolling
+from rolling.bearing_contacts import bearing_forecast
+from rolling.bearing_contacts.bearing_forecast import BearingForecast, forecast_of
+from rolling.bearing_contacts.plan import contact_plan
+from rolling.bearing_run import simulation
 from rolling.check import cost, forecast
 from rolling.check.findings import check_scene, conclusion
+from rolling.marches import march_piece
+from rolling.marches.observers import STATE_SERIES, STEP_SERIES
+from rolling.marches.piece import Piece
 from rolling.run.executor import RunLoop
 from rolling.run.pools import local_pool
+from rolling.scene.bearing_file import loads_bearing
+from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.file import loads
 from rolling.terminal import progress
 
@@ -92,3 +105,104 @@ def test_a_long_run_is_forecast_in_numbers() -> None:
         "s" if cost.cores() > 1 else ""
     )
     assert forecast.takes(5.0 * cost.cores()) == "a few seconds"
+
+
+# ---- bearings
+
+ROUGH_BEARING = """
+name: rough
+bearing:
+  named: "6204"
+  speed_rpm: 1800
+  axial_load_n: 70
+  surfaces:
+    inner: {kind: gaussian, roughness_ra_um: 0.05, correlation_length_um: 20, seed: 1}
+numerics: {window_mm: 3}
+sound: {duration_s: 0.02, listen_s: 0.1}
+"""
+PIT = "bearing.surfaces.inner.faults=[{kind: pit, at_mm: [20, 0], size_um: 300, depth_um: 5}]"
+
+
+class Counted:
+    """Pieces and motions of a run, whose contacts are not solved."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.pieces: list[Piece] = []
+        self.motions = 0
+        move_ring = simulation.move_ring
+
+        def counted_motion(*values: Any) -> Any:
+            self.motions += 1
+            return move_ring(*values)
+
+        monkeypatch.setattr(march_piece, "march_piece", self.march)
+        monkeypatch.setattr(simulation, "move_ring", counted_motion)
+
+    def march(self, piece: Piece) -> dict[str, Any]:
+        """Return a piece with approaches by chance."""
+        self.pieces.append(piece)
+        steps = piece.last - piece.first
+        random = np.random.default_rng(len(self.pieces))
+        approach = 1e-6 + 1e-9 * random.standard_normal(steps + 1)
+        arrays = {name: np.ones(steps) for name in STEP_SERIES}
+        arrays |= {name: np.ones(steps + 1) for name in STATE_SERIES}
+        return arrays | {"approach": approach, "map_places": np.empty((0, 5))}
+
+
+def bearing_forecast_of(scene: BearingScene) -> BearingForecast:
+    """Return the forecast of the runs of a scene."""
+    return forecast_of([(run, contact_plan(run)) for _, run in scene.runs()])
+
+
+@pytest.mark.parametrize("changes", [[], [PIT]])
+def test_a_forecast_of_a_bearing_counts_what_is_computed(
+    changes: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Marches at all loads, stretches with a pit and without, motions, and the healthy sister."""
+    scene = loads_bearing(ROUGH_BEARING, changes)
+    expected = bearing_forecast_of(scene)
+    counted = Counted(monkeypatch)
+    rolling.simulate_bearing(scene, workers=1, progress=False)
+    assert expected.marches == len({piece.identity for piece in counted.pieces})
+    assert expected.starts == len(counted.pieces)
+    assert expected.steps == sum(piece.last - piece.first for piece in counted.pieces)
+    assert expected.motions == counted.motions == 2 + len(changes)
+    if changes:
+        healthy = bearing_forecast_of(loads_bearing(ROUGH_BEARING))
+        assert expected.marches > healthy.marches > 1
+
+
+def test_a_smooth_bearing_moves_once_and_a_sweep_shares_its_marches(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    smooth = loads_bearing(ROUGH_BEARING, ["bearing.surfaces.inner={kind: smooth}"])
+    counted = Counted(monkeypatch)
+    rolling.simulate_bearing(smooth, workers=1, progress=False)
+    expected = bearing_forecast_of(smooth)
+    assert expected.motions == counted.motions == 1
+    assert expected.marches == expected.steps == 0 == len(counted.pieces)
+    single = bearing_forecast_of(loads_bearing(ROUGH_BEARING))
+    balls = "{round: {kind: smooth}, wavy: {kind: smooth, waviness: {4: 0.1}}}"
+    changes = [f"sweep.bearing.surfaces.balls={balls}"]
+    swept = bearing_forecast_of(loads_bearing(ROUGH_BEARING, changes))
+    assert swept.motions == 2 * single.motions
+    assert swept.steps == single.steps and swept.march_s == single.march_s
+
+
+def test_a_first_run_of_a_bearing_is_forecast_with_its_compilation(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rough = loads_bearing(ROUGH_BEARING)
+    smooth = loads_bearing(ROUGH_BEARING, ["bearing.surfaces.inner={kind: smooth}"])
+    monkeypatch.setattr(bearing_forecast, "is_kept", lambda kernel: True)
+    kept = rough.check()
+    assert bearing_forecast_of(rough).compilations == ()
+    monkeypatch.setattr(bearing_forecast, "is_kept", lambda kernel: False)
+    assert bearing_forecast_of(rough).compilations == ("march", "motion")
+    assert bearing_forecast_of(smooth).compilations == ("motion",)
+    compiling = rough.check()
+    seconds = sum(bearing_forecast.COMPILATION.values())
+    assert compiling.seconds == pytest.approx(kept.seconds + cost.cores() * seconds)
+    ((_, text),) = compiling.of_all
+    assert text.endswith("with compilation of the march and the motion")
+    assert f"on {cost.cores()} core" in text
