@@ -157,6 +157,7 @@ def _run(given: argparse.Namespace) -> int:
     failures = run_scene(
         scene,
         given.out,
+        start_from=given.start_from,
         part=given.part,
         workers=given.workers,
         cluster=given.cluster,
@@ -174,7 +175,12 @@ def _run_bearing(scene: BearingScene, given: argparse.Namespace) -> int:
     with progress.step(LOADING):
         from rolling.bearing_run.command import run_bearing
     failures = run_bearing(
-        scene, given.out, workers=given.workers, report=given.report, open=given.open
+        scene,
+        given.out,
+        start_from=given.start_from,
+        workers=given.workers,
+        report=given.report,
+        open=given.open,
     )
     return _code_of_failures(failures)
 

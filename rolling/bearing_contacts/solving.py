@@ -2,16 +2,18 @@
 
 Scenes of equal contact are marched once, over all runs of a sweep. The march of a contact is
 stored in `contacts/IDENTITY.npz` of the run folder, and its pieces are removed then. Its scene
-stands beside it, and `rolling run` takes it.
+stands beside it, and `rolling run` takes it. A run may take equal marches from the folder of
+another one, which is judged as the file of a stranger.
 """
 
 from __future__ import annotations
 
 import io
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack
-from dataclasses import dataclass
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,19 +22,21 @@ from rolling.contact.solver import ContactError
 from rolling.marches.effort import ARRAY, PieceEffort
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
+from rolling.results import result_file
 from rolling.results.run_folder import RunFolder
 from rolling.run import folder as folders
 from rolling.run.executor import RunFiles, RunLoop, ended_by_signal
 from rolling.run.pools import Pool, local_pool
-from rolling.run.worker import read_piece
+from rolling.run.taken import OTHER_CONTACT, TakenMarches
 from rolling.scene import file as scene_file
 from rolling.scene.scene import Scene
 from rolling.terminal import progress, shortage
-from rolling.terminal.files import make_below, write_bytes
+from rolling.terminal.files import FolderError, make_below, write_bytes
 
 CONTACTS = "contacts"  # folder of the marches, in the run folder
-# Arrays of the file of a march; the approach has as many values as the track has steps.
-_SHAPES: dict[str, tuple[int | None, ...]] = {"approach_m": (None,), "numbers": (2,), ARRAY: (3,)}
+_IDENTITY = "identity"  # name of the contact identity in the file of a march
+_MAX_BESIDE = 10_000  # bytes of the file of a march beside its approach
+_MAX_HEADER = 1000  # letters of the description of an array
 
 
 @dataclass(frozen=True)
@@ -63,6 +67,7 @@ def solved_stages(
     folder: Path | None = None,
     workers: int = 0,
     shown: bool | None = None,
+    start_from: Path | None = None,
 ) -> Iterator[Marches]:
     """March the contacts of each stage, and yield all marches so far after each of them.
 
@@ -78,6 +83,8 @@ def solved_stages(
         Number of processes; 0 means one per core. Default 0.
     shown : bool, optional
         Whether the progress is shown. Default: where somebody looks.
+    start_from : Path, optional
+        Run folder of another bearing, whose equal marches are taken. What is taken is said.
 
     Yields
     ------
@@ -94,6 +101,7 @@ def solved_stages(
     marches: dict[str, ContactMarch] = {}
     lacking: list[dict[str, Scene]] = []  # of each stage
     known: set[str] = set()
+    taken = None if start_from is None else TakenMarches(start_from)
     for stage in stages:
         fresh = {}
         for scene in stage:
@@ -101,12 +109,19 @@ def solved_stages(
             if identity in known:
                 continue
             known.add(identity)
-            stored = None if folder is None else _read_march(folder, identity)
+            stored = None
+            if folder is not None:
+                stored = _own_march(folder, scene, identity)
+            if stored is None and taken is not None:
+                stored = _taken_march(taken, scene, identity, folder)
             if stored is not None:
                 marches[identity] = stored
             else:
                 fresh[identity] = scene
         lacking.append(fresh)
+    if taken is not None:
+        for line in taken.lines():
+            progress.line(line)
     scenes = [scene for stage in lacking for scene in stage.values()]
     if not scenes:
         for _ in stages:
@@ -129,14 +144,10 @@ def _contact_loop(scenes: Mapping[str, Scene], bar: progress.Bar, folder: Path |
     runs = list(scenes.values())
     if folder is None:
         return RunLoop(runs, bar)
-    home = folder / CONTACTS
-    make_below(folder, home)
     for identity, scene in scenes.items():
-        path = march_path(folder, identity).with_suffix(".yaml")
-        text = scene_file.dump(folders.with_relative_paths(home, scene))
-        write_bytes(path, text.encode())
+        _write_scene(folder, scene, identity)
     files = RunFiles(
-        runs=[RunFolder({}, scene, home) for scene in runs],
+        runs=[RunFolder({}, scene, folder / CONTACTS) for scene in runs],
         labels=list(scenes),
         pieces=folder / folders.PIECES,
         stored={},
@@ -158,7 +169,7 @@ def _solve(
             assert result is not None  # it is not written into files
             marches[identity] = march_of(result)
             continue
-        stored = _read_march(folder, identity)
+        stored = _own_march(folder, scenes[identity], identity)
         if stored is None:
             raise OSError(f"{march_path(folder, identity)}: it was removed or changed")
         marches[identity] = stored
@@ -190,30 +201,88 @@ def march_path(folder: Path, identity: str) -> Path:
 
 def store_march(run: RunFolder, label: str, result: Result) -> None:
     """Write the file of a march in a process of the pool; the label is its contact identity."""
-    march = march_of(result)
-    content = io.BytesIO()
+    _write_march(run.folder.parent, label, march_of(result))
+
+
+def _write_march(folder: Path, identity: str, march: ContactMarch) -> None:
+    """Write the file of a march, with its identity and a digest at its end."""
+    stream = io.BytesIO()
     np.savez(
-        content,
+        stream,
         allow_pickle=False,
         approach_m=march.approach_m,
         numbers=np.array([march.max_pressure_pa, march.contact_area_m2]),
         effort=np.array(march.effort),
+        identity=np.array(identity),
     )
-    write_bytes(march_path(run.folder.parent, label), content.getvalue())
+    content = stream.getvalue()
+    write_bytes(march_path(folder, identity), content + result_file.seal(content))
 
 
-def _read_march(folder: Path, identity: str) -> ContactMarch | None:
-    """Read the file of a march; return None for a missing or damaged file."""
-    arrays = read_piece(march_path(folder, identity))
-    if arrays is None or set(arrays) != _SHAPES.keys():
+def _write_scene(folder: Path, scene: Scene, identity: str) -> None:
+    """Write the scene of a march beside its file."""
+    home = folder / CONTACTS
+    make_below(folder, home)
+    path = march_path(folder, identity).with_suffix(".yaml")
+    text = scene_file.dump(folders.with_relative_paths(home, scene))
+    write_bytes(path, text.encode())
+
+
+def _own_march(folder: Path, scene: Scene, identity: str) -> ContactMarch | None:
+    """Read the march of a contact in the own run folder; None for a missing or damaged file."""
+    with suppress(FolderError):
+        return read_march(folder, scene, identity)
+    return None
+
+
+def _taken_march(
+    taken: TakenMarches, scene: Scene, identity: str, folder: Path | None
+) -> ContactMarch | None:
+    """Take a march of another run into the own run folder, if there is one that is sound."""
+    name = f"{scene.name} at {scene.load:g} N"
+    if not march_path(taken.folder, identity).exists():
+        taken.leave(name, OTHER_CONTACT)
         return None
-    for name, shape in _SHAPES.items():
-        values = arrays[name]
-        is_sound = values.ndim == len(shape) and values.dtype == np.float64
-        if not is_sound or (shape != (None,) and values.shape != shape):
-            return None
-        if not np.all(np.isfinite(values)):
-            return None
+    try:
+        march = read_march(taken.folder, scene, identity)
+    except FolderError as error:
+        taken.leave(name, str(error))
+        return None
+    march = replace(march, effort=PieceEffort(0.0, 0.0, 0.0))  # this run did not march it
+    if folder is not None:
+        _write_scene(folder, scene, identity)
+        _write_march(folder, identity, march)
+    taken.take(name)
+    return march
+
+
+def read_march(folder: Path, scene: Scene, identity: str) -> ContactMarch:
+    """Read the march of a contact from a run folder that a stranger may have made.
+
+    Raises
+    ------
+    FolderError : the file is missing or damaged, or holds another march.
+    """
+    path = march_path(folder, identity)
+    steps = scene.track.solved_steps
+    content = result_file.sealed_content(path, 8 * steps + _MAX_BESIDE)
+    expected = {
+        "approach_m": ((steps,), np.dtype(np.float64)),
+        "numbers": ((2,), np.dtype(np.float64)),
+        ARRAY: ((3,), np.dtype(np.float64)),
+        _IDENTITY: ((), np.array(identity).dtype),
+    }
+    try:
+        with np.load(io.BytesIO(content), allow_pickle=False) as stored:
+            _refuse_other_arrays(stored, expected)
+            arrays = {name: stored[name] for name in expected}
+        if str(arrays.pop(_IDENTITY)) != identity:
+            raise ValueError("the march of another contact")
+        if not all(np.all(np.isfinite(values)) for values in arrays.values()):
+            raise ValueError("values that are no finite numbers")
+    except Exception as error:  # numpy raises errors of any kind on hostile files
+        text = " ".join(str(error).split()) or type(error).__name__
+        raise FolderError(f"{path}: no march of this contact ({text})") from error
     pressure, area = arrays["numbers"].tolist()
     return ContactMarch(
         approach_m=arrays["approach_m"],
@@ -221,3 +290,23 @@ def _read_march(folder: Path, identity: str) -> ContactMarch | None:
         contact_area_m2=area,
         effort=PieceEffort(*arrays[ARRAY].tolist()),
     )
+
+
+def _refuse_other_arrays(
+    stored: Any, expected: Mapping[str, tuple[tuple[int, ...], np.dtype[Any]]]
+) -> None:
+    """Refuse a file whose arrays have other names, shapes or types, before their values are read.
+
+    Raise ValueError with the first fault.
+    """
+    if sorted(stored.files) != sorted(expected):
+        raise ValueError(f"arrays {', '.join(sorted(stored.files)[:9])}")
+    for member in stored.zip.infolist():
+        if member.compress_type:
+            raise ValueError(f"{member.filename}: compressed")
+        name = member.filename.removesuffix(".npy")
+        with stored.zip.open(member) as stream:
+            np.lib.format.read_magic(stream)
+            shape, _, dtype = np.lib.format.read_array_header_1_0(stream, _MAX_HEADER)
+        if (shape, dtype) != expected[name]:
+            raise ValueError(f"{name}: {dtype} of the shape {shape}")

@@ -52,6 +52,7 @@ def run_bearing(
     scene: BearingScene,
     out: Path | None = None,
     *,
+    start_from: Path | None = None,
     workers: int = 0,
     report: bool = True,
     open: bool = False,
@@ -62,6 +63,7 @@ def run_bearing(
     ----------
     scene : BearingScene. The scene.
     out : Path. Run folder. Default: outputs/NAME-DIGITS, which the scene decides.
+    start_from : Path. Run folder of a bearing, whose equal marches are taken. Default: none.
     workers : int. Number of processes; 0: one per core. Default: 0.
     report : bool. Whether page and figures are written. Default: true.
     open : bool. Whether the page is opened in a browser. Default: false.
@@ -78,6 +80,7 @@ def run_bearing(
     """
     folder = out or folders.default_folder(scene)
     folders.refuse_other(folder, scene)
+    source = None if start_from is None else folders.bearing_home(start_from)
     simulation.refuse(scene, workers, folder)
     folder.mkdir(parents=True, exist_ok=True)
     with folders.locked(folder):
@@ -87,7 +90,7 @@ def run_bearing(
             print(f"files: {folder}", flush=True)
         runs = folders.bearing_runs_in(folder, scene)
         folders.tidy(folder, runs, alone=True)
-        failures = _solve_lacking(folder, runs, workers)
+        failures = _solve_lacking(folder, runs, workers, source)
         done = [run for run in runs if run.is_done]
         if done:
             _write_derived(folder, runs, report)
@@ -98,7 +101,9 @@ def run_bearing(
     return failures
 
 
-def _solve_lacking(folder: Path, runs: Sequence[BearingFolder], workers: int) -> dict[str, str]:
+def _solve_lacking(
+    folder: Path, runs: Sequence[BearingFolder], workers: int, source: Path | None
+) -> dict[str, str]:
     """Solve the runs that are not done, one after the other; return failures by label."""
     lacking = [run for run in runs if not run.is_done]
     if not lacking:
@@ -109,7 +114,7 @@ def _solve_lacking(folder: Path, runs: Sequence[BearingFolder], workers: int) ->
     try:
         for run in lacking:
             try:
-                _solve(folder, run, workers, first=run is lacking[0])
+                _solve(folder, run, workers, source, first=run is lacking[0])
             except (ContactError, ValueError) as error:
                 failures[label_of(run)] = str(error)
                 files.make_below(folder, run.folder)
@@ -127,10 +132,15 @@ def _solve_lacking(folder: Path, runs: Sequence[BearingFolder], workers: int) ->
     return failures
 
 
-def _solve(folder: Path, place: BearingFolder, workers: int, first: bool) -> None:
+def _solve(
+    folder: Path, place: BearingFolder, workers: int, source: Path | None, first: bool
+) -> None:
     """Solve a run and write its files; the first of a command is heard before all is marched."""
     files.make_below(folder, place.folder)
-    for stage in simulation.bearing_stages(place.scene, folder=folder, workers=workers):
+    stages = simulation.bearing_stages(
+        place.scene, folder=folder, workers=workers, start_from=source
+    )
+    for stage in stages:
         run = replace(stage.run, values=place.values, label=label_of(place), folder=place.folder)
         if stage.is_final:
             with progress.step("writing the files of the run"):

@@ -53,6 +53,7 @@ def bearing_stages(
     folder: Path | None = None,
     workers: int = 0,
     shown: bool | None = None,
+    start_from: Path | None = None,
 ) -> Iterator[BearingStage]:
     """Simulate a bearing, and yield its run when its first marches are done, and when all are.
 
@@ -68,6 +69,8 @@ def bearing_stages(
         Number of processes; 0 means one per core. Default 0.
     shown : bool, optional
         Whether the progress is shown. Default: where somebody looks.
+    start_from : Path, optional
+        Run folder of another bearing, whose equal marches are taken.
 
     Raises
     ------
@@ -81,7 +84,14 @@ def bearing_stages(
         run, spent = _heard(scene, plan, {}, is_final=True)
         yield BearingStage(_with_parts(run, Effort(), [spent]), is_final=True)
         return
-    solving = solved_stages(stages, name=scene.name, folder=folder, workers=workers, shown=shown)
+    solving = solved_stages(
+        stages,
+        name=scene.name,
+        folder=folder,
+        workers=workers,
+        shown=shown,
+        start_from=start_from,
+    )
     motions: list[ProcessorTime] = []
     for number, marches in enumerate(solving, start=1):
         is_final = number == len(stages)

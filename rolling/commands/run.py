@@ -23,6 +23,7 @@ def run_scene(
     scene: Scene,
     out: Path | None = None,
     *,
+    start_from: Path | None = None,
     part: folders.Part | None = None,
     workers: int = 0,
     cluster: str | None = None,
@@ -35,6 +36,7 @@ def run_scene(
     ----------
     scene : Scene. The scene.
     out : Path. Run folder. Default: outputs/NAME-DIGITS, which the scene decides.
+    start_from : Path. Another run folder, whose equal marches are taken. Default: none.
     part : pair. Number K and count N: every N-th march from march K on. Default: all.
     workers : int. Number of processes; 0: one per core. Default: 0.
     cluster : str. Address of a Dask scheduler, whose workers solve. Default: none.
@@ -52,7 +54,9 @@ def run_scene(
     KeyboardInterrupt : Ctrl-C or SIGTERM; finished pieces are kept.
     """
     folder = out or folders.default_folder(scene)
-    failures = solve_folder(scene, folder, part=part, workers=workers, cluster=cluster)
+    failures = solve_folder(
+        scene, folder, start_from=start_from, part=part, workers=workers, cluster=cluster
+    )
     runs = folders.runs_in(folder, scene)
     write_derived_alone(folder, runs, report, part)
     _print_runs(folder, runs_of_part(runs, part))

@@ -17,7 +17,10 @@ from rolling.terminal.notebook import interrupt_with_message
 
 @ignoring_underflow
 def simulate_bearing(
-    scene: BearingScene, workers: int = 0, progress: bool | None = None
+    scene: BearingScene,
+    workers: int = 0,
+    progress: bool | None = None,
+    start_from: Path | str | None = None,
 ) -> BearingRun:
     """Simulate a bearing in memory: rough contacts, motion of the ring, bands and lines.
 
@@ -27,6 +30,9 @@ def simulate_bearing(
         A scene without a sweep; `scene.runs()` lists those of a sweep.
     workers, progress : int, bool
         As in `simulate`.
+    start_from : Path or str
+        Run folder of another bearing, whose marches of equal contacts are taken, such as that of
+        the same bearing without its faults. Default: none.
 
     Returns
     -------
@@ -37,6 +43,8 @@ def simulate_bearing(
     ------
     SceneError
         The scene sweeps, or a contact of it cannot be marched.
+    FolderError
+        `start_from` is no run folder of a bearing.
     ContactError
         A contact has no solution.
     KeyboardInterrupt
@@ -56,8 +64,12 @@ def simulate_bearing(
     """
     instance("scene", scene, BearingScene)
     command.refuse_sweep(scene)
+    source = None
+    if start_from is not None:
+        instance("start_from", start_from, str, Path)
+        source = folders.bearing_home(Path(start_from))
     with terminal.shown(progress), interrupt_with_message():
-        *_, last = bearing_stages(scene, workers=workers, shown=progress)
+        *_, last = bearing_stages(scene, workers=workers, shown=progress, start_from=source)
     return last.run
 
 

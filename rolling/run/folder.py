@@ -92,6 +92,22 @@ def stored_bearing_runs(folder: Path) -> list[BearingFolder]:
     return bearing_runs_in(folder, bearing_file.read_bearing(folder / SCENE))
 
 
+def bearing_home(folder: Path) -> Path:
+    """Return the folder that has the marches of a bearing, for it or for a run of its sweep.
+
+    Raises
+    ------
+    FolderError : the folder is no run folder, or has the runs of a sphere.
+    SceneError : its scene cannot be read.
+    """
+    if is_of_bearing(folder):
+        return folder if _is_marked(folder) else folder.absolute().parent
+    stored_runs(folder)
+    raise FolderError(
+        f"{folder}: runs of a sphere; a bearing takes the marches of the run folder of a bearing"
+    )
+
+
 def done_runs(folder: Path) -> list[RunFolder]:
     """Return the runs of a run folder; raise FolderError for a run that is not done."""
     runs = stored_runs(folder)

@@ -19,10 +19,12 @@ from rolling.run import folder as folders
 from rolling.run.cluster import Cluster
 from rolling.run.executor import RunFiles, RunLoop, ended_by_signal
 from rolling.run.pools import Pool, local_pool
+from rolling.run.taken import OTHER_CONTACT, TakenMarches
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
 from rolling.terminal import defaults, files, progress, shortage, system_errors
+from rolling.terminal.files import FolderError
 
 Values = Value | tuple[Value, ...]
 
@@ -83,6 +85,7 @@ def solve_folder(
     folder: Path,
     *,
     sources: Sequence[RunFolder] = (),
+    start_from: Path | None = None,
     part: folders.Part | None = None,
     workers: int = 0,
     cluster: str | None = None,
@@ -94,6 +97,8 @@ def solve_folder(
     scene : Scene. A scene with or without a sweep.
     folder : Path. Its run folder, which may exist.
     sources : sequence of RunFolder. Runs elsewhere that are done, whose marches are taken.
+    start_from : Path. Another run folder, whose equal marches are taken as far as they are sound;
+        what is taken is said. Default: none.
     part, workers, cluster : as in `rolling.commands.run.run_scene`.
 
     Returns
@@ -109,6 +114,7 @@ def solve_folder(
     if part is not None and not scene.sweep:
         raise SceneError(["sweep: a part is a share of the runs of a sweep, the scene has none"])
     folders.refuse_other(folder, scene)
+    elsewhere = [] if start_from is None else folders.stored_runs(start_from)
     if cluster is not None:  # its workers have other working folders
         scene = Scene.from_dict(scene.to_dict(), scene.folder.resolve())
         folder = folder.resolve()
@@ -130,6 +136,8 @@ def solve_folder(
         if all(run.is_done for run in own):
             progress.line(f"{folder}: all runs are done")
         else:
+            if start_from is not None:
+                sources = [*sources, *_taken_runs(start_from, elsewhere, own)]
             failures = _solve_lacking(folder, runs, own, sources, workers, pool)
         if not (folder / folders.SCENE).is_file():  # somebody removed the folder meanwhile
             folders.write_scene(folder, scene)
@@ -146,6 +154,42 @@ def runs_of_part(runs: Sequence[RunFolder], part: folders.Part | None) -> list[R
     return [
         run for run, march in zip(runs, marches, strict=True) if places[march] % count == number - 1
     ]
+
+
+def _taken_runs(
+    start_from: Path, elsewhere: Sequence[RunFolder], own: Sequence[RunFolder]
+) -> list[RunFolder]:
+    """Return runs elsewhere whose marches own runs lack, and say what is taken and what is not.
+
+    A result is read as the file of a stranger, and left out where it is damaged.
+    """
+    done: dict[str, RunFolder] = {}
+    for run in elsewhere:
+        with suppress(SceneError):  # its file of heights is gone
+            if run.is_done:
+                done.setdefault(contact_identity(run.scene), run)
+    solved = {contact_identity(run.scene) for run in own if run.is_done}
+    taken = TakenMarches(start_from)
+    sources = []
+    for run, label in zip(own, labels.labels(own), strict=True):
+        identity = contact_identity(run.scene)
+        if identity in solved:
+            continue
+        solved.add(identity)
+        if identity not in done:
+            taken.leave(label, OTHER_CONTACT)
+            continue
+        source = done[identity]
+        try:
+            result_file.read_result(source.folder / RESULT, source.scene)
+        except FolderError as error:
+            taken.leave(label, str(error))
+            continue
+        taken.take(label)
+        sources.append(source)
+    for line in taken.lines():
+        progress.line(line)
+    return sources
 
 
 def _refuse_edited_heights(runs: Sequence[RunFolder]) -> None:
@@ -199,14 +243,14 @@ def _solve_lacking(
     except OSError as error:
         text = system_errors.sentence(error)
         if system_errors.is_of_a_place(error) and not progress.has_solved():
-            raise files.FolderError(text) from error
+            raise FolderError(text) from error
         raise OSError(f"{text}\n{advice}") from error
     except KeyboardInterrupt:
         progress.line(advice)
         raise
     for number, reason in loop.failures.items():
         run = lacking[number]
-        with suppress(OSError, files.FolderError):  # of a folder that cannot be written
+        with suppress(OSError, FolderError):  # of a folder that cannot be written
             files.make_below(run.home, run.folder)
             files.write_json(run.folder / FAILED, {"reason": reason})
     return {names[number]: reason for number, reason in loop.failures.items()}

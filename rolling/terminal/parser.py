@@ -72,6 +72,13 @@ def _add_run(commands: Any) -> None:
     _add_scene(run)
     _add_out(run, help="run folder (default: outputs/NAME-DIGITS)")
     run.add_argument(
+        "--from",
+        dest="start_from",
+        type=arguments.path,
+        metavar="FOLDER",
+        help="another run folder, whose marches of equal contacts are taken",
+    )
+    run.add_argument(
         "--part",
         type=arguments.part,
         metavar="K/N",
