@@ -11,15 +11,16 @@ a single line and 4.34/sqrt(N) dB for many.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Self
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.special import polygamma
 
 from acoustics.arrays import Array, instance, real_array, truth, within
-from acoustics.bands import third_octave_mean_square
+from acoustics.bands import EDGES_HZ, third_octave_mean_square
 from acoustics.level import FAST_S, SLOW_S, RecordNumbers, SoundLevels, a_weighted
 from acoustics.spectrum import checked_record, line_spectrum
 from acoustics.traps import ignoring_underflow
@@ -31,6 +32,8 @@ _NEAR_ZERO_HZ = 50.0
 _FEWEST_LINES = 4
 MIN_LAPS = 1e-6  # repetitions in a record
 MAX_LAPS = 1e12  # repetitions in a record
+_LOWEST_LINES = 16  # of p^2, which tell its density at 0 Hz
+_FEWEST_IN_BAND = 16  # lines of a third octave whose excess variance is known
 _STUDENT = 1.32  # 68 % of Student's distribution with two degrees of freedom lie within it
 
 
@@ -230,6 +233,74 @@ def record_scatter_db(
         return None
     squares = np.array([third.mean() for third in thirds])
     return _STUDENT * _DB * float(squares.std(ddof=1) / math.sqrt(3.0) / squares.mean())
+
+
+class ExcessVariance(NamedTuple):
+    """Variances of mean squares over those of Gaussian noise with the same spectrum; 1 or more.
+
+    laeq, level : float. Of the mean square with and without A-weighting.
+    third_octave : (31,) array. Of the third octaves; 1 in those of fewer than 16 lines.
+    """
+
+    laeq: float
+    level: float
+    third_octave: Array
+
+
+@ignoring_underflow
+def excess_variance(pressure_pa: Array, sample_rate_hz: float) -> ExcessVariance:
+    """Return how much more the mean squares of a closed record vary than those of Gaussian noise.
+
+    The mean of p^2 differs between stretches as much as the lines of p^2 next to 0 Hz are strong.
+    Its line n is the sum of all products of two lines of p that are n lines apart. The lines of
+    Gaussian noise are independent, so the square of this sum is that of its addends. If the
+    strength of a noise changes along the record, its lines depend on each other, and the sum is
+    larger. Its ratio is taken over the 16 lowest lines of p^2, which count the less the farther
+    they are from 0 Hz, so it is known to some 40 %.
+    """
+    pressure = _over_largest(pressure_pa)
+    frequency_hz = np.fft.rfftfreq(len(pressure), 1.0 / sample_rate_hz)
+    line = np.fft.rfft(pressure)
+    line[0] = 0.0
+    weighted = line.copy()
+    weighted[1:] *= 10.0 ** (a_weighting_db(frequency_hz[1:]) / 20.0)
+    edges = np.searchsorted(frequency_hz, EDGES_HZ)
+    bands = []
+    for first, last in pairwise(edges):
+        # Half of the lines of a narrow band leave enough pairs.
+        lowest = min(_LOWEST_LINES, (last - first) // 2)
+        is_known = last - first >= _FEWEST_IN_BAND
+        bands.append(_excess_of_lines(line[first:last], lowest) if is_known else 1.0)
+    return ExcessVariance(
+        laeq=_excess_of_lines(weighted, _LOWEST_LINES),
+        level=_excess_of_lines(line, _LOWEST_LINES),
+        third_octave=np.array(bands),
+    )
+
+
+def _excess_of_lines(line: NDArray[np.complex128], lowest: int) -> float:
+    """Return the excess of the lowest lines of the square of a record with these lines."""
+    variance = 0.0
+    of_gaussian_noise = 0.0
+    for apart in range(1, min(lowest, len(line) - 1) + 1):
+        products = line[apart:] * line[:-apart].conj()
+        variance += float(np.square(np.abs(products.sum()))) / apart
+        of_gaussian_noise += float(np.square(np.abs(products)).sum()) / apart
+    if not of_gaussian_noise > 0.0:
+        return 1.0
+    return max(1.0, variance / of_gaussian_noise)
+
+
+def with_excess(spreads: LevelUncertainty, excess: ExcessVariance) -> LevelUncertainty:
+    """Return uncertainties of Gaussian noise with the excess variance of their record."""
+    widened_by_laeq = spreads.mapped(lambda db: db * math.sqrt(excess.laeq))
+    bands: dict[str, float | None] = {}
+    for (name, db), ratio in zip(spreads.third_octave_db.items(), excess.third_octave, strict=True):
+        bands[name] = None if db is None else db * math.sqrt(ratio)
+    level_db = spreads.level_db
+    if level_db is not None:
+        level_db *= math.sqrt(excess.level)
+    return replace(widened_by_laeq, level_db=level_db, third_octave_db=bands)
 
 
 @ignoring_underflow

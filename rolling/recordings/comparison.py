@@ -147,7 +147,7 @@ def _compare_pair(
     Without the value of full scale the total levels are made equal.
     """
     quantity = pair.recording.quantity
-    bands = _common_bands(pair, noise)
+    bands = _common_bands(pair, spread, noise)
     if not np.isfinite(bands.run.level_db).any():
         fault = pair.named("no third octave can be compared")
         raise FolderError("; ".join([f"{path}: {fault}", *bands.left_out]))
@@ -227,10 +227,10 @@ class _CommonBands(NamedTuple):
     left_out: list[str]
 
 
-def _common_bands(pair: RecordPair, noise: Recording | None) -> _CommonBands:
+def _common_bands(pair: RecordPair, spread: RunSpread, noise: Recording | None) -> _CommonBands:
     """Return the third octaves of both records, the recording's without its background."""
     # A long record tells no more about its bands than the solved track that it continues.
-    computed = third_octave_levels(pair.run, pair.lap_s)
+    computed = third_octave_levels(pair.run, pair.lap_s, spread.excess)
     recorded = third_octave_levels(pair.recording)
     is_known = np.isfinite(computed.a_weighted_db + recorded.a_weighted_db)
     if noise is not None:

@@ -61,12 +61,14 @@ def totals_of(quantity: MeasuredQuantity) -> list[Total]:
     return [Total(TOTALS[2], "Z")]
 
 
-def third_octave_levels(record: Recording, seconds: float | None = None) -> Bands:
+def third_octave_levels(
+    record: Recording, seconds: float | None = None, excess: Array | float = 1.0
+) -> Bands:
     """Return the levels of third octaves of a record, NaN if silent.
 
-    The uncertainty is that of Gaussian noise of a duration [s], by default of a lap, joined with
-    the part of the scatter of the total level between thirds that noise rarely has: all bands rise
-    and fall.
+    The uncertainty is that of noise of a duration [s], by default of a lap, whose variance exceeds
+    that of Gaussian noise by the factor `excess`. It is joined with the part of the scatter of the
+    total level between thirds that noise rarely has: all bands rise and fall.
     """
     samples = record.samples
     laps = len(samples) / RATE / (seconds or record.seconds)
@@ -81,6 +83,7 @@ def third_octave_levels(record: Recording, seconds: float | None = None) -> Band
     # A level that rises and falls couples neighbouring lines: a band has no more than its B T.
     of_length = band_uncertainty_db(len(samples) / RATE / laps)
     of_noise = np.maximum(np.fmax(_by_band(noise.third_octave_db), of_lines), of_length)
+    of_noise *= np.sqrt(excess)
     total_db = noise.laeq_db if record.quantity.weighting == "A" else noise.level_db
     beyond = max(0.0, record.scatter_db**2 - 9 * (total_db or 0.0) ** 2)
     # Levels of sound have the reference value of sound pressure.

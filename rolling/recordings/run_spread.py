@@ -39,10 +39,12 @@ class RunSpread(NamedTuple):
 
     third_octaves : dict of (31,) arrays, dB. Of the third octaves; 0 where one is unknown.
     laeq : dict, dB. Of LAeq.
+    excess : (31,) array. Variance of the third octaves of the record over that of Gaussian noise.
     """
 
     third_octaves: dict[str, Array]
     laeq: dict[str, float]
+    excess: Array
 
     def of_bands(self, record_db: Array) -> Array:
         """Return the uncertainty of third octaves (31,) [dB], joined with that of their record."""
@@ -81,7 +83,10 @@ def run_spread(run: Run, quantity: MeasuredQuantity) -> RunSpread:
     source = run.summary["source"] if is_sound else "vibration"
     third_octaves: dict[str, Array] = {}
     laeq: dict[str, float] = {}
+    excess = np.ones(len(BAND_NAMES))
     if source == "vibration" and run.vibration is not None:
+        if run.vibration.excess is not None:
+            excess = run.vibration.excess.third_octave
         third_octaves |= run.vibration.band_spreads
         laeq |= run.vibration.spreads
         # The law errs by a share of the fluctuation of the force, whatever its frequency.
@@ -97,7 +102,7 @@ def run_spread(run: Run, quantity: MeasuredQuantity) -> RunSpread:
     if not is_sound:
         third_octaves.pop(OF_RADIATION, None)
         laeq.pop(OF_RADIATION, None)
-    return RunSpread(third_octaves=third_octaves, laeq=laeq)
+    return RunSpread(third_octaves=third_octaves, laeq=laeq, excess=excess)
 
 
 # The errors that a summary holds, each with the keys of its addends. LAeq has `laeq_` before them.

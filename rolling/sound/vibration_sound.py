@@ -18,6 +18,7 @@ from acoustics.arrays import Array, short_repr
 from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import RHO_C, pressure_on_axis
 from acoustics.traps import ignoring_underflow
+from acoustics.uncertainty import ExcessVariance
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.comb import COMB_MOST_DB, Comb
@@ -75,6 +76,9 @@ class Vibration:
         plate, baffle.
     band_spreads : dict of (31,) arrays, dB
         The same parts of the third octaves, but for that of the record.
+    excess : ExcessVariance or None
+        How much more the record varies than Gaussian noise; None where it is not known: in a record
+        that does not repeat, and in one whose few lines in a resonance make a comb.
     mean_laeq : float or None, dB
         Mean level over speeds within 3 %; None without a comb.
     plate_power, ball_power : (31,) arrays, W
@@ -107,6 +111,7 @@ class Vibration:
     uncertainty: uncertainty.LevelUncertainty
     spreads: dict[str, float]
     band_spreads: dict[str, Array]
+    excess: ExcessVariance | None
     mean_laeq: float | None
     plate_power: Array
     ball_power: Array
@@ -211,6 +216,11 @@ def vibrate(
     if motion.settled and levels.laeq_db is not None:
         combed = comb(scene, law, chain)
     spread = uncertainty.level_uncertainty(pressure, wav.SAMPLE_RATE_HZ, levels, False, laps=laps)
+    excess = None
+    if closed and combed is None and levels.laeq_db is not None:
+        lap = pressure[: round(len(pressure) / max(1.0, laps))]
+        excess = uncertainty.excess_variance(lap, wav.SAMPLE_RATE_HZ)
+        spread = uncertainty.with_excess(spread, excess)
     spreads = dict[str, float]()
     if spread.laeq_db is not None and not once:
         spreads["record"] = spread.laeq_db
@@ -245,6 +255,7 @@ def vibrate(
         uncertainty=_with_other_parts(spread, spreads, band_spreads),
         spreads=spreads,
         band_spreads=band_spreads,
+        excess=excess,
         mean_laeq=None if combed is None else combed.mean_laeq_db,
         plate_power=plate_power,
         ball_power=ball_power,
