@@ -1,18 +1,33 @@
 """Vibration of rolling bearings: velocity in three bands, and the narrow spectra of its lines.
 
-A bearing that turns has lines at frequencies of its kinematics. They are read from a spectrum with
-a Hann window, or from the spectrum of the squared envelope of a band, where the pulses of a fault
-have lines.
+A bearing that turns has lines at frequencies of its kinematics. They are read from a spectrum whose
+window falls fast, or from the spectrum of the squared envelope of a band, where the pulses of a
+fault have lines. What the record does not separate from a stronger line is not read.
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from acoustics.arrays import Array, positive, real_array, short_repr
 from acoustics.spectrum import checked_record
+from acoustics.tone_window import (
+    REACH,
+    SEPARATED,
+    SIDE_LOBES,
+    Tone,
+    lines_apart,
+    lobe,
+    place_error,
+    tone_is_at,
+    tone_window,
+    with_pull,
+)
 from acoustics.traps import ignoring_underflow
 
 VELOCITY_BANDS_HZ: dict[str, tuple[float, float]] = {
@@ -25,10 +40,12 @@ VELOCITY_BANDS_HZ: dict[str, tuple[float, float]] = {
 _WINDOWS = 5  # of half a record, over which the power of a band is averaged
 _PARTS = 8  # of a record, whose scatter gives the uncertainty
 _SHORTEST = 16 * _PARTS  # samples of a record
-# A tone lies within two lines of a Hann window, so its power is the sum of these.
-_LINES_OF_TONE = 2
 _SURROUNDINGS = 40  # lines to either side of a tone, whose median is its surroundings
-_HANN_BANDWIDTH = 1.5  # lines, of noise
+_STANDS_OUT = 5.0  # height from which on a peak is a tone, which noise seldom has
+_LEAK = 0.03  # of the rms of a line that other tones may make
+_SAME_LINE = 1e-3  # lines; tones that are nearer are one
+
+Indices = NDArray[np.int_]
 
 
 @ignoring_underflow
@@ -155,15 +172,30 @@ def _uncertainty_db(mean_squares: Array) -> float:
 # ---- lines
 
 
+class LineReading(NamedTuple):
+    """A line of a spectrum, as far as the record separates it from stronger ones.
+
+    rms : float or None, unit of the record. Root of the mean square of the tone; None where the
+        record does not separate it from a stronger one. It is 0 below the side lobes of the window.
+    height : float or None. Its ratio to the median of its surroundings [-]; noise has 1 to 3.
+    resolving_s : float or None, s. Length of a record that would separate it; None where this one
+        does.
+    """
+
+    rms: float | None
+    height: float | None
+    resolving_s: float | None = None
+
+
 @ignoring_underflow
 @dataclass(frozen=True)
 class NarrowSpectrum:
-    """Spectrum of a record under a Hann window, from which tones are read.
+    """Spectrum of a record under a Blackman-Harris window, from which tones are read.
 
     Parameters
     ----------
     frequency_hz : array (n,), Hz
-        Frequencies of the lines, 1/T apart.
+        Frequencies of the lines from 0 Hz on, 1/T apart.
     rms : array (n,), unit of the record
         Root of the mean square of a tone at each line. Noise stands higher by the root of the
         noise bandwidth of a line, and falls with the length of the record.
@@ -175,6 +207,9 @@ class NarrowSpectrum:
     >>> spectrum = acoustics.narrow_spectrum(tone, 48000)
     >>> round(spectrum.line_rms(92.2), 3), spectrum.line_height(92.2) > 1000
     (1.0, True)
+    >>> hidden = spectrum.read_line(94.2)  # within the lobe of the tone
+    >>> hidden.rms is None, round(hidden.resolving_s, 1)
+    (True, 2.3)
     """
 
     __repr__ = short_repr
@@ -187,6 +222,48 @@ class NarrowSpectrum:
         """Distance of two lines [Hz]."""
         return float(self.frequency_hz[1] - self.frequency_hz[0])
 
+    def read_line(self, frequency_hz: float, beside_hz: Sequence[float] = ()) -> LineReading:
+        """Read the line of a tone whose frequency is known, between two lines too.
+
+        Parameters
+        ----------
+        frequency_hz : float, Hz
+            Frequency of the tone.
+        beside_hz : sequence of float, Hz
+            Frequencies of other tones that may be there. Where one tone may be this or another of
+            them, neither is read. Default: none.
+
+        Returns
+        -------
+        LineReading
+            Its rms is within some per cent of that of the tone. It has none where stronger tones
+            make more than 3 % of it, and more than the noise of its surroundings.
+        """
+        place = frequency_hz / self.line_width_hz
+        if not 0 < place <= len(self.rms) - 1:
+            return LineReading(rms=0.0, height=0.0)
+        rivals = [other / self.line_width_hz for other in beside_hz]
+        rivals = [other for other in rivals if abs(other - place) > _SAME_LINE]
+        rms = self._rms_at(place)
+        others = list[Tone]()
+        if 2 * place < SEPARATED:  # from the image of a tone of a real record, below 0 Hz
+            others.append(Tone(place=-place, error=0.0, rms=rms))
+        for tone in self._tones_about(place):
+            if not tone_is_at(tone, place):
+                others.append(tone)
+                continue
+            near = [abs(other - place) for other in rivals if tone_is_at(tone, other)]
+            if near:
+                return LineReading(None, None, self._resolving_s(min(near)))
+        hidden = sum(tone.rms * self._lobe_at(place, tone.place) for tone in others)
+        floor = self._floor(place)
+        if hidden > _LEAK * rms and hidden > floor:
+            apart = lines_apart(place, others, rivals)
+            return LineReading(None, None, self._resolving_s(apart))
+        if rms <= SIDE_LOBES * self._largest:
+            return LineReading(rms=0.0, height=0.0)
+        return LineReading(rms=rms, height=rms / floor)
+
     def line_rms(self, frequency_hz: float) -> float:
         """Return the rms of a tone at a frequency, between two lines too.
 
@@ -197,12 +274,27 @@ class NarrowSpectrum:
 
         Returns
         -------
-        float, unit of the record. Noise in the four lines about the tone counts with it; 0 outside
-            the spectrum.
+        float, unit of the record. Noise in the line of the tone counts with it; 0 outside the
+            spectrum, and NaN where the record does not separate it from a stronger tone.
         """
-        first, last = self._lines_about(frequency_hz)
-        square = float(np.square(self.rms[first:last]).sum())
-        return math.sqrt(square / _HANN_BANDWIDTH)
+        rms = self.read_line(frequency_hz).rms
+        return math.nan if rms is None else rms
+
+    def line_height(self, frequency_hz: float) -> float:
+        """Return the rms of a tone at a frequency over the median of its surroundings.
+
+        Parameters
+        ----------
+        frequency_hz : float, Hz
+            Frequency of the tone.
+
+        Returns
+        -------
+        float. Ratio of amplitudes [-]; noise has 1 to 3. 0 where there is no line, and NaN where
+            the record does not separate it from a stronger tone.
+        """
+        height = self.read_line(frequency_hz).height
+        return math.nan if height is None else height
 
     def surroundings_rms(self, frequency_hz: float) -> float:
         """Return the median of the lines beside a tone, 40 to either side, without the tone.
@@ -216,36 +308,7 @@ class NarrowSpectrum:
         -------
         float, unit of the record
         """
-        first, last = self._lines_about(frequency_hz)
-        beside = np.concatenate(
-            (
-                self.rms[max(first - _SURROUNDINGS, 1) : first],
-                self.rms[last : last + _SURROUNDINGS],
-            )
-        )
-        if not len(beside):
-            return 0.0
-        return float(np.median(beside))
-
-    def line_height(self, frequency_hz: float) -> float:
-        """Return the largest line about a frequency over the median of its surroundings.
-
-        Parameters
-        ----------
-        frequency_hz : float, Hz
-            Frequency of the tone.
-
-        Returns
-        -------
-        float. Ratio of amplitudes [-]; noise has 1 to 3. 0 where there is no line, and infinity
-            where nothing but the line is there.
-        """
-        first, last = self._lines_about(frequency_hz)
-        line = float(self.rms[first:last].max(initial=0.0))
-        beside = self.surroundings_rms(frequency_hz)
-        if beside > 0.0:
-            return line / beside
-        return math.inf if line > 0.0 else 0.0
+        return self._surroundings(frequency_hz / self.line_width_hz)
 
     def peaks_hz(
         self, count: int, low_hz: float, high_hz: float, least_height: float
@@ -263,42 +326,128 @@ class NarrowSpectrum:
 
         Returns
         -------
-        list of float, Hz. Each is the mean of the lines of its tone, weighted by power.
+        list of float, Hz. Between lines, each is that of the parabola through the logarithms of
+            three lines.
         """
-        middle = self.rms[1:-1]
-        is_top = (middle >= self.rms[:-2]) & (middle > self.rms[2:])
-        tops = np.flatnonzero(is_top) + 1
+        tops = self._tops(1, len(self.rms) - 2)
         at_hz = self.frequency_hz[tops]
         tops = tops[(at_hz >= low_hz) & (at_hz < high_hz)]
         found = list[float]()
         for top in tops[np.argsort(-self.rms[tops], kind="stable")]:
-            about = slice(top - 1, top + 2)
-            power = np.square(self.rms[about])
-            frequency = float(self.frequency_hz[about] @ power / power.sum())
+            place = self._top_place(int(top))
+            frequency = place * self.line_width_hz
             near = min((abs(frequency - other) for other in found), default=math.inf)
-            is_new = near > 2 * _LINES_OF_TONE * self.line_width_hz
-            if is_new and self.line_height(float(self.frequency_hz[top])) >= least_height:
+            is_new = near > REACH * self.line_width_hz
+            if is_new and self._rms_at(place) >= least_height * self._floor(place):
                 found.append(frequency)
             if len(found) == count:
                 break
         return found
 
-    def _lines_about(self, frequency_hz: float) -> tuple[int, int]:
-        """Return the first line about a tone, and the one behind the last."""
-        place = (frequency_hz - float(self.frequency_hz[0])) / self.line_width_hz
-        first = max(math.ceil(place - _LINES_OF_TONE), 0)
-        last = min(math.floor(place + _LINES_OF_TONE) + 1, len(self.rms))
-        return first, max(first, last)
+    def is_at(self, line_hz: float, peak_hz: float) -> bool:
+        """Tell whether a peak may be a tone of a given frequency, as far as noise lets one know.
+
+        Parameters
+        ----------
+        line_hz : float, Hz
+            Frequency of the tone.
+        peak_hz : float, Hz
+            Frequency of the peak, as of `peaks_hz`.
+
+        Returns
+        -------
+        bool
+        """
+        place = peak_hz / self.line_width_hz
+        error = place_error(self._rms_at(place) / self._floor(place))
+        return abs(line_hz - peak_hz) <= error * self.line_width_hz
+
+    def hides(self, line_hz: float, peak_hz: float) -> bool:
+        """Tell whether a peak is so near to a frequency that a tone there cannot be read.
+
+        Parameters
+        ----------
+        line_hz : float, Hz
+            Frequency of the tone.
+        peak_hz : float, Hz
+            Frequency of the peak.
+
+        Returns
+        -------
+        bool
+        """
+        return abs(line_hz - peak_hz) < SEPARATED * self.line_width_hz
+
+    @cached_property
+    def _largest(self) -> float:
+        """Largest line."""
+        return float(self.rms.max(initial=0.0))
+
+    def _resolving_s(self, lines_apart: float) -> float:
+        """Return the length of a record [s] that separates tones now so many lines apart."""
+        return SEPARATED / (lines_apart * self.line_width_hz)
+
+    def _rms_at(self, place: float) -> float:
+        """Return the rms of a tone at a place between lines, from the nearest line and its lobe."""
+        line = min(round(place), len(self.rms) - 1)
+        return float(self.rms[line]) / float(lobe(line - place))
+
+    def _lobe_at(self, place: float, tone_place: float) -> float:
+        """Return which part of a tone elsewhere is read at a place."""
+        line = min(round(place), len(self.rms) - 1)
+        if abs(line - tone_place) >= REACH:
+            return 0.0
+        return float(lobe(line - tone_place) / lobe(line - place))
+
+    def _surroundings(self, place: float) -> float:
+        """Return the median of 40 lines to either side of the lobe at a place."""
+        first = max(math.ceil(place - REACH), 0)
+        last = max(min(math.floor(place + REACH) + 1, len(self.rms)), first)
+        below = self.rms[max(first - _SURROUNDINGS, 1) : first]
+        above = self.rms[last : last + _SURROUNDINGS]
+        beside = np.concatenate((below, above))
+        return float(np.median(beside)) if len(beside) else 0.0
+
+    def _floor(self, place: float) -> float:
+        """Return the rms that surroundings and side lobes have at a place, above zero."""
+        surroundings = self._surroundings(place)
+        return max(surroundings, SIDE_LOBES * self._largest, float(np.finfo(float).tiny))
+
+    def _tops(self, first: int, last: int) -> Indices:
+        """Return the numbers of the lines that are above their neighbours, from first to last."""
+        middle = self.rms[first : last + 1]
+        before = self.rms[first - 1 : last]
+        behind = self.rms[first + 1 : last + 2]
+        return np.asarray(np.flatnonzero((middle >= before) & (middle > behind)) + first)
+
+    def _top_place(self, top: int) -> float:
+        """Return the place of a tone about a line that is above its neighbours."""
+        low, middle, high = np.log(np.maximum(self.rms[top - 1 : top + 2], np.finfo(float).tiny))
+        bend = low - 2 * middle + high
+        return top + float((low - high) / (2 * bend)) if bend < 0 else float(top)
+
+    def _tones_about(self, place: float) -> list[Tone]:
+        """Return the tones that stand out and whose lobes may reach the lines about a place."""
+        first = max(math.floor(place - REACH - 2), 1)
+        last = min(math.ceil(place + REACH + 2), len(self.rms) - 2)
+        tones = []
+        for top in self._tops(first, last) if last >= first else ():
+            at = self._top_place(int(top))
+            rms = self._rms_at(at)
+            height = rms / self._floor(at)
+            if height >= _STANDS_OUT:
+                tones.append(Tone(place=at, error=place_error(height), rms=rms))
+        return [with_pull(tone, tones) for tone in tones]
 
 
 @ignoring_underflow
 def narrow_spectrum(signal: Array, sample_rate_hz: float) -> NarrowSpectrum:
-    """Compute the spectrum of a record under one Hann window, with the rms of tones.
+    """Compute the spectrum of a record under a Blackman-Harris window, with the rms of tones.
 
     Parameters
     ----------
     signal : array (n,), any unit
-        Record, at least 8 samples. Its mean is subtracted.
+        Record, at least 8 samples. Its mean under the window is subtracted.
     sample_rate_hz : float, Hz
         Sample rate.
 
@@ -327,8 +476,9 @@ def narrow_spectrum(signal: Array, sample_rate_hz: float) -> NarrowSpectrum:
     count = len(record)
     if count < 8:
         raise ValueError(f"signal: got {count} samples, allowed: at least 8")
-    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
-    amplitudes = 2.0 * np.abs(np.fft.rfft(window * (record - record.mean()))) / window.sum()
+    window = tone_window(count)
+    mean = float(window @ record) / float(window.sum())
+    amplitudes = 2.0 * np.abs(np.fft.rfft(window * (record - mean))) / window.sum()
     frequency_hz = np.fft.rfftfreq(count, 1.0 / sample_rate_hz)
     rms = np.asarray(amplitudes / math.sqrt(2.0), dtype=float)
     return NarrowSpectrum(np.asarray(frequency_hz, dtype=float), rms)

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
+from acoustics.ring_velocity import LineReading, NarrowSpectrum
 from rolling.bearing.kinematics import Kinematics, lines_of
+from rolling.bearing.model import BearingModel
+from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL
+from rolling.bearing.wave_motion import BALLS, INNER, OUTER, WaveMotion
 
-INNER = "inner"
-OUTER = "outer"
-BALLS = "balls"
 BODIES = (BALLS, INNER, OUTER)
 _MAX_TURNS = 5  # multiples of the turn that are named
 _MAX_COMPLIANCE = 6  # multiples of the varying compliance that are named
 _MAX_BESIDE = 3  # turns beside a multiple that are named
 _MAX_MULTIPLE = 400  # multiple of a family that is named; waves of higher orders move no ring
 MAX_WAVE_LINES = 24  # of orders of waviness that are named
+_FAINT = 0.1  # of the largest line of an order in a direction, below which one is not named
+
+FAULT_LINES = {INNER: "BPFI", OUTER: "BPFO", BALLS: "2 x ball spin"}
+"""Line of the envelope at which a fault of each body shows."""
 
 _MEANINGS = {
     "cage": "turns of the cage",
@@ -40,12 +46,15 @@ class BearingLine:
     frequency_hz : float, Hz
     minor : bool
         Whether figures mark it without its name where there is little room.
+    directions : tuple of str
+        Directions in which it can move the ring. Default: radial and axial.
     """
 
     name: str
     meaning: str
     frequency_hz: float
     minor: bool = False
+    directions: tuple[str, ...] = DIRECTIONS
 
 
 def kinematic_lines(kinematics: Kinematics) -> list[BearingLine]:
@@ -69,91 +78,108 @@ def varying_compliance(kinematics: Kinematics, balls: int) -> list[BearingLine]:
     return lines
 
 
-def wave_lines(
-    kinematics: Kinematics, balls: int, waves: Mapping[str, Iterable[int]]
-) -> list[BearingLine]:
-    """Return the lines at which orders of waviness move the ring, radially and axially.
+def wave_lines(model: BearingModel, waves: Mapping[str, Iterable[int]]) -> list[BearingLine]:
+    """Return the lines at which orders of waviness move the ring, each with its directions.
 
     Parameters
     ----------
-    kinematics : Kinematics
-    balls : int
-        Number of balls Z.
+    model : BearingModel
+        Bearing, whose loads decide which orders move its ring (`wave_motion`).
     waves : mapping
         Orders of waviness by the body: inner, outer, balls.
 
     Returns
     -------
     lines : list of BearingLine
-        None for an order that moves nothing. Order n of a raceway meets ball j with the phase
-        n (theta_j - turn), and the sum over the balls of cos(m theta_j) times it (m = 0 axial,
-        1 and -1 radial) is not zero for n = q Z + m, at |n (f_cage - f_ring) - m f_cage|. An even
-        order n of a ball has n f_spin, and beside it the cage.
+        None for an order that moves nothing.
     """
+    motion = WaveMotion(model)
     lines = list[BearingLine]()
-    rings = {INNER: kinematics.inner_hz, OUTER: kinematics.outer_hz}
     for body, orders in waves.items():
         for order in sorted(orders):
-            if body == BALLS:
-                lines += _lines_of_ball(kinematics, order)
-            else:
-                lines += _lines_of_raceway(kinematics, balls, body, rings[body], order)
+            lines += _lines_of_order(motion, body, order)
     return lines[:MAX_WAVE_LINES]
 
 
-def _lines_of_raceway(
-    kinematics: Kinematics, balls: int, body: str, ring_hz: float, order: int
-) -> list[BearingLine]:
-    """Return the line of an order of a raceway, if it moves the ring."""
-    lines = []
-    # Of two balls, an order is beside q Z on both sides.
-    for beside in (-1, 0, 1):
-        q = (order - beside) // balls
-        hz = abs(order * (kinematics.cage_hz - ring_hz) - beside * kinematics.cage_hz)
-        if (order - beside) % balls or (q == 0 and beside < 1) or not hz > 0:
+def _lines_of_order(motion: WaveMotion, body: str, order: int) -> list[BearingLine]:
+    """Return the lines of an order of a body, the largest first, without those that are faint."""
+    found = motion.of_order(body, order)
+    largest = {
+        direction: max((line.velocity[direction] for line in found), default=0.0)
+        for direction in DIRECTIONS
+    }
+    lines = list[BearingLine]()
+    for line in found:
+        shares = [line.velocity[direction] / largest[direction] for direction in line.directions]
+        if max(shares) < _FAINT:
             continue
-        direction = "axial" if beside == 0 else "radial"
-        sign = {-1: " - 1", 0: "", 1: " + 1"}[beside]
-        meaning = f"order {order} of the {body} raceway, {q} Z{sign}, {direction}"
-        lines.append(BearingLine(f"{body} {order}", meaning, hz))
+        if body == BALLS:
+            name = f"ball {order}{_beside_in_words(line.part, 'cage')}"
+            meaning = f"order {order} of a ball"
+            minor = line.part != 0
+        else:
+            name = f"{body} {order}"
+            beside = _signed(-line.part)
+            q = (order + line.part) // motion.model.geometry.balls
+            meaning = f"order {order} of the {body} raceway, {q} Z{beside}"
+            minor = bool(lines)
+            if minor:
+                name += f" at {line.frequency_hz:.1f} Hz"
+        lines.append(
+            BearingLine(
+                name=name,
+                meaning=f"{meaning}, {' and '.join(line.directions)}",
+                frequency_hz=line.frequency_hz,
+                minor=minor,
+                directions=line.directions,
+            )
+        )
     return lines
 
 
-def _lines_of_ball(kinematics: Kinematics, order: int) -> list[BearingLine]:
-    """Return the lines of an order of a ball: odd orders meet both raceways with opposite signs."""
-    if order % 2:
-        return []
-    hz = order * kinematics.ball_spin_hz
-    middle = BearingLine(f"ball {order}", f"order {order} of a ball, axial", hz)
-    sides = [
-        BearingLine(
-            name=f"ball {order} {sign} cage",
-            meaning=f"order {order} of a ball, radial",
-            frequency_hz=hz + step,
-            minor=True,
-        )
-        for sign, step in (("-", -kinematics.cage_hz), ("+", kinematics.cage_hz))
-    ]
-    return [sides[0], middle, sides[1]]
+def _signed(number: int) -> str:
+    """Write a number with its sign and spaces around; nothing for 0."""
+    if not number:
+        return ""
+    return f" {'+' if number > 0 else '-'} {abs(number)}"
 
 
 def family_lines(
-    kinematics: Kinematics, balls: int, highest_hz: float, apart_hz: float = 0.0
+    model: BearingModel,
+    *,
+    wavy: Collection[str],
+    faulty: Collection[str],
+    highest_hz: float,
+    apart_hz: float = 0.0,
 ) -> list[BearingLine]:
-    """Return all lines up to a frequency at which waves can move the ring, the simplest first.
+    """Return all lines up to a frequency at which bodies can move the ring, the simplest first.
 
     Multiples of the turn, of BPFO and of BPFI with the turn of its ring beside them, and even
     multiples of the ball spin with the cage beside them: a peak of a spectrum is named by them.
-    Under a radial load, waves that turn with a ring or the cage have more side bands. A family
-    whose multiples are less than `apart_hz` apart would name every peak, and is left out.
+
+    Parameters
+    ----------
+    model : BearingModel
+        Bearing, whose loads decide which parts of a body move its ring, and in which direction.
+    wavy : collection of str
+        Bodies with waviness, form or roughness: inner, outer, balls.
+    faulty : collection of str
+        Bodies with single faults. A body without any cause has no lines.
+    highest_hz : float, Hz
+        Frequency up to which lines are returned.
+    apart_hz : float, Hz
+        A family whose multiples are nearer would name every peak, and is left out. Default: 0.
     """
-    lines = kinematic_lines(kinematics)
+    lines = kinematic_lines(model.kinematics)
     for times in range(2, _MAX_TURNS + 1):
         meaning = "multiple of the turn"
-        lines.append(BearingLine(f"{times} turn", meaning, times * kinematics.turning_hz))
-    for beside in sorted(range(-_MAX_BESIDE, _MAX_BESIDE + 1), key=abs):
-        lines += _raceway_family(kinematics, balls, highest_hz, apart_hz, beside)
-        lines += _ball_family(kinematics, highest_hz, apart_hz, beside)
+        lines.append(BearingLine(f"{times} turn", meaning, times * model.kinematics.turning_hz))
+    motion = WaveMotion(model)
+    causes = {body: _Cause(body in wavy, body in faulty) for body in BODIES}
+    for body in (OUTER, INNER):
+        lines += _raceway_family(motion, body, causes[body], highest_hz, apart_hz)
+    lines += _ball_family(motion, causes[BALLS], highest_hz, apart_hz)
+    lines.sort(key=lambda line: line.minor)  # stable: what has nothing beside it comes first
     named = dict[str, BearingLine]()
     for line in lines:
         if 0 < line.frequency_hz <= highest_hz:
@@ -161,47 +187,108 @@ def family_lines(
     return list(named.values())
 
 
+class _Cause(NamedTuple):
+    """What of a body can move the ring: waves of random or given heights, single faults."""
+
+    waves: bool
+    fault: bool
+
+    def in_words(self, waves: str, fault: str) -> str:
+        """Say what may move the ring."""
+        if self.waves and self.fault:
+            return f"{fault}, or {waves}"
+        return fault if self.fault else waves
+
+
 def _raceway_family(
-    kinematics: Kinematics, balls: int, highest_hz: float, apart_hz: float, beside: int
+    motion: WaveMotion, body: str, cause: _Cause, highest_hz: float, apart_hz: float
 ) -> list[BearingLine]:
-    """Return multiples of BPFO and BPFI with some turns of their ring beside them."""
+    """Return multiples of BPFO or BPFI with some turns of their ring beside them."""
+    speeds = motion.model.kinematics
+    balls = motion.model.geometry.balls
+    name = FAULT_LINES[body]
+    pass_hz = speeds.ball_pass_outer_hz if body == OUTER else speeds.ball_pass_inner_hz
+    ring_hz = speeds.outer_hz if body == OUTER else speeds.inner_hz
+    # A wave of order q Z - p moves the ring by part p of the forces, p turns of its ring beside
+    # q passes. Of a ring at rest all parts have the frequency of the passes.
+    turns_forward = 1 if speeds.cage_hz > ring_hz else -1
+    parts = [part for part in motion.parts if abs(part) <= _MAX_BESIDE]
     lines = []
-    rings = {
-        "BPFO": (kinematics.ball_pass_outer_hz, kinematics.outer_hz, OUTER),
-        "BPFI": (kinematics.ball_pass_inner_hz, kinematics.inner_hz, INNER),
-    }
-    for name, (pass_hz, ring_hz, body) in rings.items():
-        if pass_hz < apart_hz or (beside and not ring_hz > 0):
-            continue
-        for q in range(1, int(min(highest_hz / pass_hz, _MAX_MULTIPLE)) + 1 + _MAX_BESIDE):
-            multiple = name if q == 1 else f"{q} {name}"
-            orders = f"order {q * balls + beside}"
-            if not ring_hz > 0:
-                orders = f"orders {q * balls - 1} to {q * balls + 1}"
-            line = BearingLine(
-                name=multiple + _beside_in_words(beside, "turn"),
-                meaning=f"waves of the {body} raceway, {orders}",
-                frequency_hz=q * pass_hz + beside * ring_hz,
+    if pass_hz < apart_hz or not any(cause):
+        return []
+    for q in range(1, int(min(highest_hz / pass_hz, _MAX_MULTIPLE)) + 1 + _MAX_BESIDE):
+        multiple = name if q == 1 else f"{q} {name}"
+        fault = f"fault of the {body} raceway, harmonic {q}"
+        for beside, own in _grouped(parts, turns_forward if ring_hz > 0 else 0):
+            frequency_hz = q * pass_hz + beside * ring_hz
+            if not 0 < frequency_hz <= highest_hz:
+                continue
+            orders = {part: motion.directions_of(part, frequency_hz) for part in own}
+            directions = tuple(
+                direction
+                for direction in DIRECTIONS
+                if any(direction in d for d in orders.values())
             )
-            lines.append(line)
+            if not directions:
+                continue
+            of_orders = _orders_in_words({q * balls - part: d for part, d in orders.items()})
+            lines.append(
+                BearingLine(
+                    name=multiple + _beside_in_words(beside, "turn"),
+                    meaning=cause.in_words(f"waves of the {body} raceway, {of_orders}", fault),
+                    frequency_hz=frequency_hz,
+                    minor=beside != 0,
+                    directions=directions,
+                )
+            )
     return lines
 
 
+def _grouped(parts: Sequence[int], turns: int) -> list[tuple[int, list[int]]]:
+    """Return turns beside a multiple, each with the parts of the forces that have it."""
+    if not turns:
+        return [(0, list(parts))]
+    return [(turns * part, [part]) for part in parts]
+
+
+def _orders_in_words(orders: Mapping[int, tuple[str, ...]]) -> str:
+    """Say which orders move the ring in which direction: order 9 axially, 8 and 10 radially."""
+    texts = []
+    for direction in (AXIAL, RADIAL):
+        own = sorted(order for order, names in orders.items() if direction in names)
+        if own:
+            words = " and ".join(map(str, own))
+            if len(own) > 2:
+                words = f"{own[0]} to {own[-1]}"
+            texts.append(f"{words} {direction}ly")
+    several = len(orders) > 1
+    return f"order{'s' if several else ''} {', '.join(texts)}"
+
+
 def _ball_family(
-    kinematics: Kinematics, highest_hz: float, apart_hz: float, beside: int
+    motion: WaveMotion, cause: _Cause, highest_hz: float, apart_hz: float
 ) -> list[BearingLine]:
     """Return even multiples of the ball spin with some turns of the cage beside them."""
-    if 2 * kinematics.ball_spin_hz < apart_hz:
+    speeds = motion.model.kinematics
+    if 2 * speeds.ball_spin_hz < apart_hz or not any(cause):
         return []
     lines = []
-    most = int(min(highest_hz / kinematics.ball_spin_hz, _MAX_MULTIPLE))
+    most = int(min(highest_hz / speeds.ball_spin_hz, _MAX_MULTIPLE))
     for order in range(2, most + 2 + _MAX_BESIDE, 2):
-        line = BearingLine(
-            name=f"{order} x ball spin" + _beside_in_words(beside, "cage"),
-            meaning=f"waves of balls, order {order}",
-            frequency_hz=order * kinematics.ball_spin_hz + beside * kinematics.cage_hz,
-        )
-        lines.append(line)
+        for line in motion.of_order(BALLS, order):
+            if abs(line.part) > _MAX_BESIDE:
+                continue
+            lines.append(
+                BearingLine(
+                    name=f"{order} x ball spin" + _beside_in_words(line.part, "cage"),
+                    meaning=cause.in_words(
+                        f"waves of balls, order {order}", f"fault of a ball, harmonic {order // 2}"
+                    ),
+                    frequency_hz=line.frequency_hz,
+                    minor=line.part != 0,
+                    directions=line.directions,
+                )
+            )
     return lines
 
 
@@ -239,5 +326,10 @@ def envelope_lines(kinematics: Kinematics) -> list[BearingLine]:
     return sorted(lines, key=lambda line: line.frequency_hz)
 
 
-FAULT_LINES = {INNER: "BPFI", OUTER: "BPFO", BALLS: "2 x ball spin"}
-"""Line of the envelope at which a fault of each body shows."""
+def envelope_readings(
+    envelope: NarrowSpectrum, kinematics: Kinematics
+) -> list[tuple[BearingLine, LineReading]]:
+    """Return the lines of faults with what the spectrum of an envelope shows of them."""
+    found = envelope_lines(kinematics)
+    frequencies = [line.frequency_hz for line in found]
+    return [(line, envelope.read_line(line.frequency_hz, frequencies)) for line in found]

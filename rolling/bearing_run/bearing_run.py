@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ, LineReading, NarrowSpectrum
 from acoustics.traps import ignoring_underflow
 from rolling.bearing import assumed_damping, lines
 from rolling.bearing.band_uncertainty import LOSS_FACTOR, RECORD, BandUncertainty
@@ -52,6 +52,8 @@ HIGHEST_PEAK_HZ = VELOCITY_BANDS_HZ["medium"][1]  # beyond it roughness leads, n
 MAX_PEAKS = 8  # of a spectrum that are listed
 LEAST_SHARE = 0.01  # of the largest peak
 LEAST_HEIGHT = 5.0  # of a peak over the median of its surroundings
+MAX_NEAR = 3  # lines that are named beside a peak from which they are not told apart
+NO_LINE = LineReading(rms=0.0, height=0.0)
 
 
 @ignoring_underflow
@@ -162,7 +164,7 @@ class BearingRun:
         found = lines.kinematic_lines(self.kinematics)
         if bearing.radial_load_n > 0:
             found += lines.varying_compliance(self.kinematics, self.geometry.balls)
-        found += lines.wave_lines(self.kinematics, self.geometry.balls, self.waves)
+        found += lines.wave_lines(self.model, self.waves)
         found = [line for line in found if 0 < line.frequency_hz < HIGHEST_HZ]
         return sorted(found, key=lambda line: line.frequency_hz)
 
@@ -176,6 +178,17 @@ class BearingRun:
             if orders:
                 waves[body] = [int(order) for order in orders]
         return waves
+
+    @property
+    def wavy(self) -> list[str]:
+        """Bodies whose surface is rough, wavy or measured: balls, inner, outer."""
+        surfaces = self.scene.bearing.surfaces
+        found = []
+        for body in lines.BODIES:
+            surface = getattr(surfaces, body)
+            if surface is not None and (surface.kind != "smooth" or surface.has_form):
+                found.append(body)
+        return found
 
     @property
     def faulty(self) -> list[str]:
@@ -222,51 +235,76 @@ class BearingRun:
     def peaks(self) -> list[BearingLine]:
         """The largest peaks below 1,800 Hz, radial and axial, with the lines that they are."""
         families = lines.family_lines(
-            kinematics=self.kinematics,
-            balls=self.geometry.balls,
+            self.model,
+            wavy=self.wavy,
+            faulty=self.faulty,
             highest_hz=HIGHEST_PEAK_HZ,
             apart_hz=2 * self.record.spectra[RADIAL].line_width_hz,
         )
         found = dict[str, BearingLine]()
-        for spectrum in self.record.spectra.values():
+        for direction, spectrum in self.record.spectra.items():
+            known = [line for line in [*self.lines, *families] if direction in line.directions]
             peaks_hz = spectrum.peaks_hz(MAX_PEAKS, LOWEST_HZ, HIGHEST_PEAK_HZ, LEAST_HEIGHT)
+            largest = 0.0
             for hz in peaks_hz:
-                least = max(LEAST_SHARE * spectrum.line_rms(peaks_hz[0]), NOTHING_UM_S / UM_S)
-                if spectrum.line_rms(hz) < least:
-                    break  # the rest is smaller still
-                line = _simplest([*self.lines, *families], hz, spectrum.line_width_hz)
-                found.setdefault(line.name, line)
+                rms = spectrum.read_line(hz).rms or 0.0
+                largest = max(largest, rms)
+                if rms >= max(LEAST_SHARE * largest, NOTHING_UM_S / UM_S):
+                    line = _simplest(known, hz, spectrum)
+                    found.setdefault(line.name, line)
         return list(found.values())
 
     @cached_property
     def lines_with_levels(self) -> list[dict[str, Any]]:
-        """Lines and largest peaks with their velocity [um/s] and height over surroundings."""
+        """Lines and largest peaks with their velocity [um/s] and height over surroundings.
+
+        A line has no velocity in a direction in which it does not move the ring, and none is known
+        where the record does not separate it from a stronger line: `resolved_by_s` is the length of
+        a record that would.
+        """
         table = []
-        every = {line.name: line for line in [*self.lines, *self.peaks]}
-        for line in sorted(every.values(), key=lambda line: line.frequency_hz):
+        named = {line.name: line for line in [*self.lines, *self.peaks]}
+        every = sorted(named.values(), key=lambda line: line.frequency_hz)
+        frequencies = {
+            direction: [line.frequency_hz for line in every if direction in line.directions]
+            for direction in DIRECTIONS
+        }
+        for line in every:
             row: dict[str, Any] = {
                 "name": line.name,
                 "meaning": line.meaning,
                 "frequency_hz": line.frequency_hz,
             }
             for direction in DIRECTIONS:
-                spectrum = self.record.spectra[direction]
-                row[f"{direction}_um_s"] = UM_S * spectrum.line_rms(line.frequency_hz)
-                row[f"{direction}_height"] = _finite(spectrum.line_height(line.frequency_hz))
+                reading = NO_LINE
+                if direction in line.directions:
+                    spectrum = self.record.spectra[direction]
+                    reading = spectrum.read_line(line.frequency_hz, frequencies[direction])
+                um_s = None if reading.rms is None else UM_S * reading.rms
+                if um_s is not None and um_s < NOTHING_UM_S:  # rounding of a ring at rest
+                    reading = NO_LINE
+                row[f"{direction}_um_s"] = um_s
+                row[f"{direction}_height"] = reading.height
+                row[f"{direction}_resolved_by_s"] = reading.resolving_s
             table.append(row)
         return table
 
     @cached_property
     def envelope_lines(self) -> list[dict[str, Any]]:
-        """Lines of the envelope with their share of its mean, and their height."""
+        """Lines of the envelope with their share of its mean, and their height.
+
+        Of a line that the record does not separate from a stronger one, both are unknown, and
+        `resolved_by_s` is the length of a record that would separate it.
+        """
         table = []
-        for line in lines.envelope_lines(self.kinematics):
+        for line, reading in lines.envelope_readings(self.record.envelope, self.kinematics):
             row = {
                 "name": line.name,
                 "meaning": line.meaning,
                 "frequency_hz": line.frequency_hz,
-                "share": self.record.envelope.line_rms(line.frequency_hz),
-                "height": _finite(self.record.envelope.line_height(line.frequency_hz)),
+                "share": reading.rms,
+                "height": reading.height,
+                "resolved_by_s": reading.resolving_s,
             }
             table.append(row)
         return table
@@ -352,14 +390,13 @@ class BearingRun:
         return f"<bearing run {self.scene.name}: radial {numbers} um/s>"
 
 
-def _simplest(known: Sequence[BearingLine], hz: float, within_hz: float) -> BearingLine:
-    """Return the first of known lines that is near a frequency, or one that has no other name."""
+def _simplest(known: Sequence[BearingLine], hz: float, spectrum: NarrowSpectrum) -> BearingLine:
+    """Return the first of known lines that a peak may be, or one that has no other name."""
     for line in known:
-        if abs(line.frequency_hz - hz) <= within_hz:
+        if spectrum.is_at(line.frequency_hz, hz):
             return line
-    return BearingLine(f"{hz:.1f} Hz", "none of the kinematics", hz)
-
-
-def _finite(value: float) -> float | None:
-    """Return a number for JSON; None for infinity."""
-    return value if math.isfinite(value) else None
+    near = [line.name for line in known if spectrum.hides(line.frequency_hz, hz)]
+    meaning = "none of the kinematics"
+    if near:
+        meaning = f"not told apart from {', '.join(near[:MAX_NEAR])} by this record"
+    return BearingLine(f"{hz:.1f} Hz", meaning, hz)

@@ -355,7 +355,10 @@ def line_lines(numbers: dict[str, Any]) -> str:
         heads.append(head)
     rows = [heads]
     for line in numbers["lines"]:
-        velocities = [summary.velocity(line[f"{name}_um_s"]) for name in DIRECTIONS]
+        velocities = []
+        for name in DIRECTIONS:
+            um_s = line[f"{name}_um_s"]
+            velocities.append("not resolved" if um_s is None else summary.velocity(um_s))
         rows.append([line["name"], f"{line['frequency_hz']:.2f}", *velocities])
     return columns(rows)
 

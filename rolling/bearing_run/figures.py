@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -23,7 +23,7 @@ from rolling.bearing import lines
 from rolling.bearing.geometry import contact_lines
 from rolling.bearing.lines import BearingLine
 from rolling.bearing.model import BearingModel
-from rolling.bearing.ring_record import AXIAL, PLACES, RADIAL, UM_S
+from rolling.bearing.ring_record import AXIAL, DIRECTIONS, PLACES, RADIAL, UM_S
 from rolling.bearing_run import summary
 from rolling.figures.picture import DPI, HEIGHT_IN, WIDTH_IN, Picture, axes_of, drawable
 from rolling.figures.settings import own_settings
@@ -209,10 +209,23 @@ def envelope_table(run: BearingRun) -> DataFrame:
 
 
 def line_table(run: BearingRun) -> DataFrame:
-    """Tabulate the lines of a run, those of the envelope below."""
+    """Tabulate the lines of a run, those of the envelope below, with a note on what is unknown."""
     of_velocity = DataFrame(run.lines_with_levels).assign(of="velocity")
+    of_velocity["note"] = [_line_note(run, row, DIRECTIONS) for row in run.lines_with_levels]
     of_envelope = DataFrame(run.envelope_lines).assign(of="envelope")
+    of_envelope["note"] = [_line_note(run, row) for row in run.envelope_lines]
     return pd.concat([of_velocity, of_envelope], ignore_index=True)
+
+
+def _line_note(run: BearingRun, row: Mapping[str, Any], directions: Sequence[str] = ("",)) -> str:
+    """Say in which directions a line is not resolved, and which length would; empty if in none."""
+    notes = []
+    for direction in directions:
+        resolving_s = row[f"{direction}_resolved_by_s".removeprefix("_")]
+        if resolving_s is not None:
+            words = summary.unresolved(run.record.duration_s, resolving_s)
+            notes.append(f"{direction}: {words}" if direction else words)
+    return "; ".join(notes)
 
 
 def load_table(run: BearingRun) -> DataFrame:

@@ -124,9 +124,13 @@ def _view(run: BearingRun, gains: PageGains) -> dict[str, Any]:
         "housing_src": _housing_src(run, gains.housing),
         "housing": f"plate of the housing at {run.scene.sound.distance_m:g} m",
         "axial_verdict": "" if run.axial_doubt is None else run.axial_doubt.severity.word,
-        "lines": [_line_cells(row) for row in run.summary["lines"]],
+        "lines": [line_cells(row, run.record.duration_s) for row in run.summary["lines"]],
         "envelope_lines": [
-            (row["name"], f"{row['frequency_hz']:.2f}", _height(row["height"]))
+            (
+                row["name"],
+                f"{row['frequency_hz']:.2f}",
+                _height_cell(row["height"], row["resolved_by_s"], run.record.duration_s),
+            )
             for row in run.summary["envelope_lines"]
         ],
         "pictures": pictures,
@@ -148,18 +152,22 @@ def _on_page(sentence: str) -> str:
     return unbroken(sentence.replace(" um/s", " µm/s"))
 
 
-def _line_cells(row: dict[str, Any]) -> list[str]:
+def line_cells(row: dict[str, Any], duration_s: float) -> list[str]:
     """Return the cells of a line: name, meaning, frequency, velocities and heights."""
     cells = [row["name"], row["meaning"], f"{row['frequency_hz']:.2f}"]
     for direction in DIRECTIONS:
-        cells.append(summary.velocity(row[f"{direction}_um_s"]))
-        cells.append(_height(row[f"{direction}_height"]))
+        um_s = row[f"{direction}_um_s"]
+        height = row[f"{direction}_height"]
+        cells.append("" if um_s is None else summary.velocity(um_s))
+        cells.append(_height_cell(height, row[f"{direction}_resolved_by_s"], duration_s))
     return cells
 
 
-def _height(height: float | None) -> str:
-    """Write the height of a line over its surroundings."""
-    return "alone" if height is None else rounded(height)
+def _height_cell(height: float | None, resolving_s: float | None, duration_s: float) -> str:
+    """Write the height of a line over its surroundings, or that it is not resolved."""
+    if resolving_s is not None:
+        return unbroken(summary.unresolved(duration_s, resolving_s))
+    return rounded(height or 0.0)
 
 
 def _facts(run: BearingRun) -> list[tuple[str, str]]:

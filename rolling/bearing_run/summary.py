@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from acoustics.numbers import decibels_a, rounded, si
+from acoustics.numbers import decibels_a, rounded, rounded_up, si
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing import assumed_damping
 from rolling.bearing.band_uncertainty import LOSS_FACTOR
@@ -188,7 +188,8 @@ def sentences(run: BearingRun) -> list[str]:
     """Say what a run has: bands, axial bands, lines that lead, faults, and its departures."""
     texts = [answer(run), axial_sentence(run)]
     texts += [rigid_sentence(run), housing_sentence(run)]
-    texts += [leading_lines(run), *fault_sentences(run), load_sentence(run)]
+    texts += [leading_lines(run), unresolved_lines(run), *fault_sentences(run)]
+    texts.append(load_sentence(run))
     if run.departures:
         texts.append(f"Not ISO 15242: {'; '.join(run.departures)}.")
     return [text for text in texts if text]
@@ -246,7 +247,7 @@ def leading_lines(run: BearingRun) -> str:
     for direction in DIRECTIONS:
         by_frequency = {}  # the last of equal ones, which names its cause
         for row in run.lines_with_levels:
-            if _stands_out(row[f"{direction}_height"]):
+            if (row[f"{direction}_height"] or 0.0) >= HEARD_LINE:
                 by_frequency[round(row["frequency_hz"], 2)] = row
         rows = sorted(by_frequency.values(), key=lambda row: -row[f"{direction}_um_s"])
         least = LEAST_SHARE * rows[0][f"{direction}_um_s"] if rows else 0.0
@@ -266,9 +267,27 @@ def leading_lines(run: BearingRun) -> str:
     return f"The largest lines are {'; '.join(texts)}."
 
 
-def _stands_out(height: float | None) -> bool:
-    """Tell whether a line of a height, None for one that stands alone, is heard as a line."""
-    return height is None or height >= HEARD_LINE
+def unresolved_lines(run: BearingRun) -> str:
+    """Say which lines the record does not separate from stronger ones; empty for none."""
+    needed_s: dict[str, float] = {}
+    for row in run.lines_with_levels:
+        for direction in DIRECTIONS:
+            resolving_s = row[f"{direction}_resolved_by_s"]
+            if resolving_s is not None:
+                needed_s[row["name"]] = max(resolving_s, needed_s.get(row["name"], 0.0))
+    if not needed_s:
+        return ""
+    shown = [
+        f"{name} ({rounded_up(seconds)} s would)"
+        for name, seconds in list(needed_s.items())[:_MOST_LINES]
+    ]
+    more = len(needed_s) - len(shown)
+    if more:
+        shown.append(f"{more} more")
+    return (
+        f"{not_resolved_by(run.record.duration_s).capitalize()} from stronger lines, so without a"
+        f" velocity: {', '.join(shown)}."
+    )
 
 
 def fault_sentences(run: BearingRun) -> Iterator[str]:
@@ -279,18 +298,36 @@ def fault_sentences(run: BearingRun) -> Iterator[str]:
     rows = {row["name"]: row for row in run.envelope_lines}
     for body in run.faulty:
         name = FAULT_LINES[body]
+        row = rows[name]
         ring = "a ball" if body == "balls" else f"the {body} raceway"
-        at = f"{name}, {rounded(rows[name]['frequency_hz'], 4)} Hz"
-        size = _height(rows[name]["height"])
-        rises = _level(rows[name]["height"]) >= STRONG_LINE
+        at = f"{name}, {rounded(row['frequency_hz'], 4)} Hz"
+        if row["height"] is None:
+            text = unresolved(run.record.duration_s, row["resolved_by_s"])
+            yield f"The fault of {ring} may have a line in the envelope at {at}: {text}."
+            continue
+        size = f"{rounded(row['height'])} times its surroundings"
+        rises = row["height"] >= STRONG_LINE
         if run.without_faults is not None:
             before = run.without_faults.heights.get(name, 0.0)
-            size += f", and {_height(before, short=True)} without the fault"
-            rises = rises and _level(rows[name]["height"]) >= RISE * _level(before)
+            if before is None:
+                size += f", and {not_resolved_by(run.record.duration_s)} without the fault"
+            else:
+                size += f", and {rounded(before)} times without the fault"
+                rises = rises and row["height"] >= RISE * before
         verb = "shows" if rises else "does not show"
         yield f"The fault of {ring} {verb} in the envelope at {at}: {size}."
     if run.without_faults is not None:
         yield _added_by_faults(run, run.without_faults)
+
+
+def not_resolved_by(duration_s: float) -> str:
+    """Say that a record does not separate a line from a stronger one."""
+    return f"not resolved by {rounded(duration_s, 3)} s"
+
+
+def unresolved(duration_s: float, resolving_s: float) -> str:
+    """Say that a record does not separate a line from a stronger one, and which one would."""
+    return f"{not_resolved_by(duration_s)}, {rounded_up(resolving_s)} s would"
 
 
 def _added_by_faults(run: BearingRun, healthy: WithoutFaults) -> str:
@@ -304,19 +341,6 @@ def _added_by_faults(run: BearingRun, healthy: WithoutFaults) -> str:
     low, medium, high = added
     noun = "The fault changes" if len(run.faulty) == 1 else "The faults change"
     return f"{noun} the three bands by {low}, {medium} and {high} dB."
-
-
-def _height(height: float | None, short: bool = False) -> str:
-    """Write how far a line stands over its surroundings; None: there is nothing around it."""
-    if height is None:
-        return "alone"
-    times = f"{rounded(height)} times"
-    return times if short else f"{times} its surroundings"
-
-
-def _level(height: float | None) -> float:
-    """Return the height of a line, infinite for one that stands alone."""
-    return math.inf if height is None else height
 
 
 def load_sentence(run: BearingRun) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -18,8 +17,8 @@ class WithoutFaults:
     """Numbers of a bearing as it would run without its single faults.
 
     bands_um_s : dict. Velocity of the ring [um/s] by direction and band.
-    heights : dict. Height of each line of the envelope over its surroundings; None: it stands
-        alone.
+    heights : dict. Height of each line of the envelope over its surroundings; None where the record
+        does not separate it from a stronger line.
     """
 
     bands_um_s: Mapping[str, Mapping[str, float]]
@@ -37,10 +36,10 @@ def without_faults_of_record(record: RingRecord, kinematics: Kinematics) -> With
         direction: {name: UM_S * rms for name, rms in record.bands[direction].rms_m_s.items()}
         for direction in DIRECTIONS
     }
-    heights = {}
-    for line in lines.envelope_lines(kinematics):
-        height = record.envelope.line_height(line.frequency_hz)
-        heights[line.name] = height if math.isfinite(height) else None
+    heights = {
+        line.name: reading.height
+        for line, reading in lines.envelope_readings(record.envelope, kinematics)
+    }
     return WithoutFaults(bands_um_s=bands, heights=heights)
 
 

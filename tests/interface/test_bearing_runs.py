@@ -22,7 +22,7 @@ from rolling import cli
 from rolling.bearing import lines
 from rolling.bearing.motion import move_ring
 from rolling.bearing.tracks import BodyTrack, smooth_tracks
-from rolling.bearing_run import simulation
+from rolling.bearing_run import figures, page, simulation
 from rolling.bearing_run.bearing_run import BearingRun
 
 FILES = {"result.h5", "summary.json", "spectrum.csv", "lines.csv", "acceleration.wav", "listen.wav"}
@@ -128,7 +128,7 @@ def test_the_turned_angle_counts_both_loads() -> None:
 def test_orders_have_the_frequencies_of_the_theory(run: BearingRun) -> None:
     speeds = run.kinematics
     waves = {"inner": [1, 7, 8, 10, 17], "outer": [7, 16], "balls": [3, 4]}
-    found = {line.name: line for line in lines.wave_lines(speeds, 8, waves)}
+    found = {line.name: line for line in lines.wave_lines(run.model, waves)}
     assert set(found) == {
         *("inner 1", "inner 7", "inner 8", "inner 17", "outer 7", "outer 16"),
         *("ball 4", "ball 4 - cage", "ball 4 + cage"),
@@ -138,6 +138,80 @@ def test_orders_have_the_frequencies_of_the_theory(run: BearingRun) -> None:
     assert found["inner 17"].frequency_hz == pytest.approx(2 * speeds.ball_pass_inner_hz + 30)
     assert found["outer 7"].frequency_hz == pytest.approx(speeds.ball_pass_outer_hz)
     assert found["ball 4"].frequency_hz == pytest.approx(4 * speeds.ball_spin_hz)
+
+
+NAMES = """\
+name: wave-names
+bearing:
+  balls: 9
+  ball_diameter_mm: 7.94
+  pitch_diameter_mm: 39.04
+  contact_angle_deg: 10
+  conformity_inner: 0.515
+  conformity_outer: 0.525
+  speed_rpm: 1797
+  axial_load_n: 100
+  surfaces:
+    outer: {kind: smooth, waviness: {9: 0.05, 10: 0.0001}}
+sound: {duration_s: 0.5, listen_s: 0.5}
+"""
+
+
+@pytest.mark.law("Bearing lines: an order is credited in the direction in which it moves the ring.")
+def test_orders_are_named_by_their_direction() -> None:
+    """Orders 9 and 10 of the outer raceway share a line: nine balls make 9 axial, 10 radial."""
+    run = rolling.simulate_bearing(loads_bearing(NAMES), progress=False)
+    (said,) = [text for text in run.summary["sentences"] if text.startswith("The largest lines")]
+    assert "axial outer 9 (107.8 Hz, 140 um/s)" in said
+    assert "radial outer 10 (107.8 Hz, 0.049 um/s)" in said
+    rows = figures.line_table(run).set_index("name")
+    assert rows.loc["outer 9", "radial_um_s"] == 0 == rows.loc["outer 10", "axial_um_s"]
+    whole = run.bands_um_s["axial"]["low"]
+    assert rows.loc["outer 9", "axial_um_s"] == pytest.approx(whole, rel=1e-3)
+
+
+@pytest.mark.law("Bearing lines: a line beside a stronger one is read, or told as not resolved.")
+def test_a_line_that_the_record_does_not_resolve_has_no_level() -> None:
+    """An outer ring that turns has nine waves at 122.2 Hz; nothing moves it at 119.8 Hz."""
+    outer = "{outer: {kind: smooth, waviness: {9: 0.05}}}"
+    words = ["bearing.turning=outer", f"bearing.surfaces={outer}", "sound.duration_s=2"]
+    longer = rolling.simulate_bearing(loads_bearing(WAVY, words), progress=False)
+    silent = {row["name"]: row for row in longer.summary["lines"]}["2 x ball spin"]
+    assert silent["radial_um_s"] == 0 == silent["radial_height"]
+    record = replace(longer.record, velocity_m_s=longer.record.velocity_m_s[: RATE // 2])
+    run = replace(longer, record=record)
+    rows = {row["name"]: row for row in run.summary["lines"]}
+    silent = rows["2 x ball spin"]
+    assert silent["radial_um_s"] is None and silent["radial_height"] is None
+    assert rows["outer 9"]["radial_um_s"] == pytest.approx(27.75, rel=0.01)
+    said = " ".join(run.summary["sentences"])
+    assert "Not resolved by 0.5 s" in said and "2 x ball spin (1.9 s would)" in said
+    table = figures.line_table(run)
+    of_velocity = table[table["of"] == "velocity"].set_index("name")
+    note = "not resolved by 0.5 s, 1.9 s would"
+    assert of_velocity.loc["2 x ball spin", "note"] == f"radial: {note}"
+    cells = page.line_cells(silent, record.duration_s)
+    assert cells[3] == "" and cells[4].replace("\N{NO-BREAK SPACE}", " ") == note
+
+
+PIT = "{kind: smooth, faults: [{kind: pit, at_mm: [2, 0], size_um: 300, depth_um: 5}]}"
+
+
+@pytest.mark.law("Bearing lines: the harmonics of a pit are a pit's, and only its line is claimed.")
+def test_harmonics_of_a_pit_are_a_pits() -> None:
+    words = [f"bearing.surfaces={{outer: {PIT}}}", "bearing.radial_load_n=100"]
+    scene = loads_bearing(WAVY, words)
+    tracks = smooth_tracks(scene.geometry)
+    tracks = replace(tracks, outer=pitted(tracks.outer))
+    motion = move_ring(scene.model, tracks, 0.5, RATE)
+    record = simulation.record_of(motion, scene.kinematics)
+    run = BearingRun(scene=scene, record=record, tracks=tracks)
+    meanings = {row["name"]: row["meaning"] for row in run.lines_with_levels}
+    assert not [text for text in meanings.values() if "waves" in text]
+    harmonics = [text for text in meanings.values() if "fault of the outer raceway" in text]
+    assert len(harmonics) > 3
+    claimed = [row["name"] for row in run.envelope_lines if (row["height"] or 0) >= 5]
+    assert set(claimed) == {"BPFO", "2 (BPFO)"}
 
 
 def pitted(track: BodyTrack, places: int = 8192) -> BodyTrack:
@@ -237,7 +311,8 @@ def test_a_bearing_that_hardly_turns_has_few_lines_and_all_figures() -> None:
     text = WAVY.replace("0.5", "0.2").replace("1800", "0.01")
     run = rolling.simulate_bearing(loads_bearing(text), progress=False)
     assert len(run.lines_with_levels) < 100
-    assert len(lines.family_lines(run.kinematics, 8, 1800.0)) < 10_000
+    found = lines.family_lines(run.model, wavy=lines.BODIES, faulty=(), highest_hz=1800.0)
+    assert len(found) < 10_000
     for name in ("spectrum", "envelope", "load_distribution", "ball_forces"):
         assert run.plot(name).lines
     plt.close("all")

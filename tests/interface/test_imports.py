@@ -31,7 +31,7 @@ FLOORS = {
     ),
     "acoustics": (
         ("arrays", "matplotlib_import", "numbers", "texts", "traps"),
-        ("bands", "loss_factors", "pairs", "weighting"),
+        ("bands", "loss_factors", "pairs", "tone_window", "weighting"),
         ("radiation",),
         (
             "continued_rows",

@@ -13,6 +13,7 @@ from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
 from rolling.bearing.motion import RingMotion, move_ring
 from rolling.bearing.tracks import BearingTracks, BodyTrack, smooth_tracks, with_waves
+from rolling.bearing.wave_motion import WaveMotion
 
 A = 1e-9  # [m] amplitude of waves, far below the approach
 SLOW_HZ = 5.0  # turns per second, with which all lines lie far below the resonances
@@ -69,6 +70,34 @@ def test_waves_of_a_raceway(name: str, turning: str, ring: str) -> None:
         wanted = np.array(list(expected.values()))
         np.testing.assert_allclose(found, wanted, rtol=0.01, atol=0.01 * A)
         assert max(left) < 0.01 * axial
+
+
+@pytest.mark.law("Bearing: under a load zone each order has the lines of the parts of the forces.")
+@pytest.mark.parametrize("body", ["inner", "outer", "balls"])
+def test_waves_under_a_load_zone(body: str) -> None:
+    """Combined loads couple radial and axial motion; the motion without waves is taken off.
+
+    Of an order that is beside q Z by more than one, a load zone has lines in both directions.
+    """
+    case = model(turns_hz=4 * SLOW_HZ, axial_load_n=120.0, radial_load_n=200.0)
+    order = 4 if body == "balls" else 8 + 2
+    found = [
+        line
+        for line in WaveMotion(case).of_order(body, order)
+        if max(line.velocity.values()) > 0.03 * 2 * pi * line.frequency_hz
+    ]
+    assert found
+    smooth = smooth_tracks(case.geometry)
+    waves = {0: {order: A}} if body == "balls" else {order: A}
+    still = move_ring(case, smooth, 0.25)
+    moved = move_ring(case, with_waves(smooth, **{body: waves}), 0.25)
+    change = replace(moved, displacement_m=moved.displacement_m - still.displacement_m)
+    seen, _ = amplitudes(change, [line.frequency_hz for line in found])
+    for line, (x, y, axial) in zip(found, seen, strict=True):
+        scale = A / (2 * pi * line.frequency_hz)
+        radial = float(np.hypot(x, y) / np.sqrt(2))
+        assert radial == pytest.approx(line.velocity["radial"] * scale, rel=0.05, abs=0.01 * A)
+        assert axial == pytest.approx(line.velocity["axial"] * scale, rel=0.05, abs=0.01 * A)
 
 
 @pytest.mark.law("Bearing: waves of even order of a ball move the ring, odd ones do not.")
