@@ -6,7 +6,8 @@ knows the truth from the laws of the surfaces alone: Hertz's ellipses, the mean 
 ellipse, the orders that move a ring, and the mobility of a ring on springs. None of it is code of
 the program. The truth is the mean over specimens of the difference in decibels. The study counts
 how many stated differences lie within one and within two ± of it, and prints the table of
-docs/bearings.md, in some minutes of one core.
+docs/bearings.md, in some minutes of one core. With `--gains` it prints the other table instead, the
+gains of a contact of a 6204 on four tracks.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,11 @@ from scipy.special import ellipe, ellipk
 
 import rolling as rc
 from acoustics.arrays import Array
+from rolling.bearing import waves
+from rolling.bearing_contacts.contact_gain import contact_gain
+from rolling.bearing_contacts.joined_tracks import rough_rows
+from rolling.bearing_contacts.plan import contact_plan
+from rolling.bearing_contacts.solving import solved_stages
 
 CHOICES = 20
 WITHIN_DB = 1.0  # wanted ±
@@ -36,6 +42,14 @@ CHANGES = ("inner", "outer", "balls", "length", "load")
 BANDS_HZ = {"low": (50.0, 300.0), "medium": (300.0, 1800.0), "high": (1800.0, 10000.0)}
 YOUNG_GPA = 208.0
 POISSON = 0.3
+GAIN_RA_UM = (0.02, 0.04, 0.1)
+GAIN_SEEDS = (3, 11, 12, 13)
+GAIN_WAVES = 6  # the longest, whose single gains are listed
+GAIN_SURFACE = {
+    "kind": "gaussian",
+    "correlation_length_um": 60,
+    "correlation_length_across_um": 10,
+}
 ACROSS_WAVES = 600  # wave numbers across the track, over which spectra are summed
 
 
@@ -303,6 +317,39 @@ def _share(inside: np.ndarray) -> str:
     return f"{100 * share:.0f} ± {100 * math.sqrt(likely * (1 - likely) / count):.0f} %"
 
 
+# ---- gains
+
+
+def gain_table() -> str:
+    """March the outer contact of a 6204 on some tracks, and state the gain of its long waves."""
+    lines = ["|Ra, um|rms roughness over approach|gain, dB|its scatter, dB|single waves, dB|"]
+    lines.append("|---|---|---|---|---|")
+    for ra_um in GAIN_RA_UM:
+        gains = []
+        single: list[float] = []
+        for seed in GAIN_SEEDS:
+            rough = {**GAIN_SURFACE, "roughness_ra_um": ra_um, "seed": seed}
+            surfaces = {"balls": None, "inner": None, "outer": rough}
+            scene = rc.read_bearing("bearing-6204").with_({"bearing.surfaces": surfaces})
+            contact = contact_plan(scene).rough["outer"]
+            only = replace(contact, loads_n=(contact.middle_load_n,))
+            (marches,) = solved_stages([[only.scene]], name="gains", workers=1, shown=False)
+            rows = rough_rows(only, marches)
+            gains.append(10 * math.log10(contact_gain(only, rows).power_gain()[0, 0]))
+            before, after = (
+                np.abs(np.fft.rfft(row[0])[1 : GAIN_WAVES + 1])
+                for row in (only.own_linear_rows, rows)
+            )
+            single += (20 * np.log10(after / before)).tolist()
+            approach = waves.hertz_approach(only.contact, only.middle_load_n)
+        share = 1e-6 * ra_um * math.sqrt(math.pi / 2) / approach
+        lines.append(
+            f"|{ra_um:g}|{100 * share:.1f} %|{np.mean(gains):+.1f}|{np.std(gains, ddof=1):.1f}"
+            f"|{min(single):+.0f} to {max(single):+.0f}|"
+        )
+    return "\n".join(lines)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Choose between the pairs, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -310,7 +357,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--first", type=int, default=0, help="number of the first pair (0)")
     parser.add_argument("--within", type=float, default=WITHIN_DB, help=f"wanted ± ({WITHIN_DB})")
     parser.add_argument("--out", type=Path, help="CSV of all differences (default: none)")
+    parser.add_argument("--gains", action="store_true", help="print the table of gains instead")
     given = parser.parse_args(arguments)
+    if given.gains:
+        print(gain_table())
+        return 0
     rows: list[dict[str, Any]] = []
     for number in range(given.first, given.first + given.choices):
         with tempfile.TemporaryDirectory() as folder:
