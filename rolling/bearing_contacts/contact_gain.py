@@ -28,6 +28,7 @@ PART_OF_CONTACT = 0.25  # of a wave in the length of a contact: the reach of a s
 THIRD_OCTAVE = 2 ** (1 / 6) - 2 ** (-1 / 6)  # its width over its middle: the reach of short waves
 FEW = 2  # waves to either side over which a power is averaged before its logarithm is taken
 GROUPS = 10  # of the waves, each of which is left out once to learn how the gain scatters
+_REST = 3  # part of a seed, so that the rest differs from what it is added to
 _FLOOR = 1e-26  # of the largest power of a wave, below which only rounding remains
 Complexes = NDArray[np.complex128]
 Places = NDArray[np.int64]
@@ -40,7 +41,6 @@ class ContactGain:
     linear, marched : complex array (loads, waves). Waves 1, 2, ... along the track over the level.
     level : array (loads, waves), m. Smooth level of the waves.
     first, end : int arrays (waves,). The neighbours over which the sums at each wave go.
-    positions : int. Number of positions of the track.
     """
 
     __repr__ = short_repr
@@ -50,7 +50,6 @@ class ContactGain:
     level: Array
     first: Places
     end: Places
-    positions: int
 
     def coherent(self, left_out: int | None = None) -> Array:
         """Return the gain H of the linear response, (loads, waves), perhaps without a group."""
@@ -78,28 +77,31 @@ class ContactGain:
         """Smooth power of the march [m2], (loads, waves)."""
         return self.level**2 * self._mean(np.abs(self.marched) ** 2)
 
-    def specimen(self, linear_rows: Array, seed: tuple[int, ...]) -> Array:
-        """Return the change of the approach [m] of a specimen by its linear response.
+    def applied(self, linear: Complexes, places: Array, seed: int) -> Complexes:
+        """Return the waves of a specimen [m] from those of its linear response.
 
         The rest is drawn at random, with the power and the coherence between loads of the march.
 
         Parameters
         ----------
-        linear_rows : array (loads, positions), m
-            Linear response of the specimen.
-        seed : tuple of int
+        linear : complex array (loads, n), m
+            Waves of the linear response.
+        places : array (n,)
+            Their places among the waves 1, 2, ... of the marched track.
+        seed : int
             Seed of the rest.
         """
-        random = np.random.default_rng(seed)
+        random = np.random.default_rng((seed, _REST))
+        number = np.arange(1, len(self.first) + 1)
         gain = self.coherent()
-        rest = self.marched - gain * self.linear
+        gain_there = np.array([np.interp(places, number, row) for row in gain])
+        level = np.exp([np.interp(places, number, row) for row in np.log(self.level)])
         # Each wave takes the rest of a neighbour at random, at its own level, with another phase.
-        neighbour = random.integers(self.first, self.end)
-        phase = np.exp(2j * np.pi * random.uniform(size=len(neighbour)))
-        spectrum = np.fft.rfft(linear_rows, axis=1)
-        spectrum[:, 0] = 0.0
-        spectrum[:, 1:] = gain * spectrum[:, 1:] + self.level * rest[:, neighbour] * phase
-        return np.asarray(np.fft.irfft(spectrum, self.positions, axis=1))
+        nearest = np.clip(np.rint(places).astype(int), 1, len(number)) - 1
+        neighbour = random.integers(self.first[nearest], self.end[nearest])
+        phase = np.exp(2j * np.pi * random.uniform(size=len(places)))
+        rest = (self.marched - gain * self.linear)[:, neighbour]
+        return np.asarray(gain_there * linear + level * rest * phase)
 
     def _mean(self, lines: Array, left_out: int | None = None) -> Array:
         """Return the mean of rows of waves over the neighbours of each wave."""
@@ -135,7 +137,6 @@ def contact_gain(contact: RoughContact, marched_rows: Array) -> ContactGain:
         level=level,
         first=first,
         end=end,
-        positions=positions,
     )
 
 

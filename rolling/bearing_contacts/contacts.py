@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Literal
@@ -92,12 +92,6 @@ class RoughContact:
         if load_n == self.scene.load:
             return self.scene
         return self.scene.with_({"rolling.load_n": load_n})
-
-    def of_specimen(self, number: int) -> RoughContact:
-        """Return the contact with the heights of another specimen of equal statistics."""
-        own_seed = getattr(self.scene.surface, "seed", 0)
-        seed = int(np.random.SeedSequence((own_seed, number)).generate_state(1)[0])
-        return replace(self, scene=self.scene.with_({"surface.seed": seed}))
 
     @cached_property
     def own_linear_rows(self) -> Array:

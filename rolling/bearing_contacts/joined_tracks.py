@@ -10,7 +10,6 @@ import numpy as np
 from acoustics.arrays import Array
 from rolling.bearing import waves
 from rolling.bearing.tracks import BearingTracks, BodyTrack, smooth_track
-from rolling.bearing_contacts.contact_gain import contact_gain
 from rolling.bearing_contacts.contacts import RoughContact
 from rolling.bearing_contacts.faults import FaultStretch, added_at_angle
 from rolling.bearing_contacts.plan import (
@@ -21,6 +20,7 @@ from rolling.bearing_contacts.plan import (
     radius_of,
 )
 from rolling.bearing_contacts.solving import ContactMarch, Marches
+from rolling.bearing_contacts.specimen_turn import RoughBody, rough_body
 from rolling.bearing_contacts.turns import continued_turn
 from rolling.marches.piece import contact_identity
 from rolling.scene.scene import Scene
@@ -31,10 +31,9 @@ from rolling.surface.scene_surface import form_heights
 
 LEAST_POINTS = 4096  # of a turn without roughness
 POINTS_PER_WAVE = 8  # at least, so that a wave of a high order is not taken for one of a low order
-# Parts of seeds, so that roughness, place of balls and what is not linear differ.
+# Parts of seeds, so that roughness and place of balls differ.
 _ROUGHNESS = 1
 _PLACE = 2
-_REST = 3
 
 
 def bearing_tracks(
@@ -52,18 +51,21 @@ def bearing_tracks(
     marches : dict, optional
         Marches by contact identity, as of `solved_stages`. Default: none.
     draw : int
-        Number of a specimen of equal statistics: others than 0 have other random heights, other
-        forms of graded balls, and begin at other angles. They need no march of their own. Default
-        0.
+        Number of a specimen of equal statistics: others than 0 have other random heights around
+        each body, other forms of graded balls, and begin at other angles. They need no march of
+        their own, and have as many different waves as a turn has, where 0 has those of the marched
+        stretch. Default 0.
 
     Returns
     -------
     BearingTracks
     """
     known = marches or {}
+    rows = {name: rough_rows(contact, known) for name, contact in plan.rough.items()}
     solved = _Solved(
         plan=plan,
-        rows={name: specimen_rows(contact, known, draw) for name, contact in plan.rough.items()},
+        rows=rows,
+        bodies={} if draw == 0 else _rough_bodies(plan, rows),
         changes=[_fault_change(stretch, known) for stretch in plan.faults],
     )
     rings = {ring: _ring_track(solved, ring, draw) for ring in RINGS}
@@ -97,12 +99,25 @@ class _Solved:
     """Contacts of a bearing with what their marches give, which all balls share.
 
     rows : dict. Changes of the approach by roughness [m], (loads, steps), by kind of contact.
+    bodies : dict. Rough bodies of which further specimens are drawn; none for the first specimen.
     changes : list. Changes of the approach by each fault [m], (loads, steps); None without a march.
     """
 
     plan: ContactPlan
     rows: dict[str, Array]
+    bodies: dict[str, RoughBody]
     changes: list[Array | None]
+
+
+def _rough_bodies(plan: ContactPlan, rows: Mapping[str, Array]) -> dict[str, RoughBody]:
+    """Return the rough bodies of which specimens are drawn; measured ones have one specimen."""
+    bodies = {}
+    for body in plan.surfaces:
+        names = [name for name in kinds_of_contact(body) if name in plan.rough]
+        contacts = [plan.rough[name] for name in names]
+        if contacts and not contacts[0].scene.height_paths:
+            bodies[body] = rough_body(contacts, [rows[name] for name in names])
+    return bodies
 
 
 def _ring_track(solved: _Solved, ring: str, draw: int) -> BodyTrack:
@@ -164,7 +179,10 @@ def _body_tracks(
         else:
             points = round(2 * np.pi * radius / plan.rough[names[0]].scene.step)
             number = int(np.random.SeedSequence(seed).generate_state(1)[0])
-            turn = continued_turn(rows, points, number, keep_rows)
+            if body in solved.bodies:
+                turn = solved.bodies[body].turn(points, number)
+            else:
+                turn = continued_turn(rows, points, number, keep_rows)
         parts = np.split(turn, len(names))
     tracks = []
     for name, part in zip(names, parts, strict=True):
@@ -240,20 +258,6 @@ def rough_rows(contact: RoughContact, marches: Marches) -> Array:
         nearest = _nearest(load, marched)
         rows.append(by_load[load] + marched[nearest] - by_load[nearest])
     return np.array(rows)
-
-
-def specimen_rows(contact: RoughContact, marches: Marches, draw: int) -> Array:
-    """Return the changes of the approach over the heights of a specimen [m], (loads, steps).
-
-    The first specimen is the marched one. Each other one has heights of its own, whose linear
-    response takes the gain that the march found.
-    """
-    rows = rough_rows(contact, marches)
-    if draw == 0 or contact.scene.height_paths:
-        return rows
-    own_seed = getattr(contact.scene.surface, "seed", 0)
-    linear_rows = contact.of_specimen(draw).own_linear_rows
-    return contact_gain(contact, rows).specimen(linear_rows, (own_seed, _REST, draw))
 
 
 def _fault_change(stretch: FaultStretch, marches: Marches) -> Array | None:
