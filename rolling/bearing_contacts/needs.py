@@ -24,7 +24,7 @@ SAMPLE_BALL = 40.0
 # the steps of the motion, and as it is written.
 TRACK_POINT = 52.0
 # Bytes on disk of each sample of the ring and its sounds, and of a ball.
-SAMPLE_FILE = 39.0
+SAMPLE_FILE = 38.0
 SAMPLE_BALL_FILE = 4.0
 SHORTER = "shorten sound.listen_s or sound.duration_s"
 # Advice for the largest part of a memory that does not suffice.

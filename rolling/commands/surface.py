@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,9 +11,10 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.texts import printable
+from rolling.check import refusals
 from rolling.commands.replaced import SOURCE, refuse_others, source_name
-from rolling.scene import file
-from rolling.scene.height_files import HeightFormatError
+from rolling.scene import file, height_files
+from rolling.scene.height_files import HeightFormatError, is_instrument
 from rolling.scene.surfaces import Instrument
 from rolling.scene.track import MIN_NODES
 from rolling.surface import character, measured
@@ -22,6 +24,9 @@ from rolling.surface.scene_surface import scene_surface
 from rolling.terminal import files, progress
 from rolling.terminal.files import FolderError
 from rolling.terminal.streams import wrapped
+
+# Bytes of memory for each node while parameters and picture are made; 87 were seen.
+BYTES_OF_NODE = 90.0
 
 
 def surface(
@@ -148,11 +153,19 @@ def _refuse_taken(save: Path | None, out: Path | None) -> None:
         raise FolderError(f"--save {save}: no such folder")
 
 
+def _refuse_many(count: int) -> None:
+    """Raise FolderError for so many nodes that memory does not hold their parameters."""
+    advice = {"surface": "take a part of the surface, or a larger spacing"}
+    for need in refusals.lacking_memory({"surface": BYTES_OF_NODE * count}, advice):
+        raise FolderError(need.line)
+
+
 def _surface_of_scene(path: Path, overrides: Sequence[str]) -> _DescribedSurface:
     """Make the surface of a scene, and print the doubts about it."""
     scene = file.read_scene(path, overrides)
     if any(key.startswith(("surface", "sphere.surface")) for key in scene.sweep):
         progress.line("the surface of the scene without its sweep; --set chooses other values")
+    _refuse_many(scene.track.n_along * scene.track.n_across)
     surface = scene_surface(scene)
     for doubt in surface.suspicions:
         progress.line(f"warning: {doubt}")
@@ -168,6 +181,10 @@ def _surface_of_scene(path: Path, overrides: Sequence[str]) -> _DescribedSurface
 
 def _surface_of_file(path: Path, options: FileOptions) -> _DescribedSurface:
     """Read and level a file of heights, and print the doubts about it."""
+    if not is_instrument(path):
+        with suppress(HeightFormatError):  # which is told where the file is read
+            along, across = height_files.nodes(path)
+            _refuse_many(along * across)
     read = described_file(path, options)
     for doubt in read.doubts:
         progress.line(printable(f"warning: {path}: {doubt}"))

@@ -154,6 +154,11 @@ def _opened(path: Path) -> Iterator[tuple[IO[bytes], int]]:
                 return
             with zipfile.ZipFile(file) as archive:
                 member = archive.getinfo(_member(archive.namelist()))
+                if member.compress_type != zipfile.ZIP_STORED and member.file_size > MAX_BYTES:
+                    raise HeightFormatError(
+                        f"holds {member.file_size:,} bytes of packed heights, allowed:"
+                        f" {MAX_BYTES:,}; a .npy file may be larger"
+                    )
                 with archive.open(member) as stream:
                     yield stream, member.file_size
     except HeightFormatError:

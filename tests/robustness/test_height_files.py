@@ -16,8 +16,10 @@ import pytest
 from hard_cases.gaussian_heights import gaussian
 
 from acoustics.numbers import rounded
+from rolling import cli
 from rolling.check import findings
 from rolling.scene import file, height_files
+from rolling.scene.height_files import HeightFormatError
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.surface import scene_surface
@@ -441,3 +443,31 @@ def test_heights_beyond_reason_are_refused(tmp_path: Path, height: float) -> Non
     assert "768 of 768 heights are not numbers" in fault(tmp_path, "h.npy")
     np.save(tmp_path / "h.npy", np.full(Z.shape, 2**64 - 1, dtype=np.uint64))
     assert "allowed: up to" in fault(tmp_path, "h.npy")
+
+
+def test_packed_heights_are_bounded_before_they_are_unpacked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """630 kB may hold 650 MB; heights that are not packed take as much in their file."""
+    heights = np.zeros((64, 64))
+    np.savez_compressed(tmp_path / "packed.npz", heights=heights)
+    np.savez(tmp_path / "plain.npz", heights=heights)
+    monkeypatch.setattr(height_files, "MAX_BYTES", 20_000)
+    with pytest.raises(HeightFormatError, match="32,896 bytes of packed heights, allowed: 20,000"):
+        height_files.nodes(tmp_path / "packed.npz")
+    assert height_files.nodes(tmp_path / "plain.npz") == (64, 64)
+
+
+def test_a_file_that_memory_does_not_hold_is_not_described(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A file with holes takes little of a disk."""
+    path = tmp_path / "huge.npy"
+    header = io.BytesIO()
+    facts = {"descr": "<f8", "fortran_order": False, "shape": (100_000, 100_000)}
+    np.lib.format.write_array_header_1_0(header, facts)
+    path.write_bytes(header.getvalue())
+    os.truncate(path, len(header.getvalue()) + 8 * 10**10)
+    assert cli.main(["surface", str(path), "--spacing-um", "1"]) == 2
+    said = capsys.readouterr().err
+    assert "memory: needs about" in said and "take a part of the surface" in said
