@@ -23,9 +23,11 @@ SAMPLE_BALL = 40.0
 # Bytes of each point of a track at each load: as it is given, at up to four times the points for
 # the steps of the motion, and as it is written.
 TRACK_POINT = 52.0
-# Bytes on disk of each sample of the ring and its sounds, and of a ball.
+# Bytes on disk of each sample of the ring and its sounds, of a ball, and of a point of a track at
+# each load.
 SAMPLE_FILE = 38.0
 SAMPLE_BALL_FILE = 4.0
+TRACK_POINT_FILE = 4.0
 SHORTER = "shorten sound.listen_s or sound.duration_s"
 # Advice for the largest part of a memory that does not suffice.
 ADVICE = {
@@ -60,25 +62,30 @@ def excess(
         yield from refusals.lacking_memory(parts, ADVICE, " of the contacts")
     yield from refusals.lacking_memory(motion_memory(scene, plan), ADVICE)
     if folder is not None:
-        yield from refusals.lacking_disk(motion_disk(scene), folder, SHORTER)
+        yield from refusals.lacking_disk(motion_disk(scene, plan), folder, SHORTER)
 
 
 def motion_memory(scene: BearingScene, plan: ContactPlan) -> dict[str, float]:
     """Estimate the memory [bytes] that the motion of a ring takes, by its largest parts."""
-    balls = scene.bearing.balls
-    points = points_of_turn(plan, "inner") + points_of_turn(plan, "outer")
-    points += 2 * balls * points_of_turn(plan, "balls")
     return {
-        "record": (SAMPLE + SAMPLE_BALL * balls) * _samples(scene),
-        "tracks": TRACK_POINT * len(plan.loads_n) * points,
+        "record": (SAMPLE + SAMPLE_BALL * scene.bearing.balls) * _samples(scene),
+        "tracks": TRACK_POINT * _track_points(plan),
         "program": cost.ALONE,
     }
 
 
-def motion_disk(scene: BearingScene) -> float:
+def motion_disk(scene: BearingScene, plan: ContactPlan) -> float:
     """Estimate the size [bytes] of the files of a run."""
     per_sample = SAMPLE_FILE + SAMPLE_BALL_FILE * scene.bearing.balls
-    return cost.RUN_FILES + per_sample * _samples(scene)
+    tracks = TRACK_POINT_FILE * _track_points(plan)
+    return cost.RUN_FILES + per_sample * _samples(scene) + tracks
+
+
+def _track_points(plan: ContactPlan) -> int:
+    """Return the number of points of all tracks, at all loads."""
+    points = points_of_turn(plan, "inner") + points_of_turn(plan, "outer")
+    points += 2 * plan.geometry.balls * points_of_turn(plan, "balls")
+    return len(plan.loads_n) * points
 
 
 def _samples(scene: BearingScene) -> int:

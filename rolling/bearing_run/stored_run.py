@@ -17,6 +17,7 @@ from rolling.bearing.band_uncertainty import stored_uncertainty
 from rolling.bearing.ring_record import DIRECTIONS, RingRecord
 from rolling.bearing.tracks import BearingTracks, BodyTrack
 from rolling.bearing_contacts import needs
+from rolling.bearing_contacts.plan import contact_plan
 from rolling.bearing_run import figures
 from rolling.bearing_run.without_faults import stored_without_faults
 from rolling.check.doubt import Severity
@@ -58,10 +59,6 @@ _NEEDED = {
 }
 _TITLE_LETTERS = 400
 FADE_S = 0.05  # at the ends of a sound
-# Arrays take at most so many times the disk that is estimated for the motion, and so many bytes for
-# the tracks, of which 0.8 million points at eight loads were the most that were seen.
-_MAX_TIMES = 5
-_MAX_TRACKS = 500_000_000
 _MIN_COMPRESSED = 10_000  # bytes of an array
 _AXES = ("x", "y", "z")
 
@@ -197,7 +194,7 @@ def read_result(path: Path, scene: BearingScene) -> tuple[RingRecord, BearingTra
     ------
     FolderError : the file is missing or damaged, or holds no result of such a bearing.
     """
-    most_bytes = round(_MAX_TIMES * needs.motion_disk(scene) + _MAX_TRACKS)
+    most_bytes = result_file.largest_size(needs.motion_disk(scene, contact_plan(scene)))
     content = result_file.sealed_content(path, most_bytes)
     lengths = {
         "axis": len(_AXES),

@@ -112,7 +112,7 @@ def read_result(path: Path, scene: Scene) -> Result:
         holds the result of another scene or surface.
     """
     result = Result.empty(scene)
-    most_bytes = round(_MAX_TIMES * cost.disk([scene]) + _MAX_BESIDE)
+    most_bytes = largest_size(cost.disk([scene]))
     content = sealed_content(path, most_bytes)
     try:
         with hdf5_files.reading(content, most_bytes) as file:
@@ -127,6 +127,11 @@ def read_result(path: Path, scene: Scene) -> Result:
     except Exception as error:  # values of a hostile file lead to errors of any kind
         raise no_result(path, "a result", error) from error
     return result
+
+
+def largest_size(disk: float) -> int:
+    """Return the size [bytes] of a file and of its arrays that is read, by the estimated disk."""
+    return round(_MAX_TIMES * disk + _MAX_BESIDE)
 
 
 def no_result(path: Path, expected: str, error: Exception) -> FolderError:

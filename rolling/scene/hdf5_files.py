@@ -39,8 +39,8 @@ _FIRST_USER_BLOCK = 512  # bytes before the signature: none, or so many times a 
 _FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE}
 _FILTERS_OF_INSTRUMENTS = _FILTERS | {h5py.h5z.FILTER_FLETCHER32}
 _MIN_CHUNK = 512  # bytes of a chunk on average; more chunks would take long
-_MAX_COMPACT = 65_536  # bytes of an array that lies in its own header
-_MAX_TEXTS = 100_000  # of an array of texts
+_MAX_TEXTS = 10_000  # of an array of texts
+_MAX_TEXT = 1000  # bytes of each of them
 _MAX_OBJECTS = 10_000  # groups, arrays and attributes in a file of an instrument
 _LIBRARY = 100_000_000  # bytes that the library may take beside the values
 _COPIES = 4  # of the heights that the reader of an instrument's file may hold at once
@@ -153,7 +153,7 @@ class JudgedFile(NamedTuple):
     def _values(self, data: h5py.Dataset, rule: ArrayRule) -> NDArray[Any]:
         """Read the values of an array that is judged."""
         if rule.dtype == TEXT:
-            return _texts(data, self.most_bytes)
+            return _texts(data)
         if not data.size:
             return np.zeros(data.shape, rule.dtype)
         if data.chunks is not None:
@@ -321,15 +321,13 @@ def _numbers(raw: bytes, data: h5py.Dataset, shape: tuple[int, ...]) -> NDArray[
     return np.frombuffer(raw, data.dtype).reshape(shape)
 
 
-def _texts(data: h5py.Dataset, most_bytes: int) -> NDArray[Any]:
-    """Read texts one by one, until they are too many bytes."""
+def _texts(data: h5py.Dataset) -> NDArray[Any]:
+    """Read short texts, one by one."""
     texts = np.empty(data.shape, dtype=object)
-    left = most_bytes
     for place in np.ndindex(data.shape):
         text = bytes(data[place])
-        left -= len(text)
-        if left < 0:
-            raise ValueError(f"{data.name}: texts of more than {most_bytes} bytes")
+        if len(text) > _MAX_TEXT:
+            raise ValueError(f"{data.name}: a text of more than {_MAX_TEXT} bytes")
         texts[place] = text.decode()
     return texts.astype(str)
 

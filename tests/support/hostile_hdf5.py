@@ -72,7 +72,7 @@ def inflated(name: str, size: int) -> Spoil:
         shape, dtype = file[name].shape, file[name].dtype
         del file[name]
         data = file.create_dataset(name, shape, dtype, chunks=shape, compression=1)
-        data.id.write_direct_chunk((0,) * len(shape), zlib.compress(bytes(size), 9))
+        data.id.write_direct_chunk((0,) * len(shape), zlib.compress(bytes(size), 1))
 
     return change
 
