@@ -21,6 +21,10 @@ from acoustics.arrays import Array
 
 FIRST_PAIRS = 6  # whose scatter is that of all pairs
 FEWEST_PAIRS = 2  # that have a scatter
+# Numbers of pairs after which a ± is looked at. They are fixed beforehand, so that neither a fast
+# machine nor an interruption changes an answer.
+LOOKS = (4, 6, 8, 10, 12, 16, 20, 24, 30, 36, 42, 48, 54, 60)
+MOST_PAIRS = LOOKS[-1]
 SURE = 0.95  # from which on the sign of a difference is sure
 ONE_SIGMA = 0.8413447460685429  # share of a normal distribution below one standard deviation
 MOST_FREEDOM = 1e6  # from which on Student's distribution is normal
@@ -37,6 +41,11 @@ class PairedMean(NamedTuple):
     def uncertainty(self) -> float:
         """Standard uncertainty by Student's t; NaN for a single pair."""
         return self.error * student_factor(self.freedom)
+
+
+def looks(most: int) -> list[int]:
+    """Return the numbers of pairs after which a ± is looked at, the last of which is the most."""
+    return [*(count for count in LOOKS if count < most), most]
 
 
 def paired_mean(values: Array) -> PairedMean:

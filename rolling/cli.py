@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,6 +29,7 @@ from rolling.terminal import (
 from rolling.terminal.progress import Level
 
 if TYPE_CHECKING:
+    from rolling.run.budget import Budget
     from rolling.scene.bearing_scene import BearingScene
     from rolling.scene.scene import Scene
 
@@ -341,11 +344,10 @@ def _choose(given: argparse.Namespace) -> int:
     if given.below is not None:
         return _below(scenes[0], given)
     with progress.step(LOADING):
-        from rolling.choice.choosing import Budget, choose_scenes
+        from rolling.choice.choosing import choose_scenes
         from rolling.choice.command import print_choice, write_choice
-    within_db = given.within_db or defaults.WITHIN_DB
-    budget = Budget(within_db=within_db, minutes=given.minutes)
-    choice = choose_scenes(scenes, given.out, budget, given.workers)
+    choice = choose_scenes(scenes, given.out, _budget(given, defaults.WITHIN_DB), given.workers)
+    choice = replace(choice, command=_repeating(given, choice.tried, choice.folder))
     write_choice(choice)
     print_choice(choice)
     return OK
@@ -370,12 +372,32 @@ def _choose_bearings(given: argparse.Namespace, of_bearings: Sequence[Path]) -> 
     choice = choose_bearings(
         scenes=scenes,
         folder=given.out,
-        within_db=given.within_db or defaults.WITHIN_DB,
-        minutes=given.minutes,
+        budget=_budget(given, defaults.WITHIN_DB),
         workers=given.workers,
     )
-    print_choice(choice)
+    print_choice(replace(choice, command=_repeating(given, choice.pairs, choice.folder)))
     return OK
+
+
+def _budget(given: argparse.Namespace, within_db: float) -> Budget:
+    """Return how long a choice goes on, to a usual ± [dB] where none is given."""
+    from rolling.run.budget import Budget
+
+    return Budget(within_db=given.within_db or within_db, minutes=given.minutes, pairs=given.pairs)
+
+
+def _repeating(given: argparse.Namespace, pairs: int, folder: Path) -> str:
+    """Return the command that gives the answer of a choice on some pairs again."""
+    from acoustics.pairs import FEWEST_PAIRS
+
+    words = ["rolling", "choose", *map(str, given.scenes)]
+    for override in given.overrides:
+        words += ["--set", override]
+    if given.within_db is not None:
+        words += ["--within", f"{given.within_db:g}"]
+    if pairs >= FEWEST_PAIRS:  # otherwise nothing is random
+        words += ["--pairs", str(pairs)]
+    return shlex.join([*words, "--out", str(folder)])
 
 
 def _refuse_odd_choice(given: argparse.Namespace) -> None:
@@ -393,6 +415,8 @@ def _refuse_odd_choice(given: argparse.Namespace) -> None:
         )
     if given.below is not None and given.within_db is not None:
         given.parser.error("--within: does not go with --below, which hears twelve surfaces")
+    if given.below is not None and given.pairs is not None:
+        given.parser.error("--pairs: does not go with --below, which hears twelve surfaces")
     if given.between is not None and given.below is None:
         given.parser.error("--between: only goes with --below")
 
@@ -406,8 +430,7 @@ def _improve(scene: Scene, given: argparse.Namespace) -> int:
         scene=scene,
         folder=given.out,
         keys=None if given.key is None else [given.key],
-        within_db=given.within_db or defaults.IMPROVED_WITHIN_DB,
-        minutes=given.minutes,
+        budget=_budget(given, defaults.IMPROVED_WITHIN_DB),
         workers=given.workers,
     )
     paths = write_sensitivities(found)

@@ -47,6 +47,10 @@ class BearingChoice:
     gain_levels : dict of list of arrays, dB
         By band, for each bearing: its level without each group of waves of its marches, as of
         `rolling.bearing_contacts.band_gain`. Bands without it have certain gains. Default: none.
+    is_early : bool
+        Whether the limit of time ended the choice before its rule did.
+    command : str
+        Command that repeats the answer; empty for a choice in Python.
 
     Examples
     --------
@@ -64,6 +68,8 @@ class BearingChoice:
     within_db: float
     folder: Path = Path()
     gain_levels: dict[str, list[Array]] = field(default_factory=dict)
+    is_early: bool = False
+    command: str = ""
 
     @property
     def pairs(self) -> int:
@@ -99,7 +105,12 @@ class BearingChoice:
         lines = []
         for number, differences in enumerate(self.differences, start=1):
             lines += _verdicts(self.labels[0], self.labels[number], differences)
-        if self.limit:
+        if self.is_early:
+            lines.append(
+                f"The choice ended early, because {self.limit} after {self.pairs} specimens; with"
+                " more --minutes the same command goes on."
+            )
+        elif self.limit:
             lines.append(
                 f"A ± is above the wanted {self.within_db:g} dB, because {self.limit}; four times"
                 " as many specimens would halve it."

@@ -7,14 +7,12 @@ bearings are heard on the same draws, so that what they share cancels.
 
 from __future__ import annotations
 
-import json
 import math
-import time
 from collections import deque
 from collections.abc import Sequence
 from concurrent.futures import BrokenExecutor, Future
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +20,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.level import a_weighted
-from acoustics.pairs import FIRST_PAIRS, pairs_needed
+from acoustics.pairs import FIRST_PAIRS, MOST_PAIRS, pairs_needed
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ, velocity_bands
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.motion import move_ring
@@ -35,27 +33,26 @@ from rolling.bearing_run.band_difference import HOUSING, NAMES
 from rolling.bearing_run.bearing_choice import BearingChoice
 from rolling.bearing_run.housing import housing_of_scene
 from rolling.figures.picture import csv_bytes
+from rolling.run import choice_folder
 from rolling.run import folder as folders
+from rolling.run.budget import Budget, Clock
+from rolling.run.choice_folder import CHOICE, PICTURE, RUNS, TABLE
 from rolling.run.executor import ended_by_signal
 from rolling.run.pools import Pool, Task, pool_for_tasks
 from rolling.scene.bearing_scene import BearingScene
-from rolling.scene.height_files import read_regular
 from rolling.scene.identity import digest
 from rolling.scene.messages import SceneError, quoted
-from rolling.terminal import defaults, files, progress, shortage
+from rolling.terminal import files, progress, shortage
 from rolling.terminal.files import FolderError
 from rolling.terminal.streams import folded
 
 ROUNDING_UM_S = 1e-7  # velocity of a ring at rest, of numbers that are rounded
 MAX_BEARINGS = 12
-MAX_SPECIMENS = 60
-FEWEST = 4  # specimens that are always heard
 UM_S = 1e6  # micrometres per second in a metre per second
-CHOICE = "choice.json"
-TABLE = "choice.csv"
-PICTURE = "choice.png"
-FORMAT = "rolling-contact-noise choice of bearings, format 1"
-MAX_CHOICE = 10_000_000  # bytes of its file
+FORMAT = "rolling-contact-noise choice of bearings, format 2"
+FORMATS = (FORMAT, "rolling-contact-noise choice of bearings, format 1")  # with the older one
+NOUN = "specimens"
+USUAL = Budget()
 SAME_KEYS = ("bearing.turning", "sound.distance_m")  # in all bearings of a choice
 
 
@@ -85,8 +82,7 @@ class BearingCandidate:
 def choose_bearings(
     scenes: Sequence[BearingScene],
     folder: Path | None = None,
-    within_db: float = defaults.WITHIN_DB,
-    minutes: float = defaults.CHOICE_MINUTES,
+    budget: Budget = USUAL,
     workers: int = 0,
 ) -> BearingChoice:
     """Choose between bearings by the three bands of their rings, and by the sound of a housing.
@@ -97,10 +93,8 @@ def choose_bearings(
         Scenes, or one with a sweep or with single faults.
     folder : Path
         Folder that keeps marches and specimens. Default: outputs/choice-DIGITS.
-    within_db : float, dB
-        Wanted standard uncertainty of the differences.
-    minutes : float
-        Time after which no more specimens begin; four are always heard.
+    budget : Budget
+        How long it goes on.
     workers : int
         Number of processes that march and move rings; 0: one per core.
 
@@ -127,13 +121,14 @@ def choose_bearings(
     target.mkdir(parents=True, exist_ok=True)
     with folders.locked(target), ExitStack() as stack:
         _take_heard(target, candidates)
+        _keep_heard(target, candidates)  # so that marches belong to a choice
         marches = _marched(candidates, target, workers)
         with progress.step("judging the gains of the contacts"):
             for one in candidates:
                 one.rough_bands = rough_bands(one.scene.model, one.plan, marches)
         hearing = _Hearing(candidates, marches, target, workers, stack)
-        choice = _until_known(hearing, within_db, minutes)
-        _write_files(choice)
+        choice = _until_known(hearing, budget)
+        _write_files(choice, candidates)
     return choice
 
 
@@ -154,6 +149,8 @@ def print_choice(choice: BearingChoice) -> None:
     print()
     print(f"picture: {choice.folder / PICTURE}")
     print(f"table: {choice.folder / TABLE}")
+    if choice.command:
+        print(f"the same answer again: {choice.command}")
 
 
 # ---- candidates
@@ -230,7 +227,9 @@ def _marched(candidates: Sequence[BearingCandidate], folder: Path, workers: int)
     """March the rough contacts of all bearings; equal ones are marched once."""
     marches: Marches = {}
     stages = stages_of([one.plan for one in candidates])
-    for known in solved_stages(stages, name="marching contacts", folder=folder, workers=workers):
+    home = folder / RUNS
+    files.make_below(folder, home)
+    for known in solved_stages(stages, name="marching contacts", folder=home, workers=workers):
         marches = known
     return marches
 
@@ -298,26 +297,22 @@ class _Hearing:
         _keep_heard(self.folder, self.candidates)
 
 
-def _until_known(hearing: _Hearing, within_db: float, minutes: float) -> BearingChoice:
+def _until_known(hearing: _Hearing, budget: Budget) -> BearingChoice:
     """Hear specimens until each ± is the wanted one, or the time or the specimens end."""
-    began = time.monotonic()
     candidates = hearing.candidates
     folder = hearing.folder
-    most = MAX_SPECIMENS if any(one.is_random for one in candidates) else 1
-    count = min(FEWEST, most)
-    while True:
+    most = MOST_PAIRS if any(one.is_random for one in candidates) else 1
+    looks = budget.looks(most, NOUN)
+    clock = Clock(budget)
+    for count in looks:
         hearing.hear(count)
-        choice = _choice(candidates, count, within_db, folder)
-        progress.line(f"{count} specimens: {choice.in_short}")
-        needed = specimens_needed(choice)
-        if needed <= count:
+        choice = _choice(candidates, count, budget, folder)
+        progress.line(f"{count} {NOUN}: {choice.in_short}")
+        if specimens_needed(choice) <= count:
             return choice
-        if count >= most:
-            return _choice(candidates, count, within_db, folder, "there are no more specimens")
-        if time.monotonic() - began > 60 * minutes:
-            limit = f"the limit of {minutes:g} min was reached"
-            return _choice(candidates, count, within_db, folder, limit)
-        count = min(needed, count + FIRST_PAIRS, most)
+        if clock.is_over and count < looks[-1]:
+            return replace(choice, limit=budget.of_time, is_early=True)
+    return replace(choice, limit=budget.why_no_more(NOUN))
 
 
 def heard_specimen(
@@ -344,9 +339,8 @@ def heard_specimen(
 def _choice(
     candidates: Sequence[BearingCandidate],
     count: int,
-    within_db: float,
+    budget: Budget,
     folder: Path,
-    limit: str = "",
 ) -> BearingChoice:
     """Return the answer from the first specimens of all bearings."""
     bands = [band for band in NAMES if all(band in one.heard[0] for one in candidates)]
@@ -354,8 +348,8 @@ def _choice(
     return BearingChoice(
         labels=[one.label for one in candidates],
         rms=rms,
-        limit=limit,
-        within_db=within_db,
+        limit="",
+        within_db=budget.within_db,
         folder=folder,
         gain_levels={
             band: [
@@ -396,18 +390,14 @@ def _identity(candidates: Sequence[BearingCandidate]) -> str:
 
 def _take_heard(folder: Path, candidates: Sequence[BearingCandidate]) -> None:
     """Take what a folder has heard of the same bearings; refuse a folder of something else."""
-    path = folder / CHOICE
-    if not path.is_file():
-        # A lock, and files that a killed command half wrote, begin with a dot.
-        others = [entry for entry in folder.iterdir() if not entry.name.startswith(".")]
-        if others:
-            raise FolderError(f"{folder}: it holds other files; give another folder with --out")
+    kept = choice_folder.take(folder, FORMATS)
+    if kept is None:
         return
     try:
-        kept = json.loads(read_regular(path, MAX_CHOICE))
-        is_same = kept["format"] == FORMAT and kept["identity"] == _identity(candidates)
+        is_same = kept["identity"] == _identity(candidates)
         heard = [[dict(rms) for rms in of_one] for of_one in kept["heard"]]
-    except (ValueError, KeyError, TypeError, OSError) as error:
+    except (ValueError, KeyError, TypeError) as error:
+        path = folder / CHOICE
         raise FolderError(f"{path}: it is damaged; give another folder with --out") from error
     if not is_same:
         raise FolderError(f"{folder}: it holds another choice; give another folder with --out")
@@ -417,17 +407,22 @@ def _take_heard(folder: Path, candidates: Sequence[BearingCandidate]) -> None:
 
 def _keep_heard(folder: Path, candidates: Sequence[BearingCandidate]) -> None:
     """Write what was heard so far."""
-    kept = {
+    files.write_json(folder / CHOICE, _as_json(candidates))
+
+
+def _as_json(candidates: Sequence[BearingCandidate]) -> dict[str, Any]:
+    """Return what was heard so far for JSON."""
+    return {
         "format": FORMAT,
+        "program": folders.this_program(),
         "identity": _identity(candidates),
         "labels": [one.label for one in candidates],
         "heard": [one.heard for one in candidates],
     }
-    files.write_json(folder / CHOICE, kept)
 
 
-def _write_files(choice: BearingChoice) -> None:
-    """Write table and picture of a choice."""
+def _write_files(choice: BearingChoice, candidates: Sequence[BearingCandidate]) -> None:
+    """Write table and picture of a choice, last its numbers."""
     from rolling.bearing_run.choice_picture import choice_picture
 
     with progress.step("drawing the picture"):
@@ -435,3 +430,11 @@ def _write_files(choice: BearingChoice) -> None:
     if png is not None:
         files.write_bytes(choice.folder / PICTURE, png)
     files.write_bytes(choice.folder / TABLE, csv_bytes(choice.table()))
+    numbers = {
+        "sentences": choice.sentences,
+        "pairs": choice.pairs,
+        "within_db": choice.within_db,
+        "limit": choice.limit,
+        "ended_early": choice.is_early,
+    }
+    files.write_json(choice.folder / CHOICE, _as_json(candidates) | numbers)

@@ -25,6 +25,7 @@ from rolling.check import (
     forecast,
     heights,
     level,
+    narrow_surface,
     refusals,
     resolution,
     validity,
@@ -291,6 +292,8 @@ def check_run(scene: Scene, solved: Probe | None = None) -> RunCheck:
         *scene_rules(scene),
         *level.of_grid(scene),
     ]
+    if not refusals.excess([scene], 1, None):
+        found += narrow_surface.rules(scene)
     if solved is not None:
         found += solved.findings(scene)
     # A later rule replaces the row of an earlier rule with the same key.

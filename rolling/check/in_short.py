@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from acoustics.numbers import byte_size
-from rolling.check import cost
+from rolling.check import cost, narrow_surface
 from rolling.check.doubt import Doubt, Severity
 from rolling.check.findings import BESIDE_LEVELS, Findings, conclusion
 from rolling.scene.scene import Scene
@@ -21,7 +21,8 @@ def lines_in_short(scene: Scene, findings: Findings) -> list[str]:
         first = first.replace(f": {doubt.text}.", ".")
     if findings.refusal is not None:
         first = conclusion(scene, findings)
-    lines = [*folded(f"{_cost(scene)} {_estimated(scene)}".rstrip(), "").splitlines()]
+    beside = f"{_cost(scene)} {_estimated(scene)}".rstrip()
+    lines = [*folded(f"{beside} {_of_choice(findings)}".rstrip(), "").splitlines()]
     doubts = list(_ranked(findings))
     shown = 0
     for text in doubts:
@@ -56,9 +57,19 @@ def _cost(scene: Scene) -> str:
     return f"{runs}: about {memory} of memory and {disk} of disk."
 
 
+def _of_choice(findings: Findings) -> str:
+    """Say which surfaces a choice leaves out, which no number of the run tells; the first run's."""
+    for doubts in findings.doubts.values():
+        for doubt in doubts:
+            if doubt.key == narrow_surface.OF_CHOICE:
+                return f"{doubt.text[:1].upper()}{doubt.text[1:]}: {doubt.advice}."
+    return ""
+
+
 def _is_listed(doubt: Doubt) -> bool:
-    """Tell whether a doubt stands in the list: neither beside every level, nor in the refusal."""
-    return doubt.key not in BESIDE_LEVELS and doubt.severity is not Severity.REFUSED
+    """Tell whether a doubt stands in the list: not beside every level, in the refusal or above."""
+    is_above = doubt.key in BESIDE_LEVELS or doubt.key == narrow_surface.OF_CHOICE
+    return not is_above and doubt.severity is not Severity.REFUSED
 
 
 def _doubts(findings: Findings) -> list[Doubt]:

@@ -40,6 +40,13 @@ class Choice(ChoiceNumbers):
         Folder of the choice; it is gone unless one was given.
     audible : tuple of HeardDifference
         Whether each difference is audible in the noise of the room.
+    omitted : list of OmittedPair
+        Pairs that are left out, because a contact has no solution: `number` of the specimen,
+        `label` of the candidate, and `reason`. Each counts against the sureness.
+    is_early : bool
+        Whether the limit of time ended the choice before its rule did.
+    command : str
+        Command that repeats the answer; empty for a choice in Python.
 
     Examples
     --------

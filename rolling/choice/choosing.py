@@ -2,29 +2,29 @@
 
 from __future__ import annotations
 
-import json
-import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from acoustics.pairs import FIRST_PAIRS, pairs_needed
+from acoustics.pairs import FIRST_PAIRS, LOOKS, pairs_needed
 from rolling.check import cost, forecast, refusals
 from rolling.choice import words
 from rolling.choice.candidates import Candidate, candidates_of
 from rolling.choice.choice import Choice
-from rolling.choice.comparison import Contender
+from rolling.choice.comparison import Contender, OmittedPair
 from rolling.choice.difference import difference
 from rolling.choice.heard import Specimen, read_heard
+from rolling.choice.omissions import foreseen, refuse_many
 from rolling.choice.solving import solve
-from rolling.choice.specimens import FEWEST, Specimens
+from rolling.choice.specimens import Specimens
 from rolling.results.run_result import read_run
+from rolling.run import choice_folder
 from rolling.run import folder as folders
+from rolling.run.budget import Budget, Clock
 from rolling.run.executor import ended_by_signal
 from rolling.run.pools import Pool, local_pool
-from rolling.scene.height_files import read_regular
 from rolling.scene.identity import contact_keys, digest, scene_identity
 from rolling.scene.scene import Scene
 from rolling.sound.heard_in_room import (
@@ -33,26 +33,11 @@ from rolling.sound.heard_in_room import (
     HeardRecord,
     heard_difference,
 )
-from rolling.terminal import defaults, files, progress
-from rolling.terminal.files import FolderError
+from rolling.terminal import progress
 
-BATCH = 6  # pairs between two looks at the clock
 LONG_S = 60.0  # time of the first marches, from which on it is said
-CHOICE = "choice.json"
-FORMAT = "rolling-contact-noise choice, format 1"
-MAX_CHOICE = 10_000_000  # bytes of its file
-
-
-class Budget(NamedTuple):
-    """How long a choice goes on.
-
-    within_db : float, dB. The wanted ± of a difference.
-    minutes : float. Time after which no more pairs begin; the first four are always heard.
-    """
-
-    within_db: float = defaults.WITHIN_DB
-    minutes: float = defaults.CHOICE_MINUTES
-
+FORMAT = "rolling-contact-noise choice, format 2"
+FORMATS = (FORMAT, "rolling-contact-noise choice, format 1")  # with those of older versions
 
 USUAL = Budget()
 
@@ -95,6 +80,13 @@ def choose_scenes(
 # ---- the work
 
 
+class HeardPairs(NamedTuple):
+    """What is heard of candidates on the pairs that all of them have, and the pairs left out."""
+
+    contenders: list[Contender]
+    omitted: list[OmittedPair]
+
+
 class OpenChoice:
     """Specimens of candidates, solved in the folder of a choice as far as they are asked for.
 
@@ -115,11 +107,23 @@ class OpenChoice:
         self._bar = bar
         self._known: dict[Path, Specimen] = {}
 
-    def hear(self, candidates: Sequence[Candidate], count: int) -> list[Contender]:
-        """Return what is heard of the first specimens of candidates; solve what is missing."""
+    def hear(self, candidates: Sequence[Candidate], count: int) -> HeardPairs:
+        """Return what is heard of the first pairs of specimens; solve what is missing.
+
+        A specimen whose contact has no solution is left out, with its partners in all candidates.
+
+        Raises
+        ------
+        ContactError : so many pairs have no solution that the others do not stand for all.
+        OSError, KeyboardInterrupt : finished pieces are kept.
+        """
+        omitted: dict[int, OmittedPair] = {}
+        self._leave_out_failed(candidates, count, omitted)
         wanted = []
         names = []
         for number in range(count):
+            if number in omitted:
+                continue
             for one in candidates:
                 wanted.append(self._specimen(one, number))
                 names.append(f"{one.label}, specimen {number + 1}")
@@ -131,16 +135,34 @@ class OpenChoice:
             pool=self._pool,
             bar=self._bar,
         )
+        self._leave_out_failed(candidates, count, omitted)
         contenders = []
         for one in candidates:
-            own = [self._specimen(one, number) for number in range(count)]
+            numbers = [number for number in range(count) if number not in omitted]
+            own = [self._specimen(one, number) for number in numbers]
             heard = [read_heard(specimen) for specimen in own]
             contenders.append(Contender(candidate=one, heard=heard, specimens=own))
-        return contenders
+        return HeardPairs(contenders, [omitted[number] for number in sorted(omitted)])
+
+    def _leave_out_failed(
+        self, candidates: Sequence[Candidate], count: int, omitted: dict[int, OmittedPair]
+    ) -> None:
+        """Add the pairs to `omitted` that are known, or foreseen, to have no solution."""
+        for number in range(count):
+            if number in omitted:
+                continue
+            for one in candidates:
+                specimen = self._specimen(one, number)
+                reason = specimen.no_solution or foreseen(self.folder, specimen)
+                if reason:
+                    omitted[number] = OmittedPair(number + 1, one.label, reason)
+                    break
+        refuse_many([*omitted.values()], count, self.specimens.noun)
 
     def _specimen(self, candidate: Candidate, number: int) -> Specimen:
         """Return a specimen of a candidate, which may not be solved yet."""
-        place = self.folder / candidate.folder_name / f"{number + 1:02d}"
+        above = self.folder / choice_folder.RUNS / candidate.folder_name
+        place = above / f"{number + 1:02d}"
         if place not in self._known:
             self._known[place] = Specimen(
                 values={},
@@ -166,15 +188,15 @@ def open_choice(
     for scene in scenes:
         refusals.refuse(scene, workers, folder)
     refusals.refuse_few_addresses(scenes)
-    _refuse_foreign(folder)
+    stored = choice_folder.take(folder, FORMATS)
     folder.mkdir(parents=True, exist_ok=True)
     with ExitStack() as stack:
         stack.enter_context(folders.locked(folder))
-        if not (folder / CHOICE).is_file():
-            files.write_json(folder / CHOICE, {"format": FORMAT, "program": folders.this_program()})
+        if stored is None:
+            choice_folder.begin(folder, FORMAT)
             _say_how_long(scenes)
         bar = stack.enter_context(progress.Bar(0.0, "marches"))
-        pool = stack.enter_context(local_pool(workers, scenes * FEWEST))
+        pool = stack.enter_context(local_pool(workers, scenes * LOOKS[0]))
         stack.enter_context(ended_by_signal())
         yield OpenChoice(candidates, folder, pool, bar)
 
@@ -185,62 +207,35 @@ def _say_how_long(scenes: Sequence[Scene]) -> None:
     Candidates of equal contact are marched once.
     """
     marched = {digest(contact_keys(scene)): scene for scene in scenes}
-    seconds = FEWEST * sum(forecast.march_seconds(scene) for scene in marched.values())
+    fewest = LOOKS[0]
+    seconds = fewest * sum(forecast.march_seconds(scene) for scene in marched.values())
     if seconds / cost.cores() > LONG_S:
         time_in_words = cost.computing(seconds)
-        progress.line(f"the marches of the first {FEWEST} of each take {time_in_words}")
-
-
-def _refuse_foreign(folder: Path) -> None:
-    """Raise FolderError for a folder that holds something else than a choice of this program."""
-    if not folder.exists() and not folder.is_symlink():
-        return
-    if not folder.is_dir():
-        raise FolderError(f"{folder}: not a folder")
-    if not any(path.name != folders.LOCK for path in folder.iterdir()):
-        return
-    try:
-        stored = json.loads(read_regular(folder / CHOICE, MAX_CHOICE))
-        is_choice = stored["format"] == FORMAT
-        maker = str(stored["program"])
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        is_choice = False
-        maker = ""
-    way_out = f"take another --out, such as {folders.free_name(folder)}"
-    if not is_choice:
-        raise FolderError(f"{folder}: holds no choice; {way_out}")
-    if maker != folders.this_program():
-        raise FolderError(
-            f"{folder}: holds a choice of {maker}, and this is {folders.this_program()}; numbers"
-            f" of two programs are not mixed, so {way_out}, or delete the folder"
-        )
+        progress.line(f"the marches of the first {fewest} of each take {time_in_words}")
 
 
 def _until_known(work: OpenChoice, candidates: Sequence[Candidate], budget: Budget) -> Choice:
     """Hear pairs until each difference is known well enough, or time or specimens end."""
-    began = time.monotonic()
-    count = min(FEWEST, work.specimens.count)
-    while True:
-        contenders = work.hear(candidates, count)
-        choice = _choice(work, contenders, budget)
-        progress.line(f"{count} {choice.noun}: {words.in_short(choice)}")
-        needed = pairs_needed_of(choice)
-        if needed <= count:
+    noun = work.specimens.noun
+    looks = budget.looks(work.specimens.count, noun)
+    clock = Clock(budget)
+    for count in looks:
+        choice = _choice(work, work.hear(candidates, count), budget)
+        progress.line(f"{choice.pairs} {noun}: {words.in_short(choice)}")
+        if pairs_needed_of(choice) <= choice.pairs:
             return choice
-        if count == work.specimens.count:
-            return replace(choice, limit=f"there are no more {choice.noun}")
-        if time.monotonic() - began > 60 * budget.minutes:
-            return replace(choice, limit=f"the limit of {budget.minutes:g} min was reached")
-        count = min(needed, count + BATCH, work.specimens.count)
+        if clock.is_over and count < looks[-1]:
+            return replace(choice, limit=budget.of_time, is_early=True)
+    return replace(choice, limit=budget.why_no_more(noun))
 
 
-def _choice(work: OpenChoice, contenders: Sequence[Contender], budget: Budget) -> Choice:
+def _choice(work: OpenChoice, heard: HeardPairs, budget: Budget) -> Choice:
     """Return the present answer: the contenders in order, and how much louder each is."""
-    ordered = sorted(contenders, key=lambda contender: contender.level_db)
+    ordered = sorted(heard.contenders, key=lambda contender: contender.level_db)
     quietest = ordered[0]
     differences = []
     for other in ordered[1:]:
-        differences.append(difference(other.heard, quietest.heard))
+        differences.append(difference(other.heard, quietest.heard, omitted=len(heard.omitted)))
     return Choice(
         contenders=ordered,
         differences=differences,
@@ -249,6 +244,7 @@ def _choice(work: OpenChoice, contenders: Sequence[Contender], budget: Budget) -
         limit="",
         within_db=budget.within_db,
         folder=work.folder,
+        omitted=heard.omitted,
     )
 
 

@@ -1,7 +1,7 @@
 """The command `rolling choose`: which of some scenes is quieter, into a folder and on the terminal.
 
 A folder of a choice has choice.html, choice.csv, choice.png, choice.json, a WAV of each candidate
-with one gain for all, and a folder of runs for each candidate.
+with one gain for all, and below runs/ a folder for each candidate.
 """
 
 from __future__ import annotations
@@ -14,19 +14,16 @@ from typing import Any
 from acoustics.bands import BAND_NAMES
 from rolling.choice import page, table, words
 from rolling.choice.choice import Choice
-from rolling.choice.choosing import CHOICE, FORMAT
+from rolling.choice.choosing import FORMAT
 from rolling.choice.difference import Difference
 from rolling.figures.picture import csv_bytes
 from rolling.results import listening
 from rolling.results.run_result import Run
 from rolling.results.summary import provenance
 from rolling.run import folder as folders
+from rolling.run.choice_folder import CHOICE, PAGE, PICTURE, RUNS, TABLE
 from rolling.terminal import files, progress
 from rolling.terminal.streams import folded
-
-PAGE = "choice.html"
-TABLE = "choice.csv"
-PICTURE = "choice.png"
 
 
 def print_choice(choice: Choice) -> None:
@@ -47,6 +44,8 @@ def print_choice(choice: Choice) -> None:
     quietest = choice.contenders[0].candidate
     print(f"listen: {choice.folder / quietest.folder_name}.wav")
     print(f"page: {choice.folder / PAGE}")
+    if choice.command:
+        print(f"the same answer again: {choice.command}")
 
 
 def print_advice(
@@ -99,8 +98,9 @@ def as_json(choice: Choice) -> dict[str, Any]:
         candidates.append(
             {
                 "label": contender.label,
-                "folder": contender.candidate.folder_name,
+                "folder": f"{RUNS}/{contender.candidate.folder_name}",
                 "loss_factors": list(contender.candidate.loss_factors),
+                "specimens": choice.numbers,
                 "vibration_db": _known(contender.levels_db.tolist()),
                 "released_power_db": [one.released_power_db for one in contender.heard],
             }
@@ -113,8 +113,12 @@ def as_json(choice: Choice) -> dict[str, Any]:
         "candidates": candidates,
         "differences": [_difference_as_json(apart) for apart in choice.differences],
         "audible": [heard.text for heard in choice.audible],
+        "pairs": choice.pairs,
+        "left_out": [pair._asdict() for pair in choice.omitted],
+        "command": choice.command,
         "within_db": choice.within_db,
         "limit": choice.limit,
+        "ended_early": choice.is_early,
         "specimens": choice.noun,
         "provenance": provenance(scene, choice.contenders[0].label),
     }

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,6 +14,19 @@ from rolling.choice.candidates import Candidate
 from rolling.choice.difference import Difference, level_db
 from rolling.choice.heard import Heard, Specimen
 from rolling.sound.heard_in_room import HeardDifference
+
+
+class OmittedPair(NamedTuple):
+    """A pair of specimens that is left out, because a contact has no solution.
+
+    number : int. Number of the specimen, from 1 on.
+    label : str. The candidate whose contact has no solution.
+    reason : str. Why it has none, with the remedy.
+    """
+
+    number: int
+    label: str
+    reason: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +91,12 @@ class ChoiceNumbers:
         Folder of the choice.
     audible : tuple of HeardDifference
         Whether each difference is audible in the noise of the room.
+    omitted : list of OmittedPair
+        Pairs that are left out, because a contact has no solution.
+    is_early : bool
+        Whether the limit of time ended the choice before its rule did.
+    command : str
+        Command that repeats the answer; empty for a choice in Python.
     """
 
     contenders: list[Contender]
@@ -86,8 +107,22 @@ class ChoiceNumbers:
     within_db: float
     folder: Path
     audible: tuple[HeardDifference, ...] = ()
+    omitted: Sequence[OmittedPair] = ()
+    is_early: bool = False
+    command: str = ""
 
     @property
     def pairs(self) -> int:
         """Number of specimens on which every candidate was heard."""
         return len(self.contenders[0].heard)
+
+    @property
+    def numbers(self) -> list[int]:
+        """Numbers, from 1 on, of the specimens on which every candidate was heard."""
+        left_out = [pair.number for pair in self.omitted]
+        return [number for number in range(1, self.tried + 1) if number not in left_out]
+
+    @property
+    def tried(self) -> int:
+        """Number of specimens that were taken, with those that are left out."""
+        return self.pairs + len(self.omitted)

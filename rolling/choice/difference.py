@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.pairs import SURE, joint_freedom, paired_mean, student_factor, sureness
+from acoustics.pairs import (
+    SURE,
+    PairedMean,
+    joint_freedom,
+    paired_mean,
+    student_factor,
+    sureness,
+)
 from acoustics.radiation import P_REF_PA
 from acoustics.unbaffled import baffle_difference_db
 from rolling.choice.heard import Heard, LevelError
@@ -30,10 +37,11 @@ class Difference:
     uncertainty_db : float or None, dB
         Standard uncertainty by Student's t; None for a single pair.
     sureness : float or None
-        Probability that the sign of the difference is right; None without an uncertainty.
+        Probability that the sign of the difference is right; None without an uncertainty. Each pair
+        that is left out counts as one on the other side.
     parts_db : dict, dB
         Parts of the uncertainty by their origin: scatter of the pairs, loss factor, grid,
-        instrument, missing baffle. Student's t widens them together.
+        instrument, missing baffle, pairs that are left out. Student's t widens them together.
     released_db, released_uncertainty_db : float or None, dB
         The same for the released power, whose sign says nothing of what is heard.
     band_db, band_uncertainty_db : (31,) arrays, dB
@@ -78,13 +86,15 @@ class Difference:
         return max(left, LEAST_SHARE * within_db)
 
 
-def difference(first: Sequence[Heard], second: Sequence[Heard]) -> Difference:
+def difference(first: Sequence[Heard], second: Sequence[Heard], omitted: int = 0) -> Difference:
     """Return the difference of two candidates that are heard on the same specimens.
 
     Parameters
     ----------
     first, second : sequences of Heard
         What is heard of each specimen, in the same order.
+    omitted : int
+        Number of pairs that are left out, because a contact has no solution. Default: 0.
     """
     pairs = list(zip(first, second, strict=True))
     # Pairs and loss factors. The one factor that a scene states stands beside two of the other's.
@@ -107,11 +117,17 @@ def difference(first: Sequence[Heard], second: Sequence[Heard]) -> Difference:
             "instrument": _error_part(pairs, "instrument"),
             "baffle": float(np.mean([_baffle_part(one, other) for one, other in pairs])),
         }
+        adverse = None
+        if omitted and math.isfinite(of_pairs.error):
+            adverse = _with_adverse(apart.mean(axis=1), omitted)
+            parts_db["left_out"] = abs(db - adverse.mean)
         if math.isfinite(of_pairs.error):
             total = math.hypot(*parts_db.values())
             freedom = joint_freedom(of_pairs, total)
             uncertainty_db = total * student_factor(freedom)
             sure = sureness(db, total, freedom)
+            if adverse is not None:
+                sure = min(sure, _adverse_sureness(db, adverse, parts_db))
     return Difference(
         pairs=len(pairs),
         db=db,
@@ -132,6 +148,36 @@ def level_db(squares: Array) -> Array:
     """Return levels [dB re 20 uPa] of mean squares [Pa2]; that of silence is minus infinity."""
     with np.errstate(divide="ignore"):
         return np.asarray(10.0 * np.log10(squares / P_REF_PA**2))
+
+
+def _with_adverse(values: Array, omitted: int) -> PairedMean:
+    """Return the mean of pairs with those that are left out, as if these spoke against the others.
+
+    Nobody knows the difference of a pair that has no solution. It counts as one that is as large as
+    the mean and of the other sign, or that lies two standard deviations of the pairs beside the
+    mean where this is farther.
+    """
+    mean = float(np.mean(values))
+    beside = 2.0 * max(abs(mean), float(np.std(values, ddof=1)))
+    against = mean - math.copysign(beside, mean)
+    whole = np.append(values, np.full(omitted, against))
+    return PairedMean(
+        mean=float(np.mean(whole)),
+        error=float(np.std(whole, ddof=1)) / math.sqrt(len(whole)),
+        freedom=float(len(whole) - 1),
+    )
+
+
+def _adverse_sureness(db: float, adverse: PairedMean, parts_db: Mapping[str, float]) -> float:
+    """Return the probability that a sign is right if the pairs that are left out speak against it.
+
+    It is one half where they would turn the sign round.
+    """
+    if adverse.mean * db <= 0:
+        return 0.5
+    others = [db for part, db in parts_db.items() if part not in ("scatter", "left_out")]
+    total = math.hypot(adverse.error, *others)
+    return sureness(adverse.mean, total, joint_freedom(adverse, total))
 
 
 # ---- parts of a difference

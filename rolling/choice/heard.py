@@ -24,9 +24,10 @@ from rolling.choice.candidates import LOSS_KEY
 from rolling.dynamics import of_scene
 from rolling.dynamics.force_law import ForceLaw
 from rolling.marches import force_law
+from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.results import answer
-from rolling.results.run_folder import SUMMARY, RunFolder, read_summary
+from rolling.results.run_folder import FAILED, MAX_FAILURE, SUMMARY, RunFolder, read_summary
 from rolling.run.worker import finish_run
 from rolling.scene import file
 from rolling.scene.height_files import read_regular
@@ -82,6 +83,17 @@ class Specimen(RunFolder):
     def is_heard(self) -> bool:
         """Whether the run is done and what is heard of it is stored."""
         return self.is_done and (self.folder / HEARD).is_file()
+
+    @property
+    def no_solution(self) -> str:
+        """Why the contact of the specimen has no solution; empty unless that is remembered."""
+        try:
+            stored = json.loads(read_regular(self.folder / FAILED, MAX_FAILURE))
+            reason = str(stored["reason"])
+            identity = stored["contact"]
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
+            return ""
+        return reason if identity == contact_identity(self.scene) else ""
 
 
 def finish_specimen(run: RunFolder, label: str, result: Result) -> None:

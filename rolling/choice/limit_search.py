@@ -32,12 +32,12 @@ from rolling.choice.limit import (
     percent,
 )
 from rolling.choice.sensitivity import refuse_sweep
-from rolling.choice.specimens import SEED_KEYS
 from rolling.contact.solver import ContactError
 from rolling.results import labels
 from rolling.scene.messages import SceneError, is_number, nearest, plain_number, quoted
 from rolling.scene.models import full_key
 from rolling.scene.scene import Scene
+from rolling.scene.seeds import SEED_KEYS
 from rolling.terminal import defaults, files, progress
 
 TIMES = 5.0  # usual range: the value over this number to the value times it
@@ -309,7 +309,10 @@ class LimitSearch:
             if point.value == value:
                 return point
         changed = _changed(self._base, self._key, value)
-        (contender,) = self._work.hear([changed], self._count)
+        (contender,), omitted = self._work.hear([changed], self._count)
+        if omitted:  # nothing is known of 95 % of specimens where one of few has no level
+            first = omitted[0]
+            raise ContactError(f"{first.label}, specimen {first.number}: {first.reason}")
         levels = [float(level_db(one.squares).max()) for one in contender.heard]
         point = Point(value=value, levels_db=np.array(levels))
         self._points.append(point)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from markupsafe import Markup
@@ -24,11 +25,19 @@ STYLE = """
 
 
 def first_runs(choice: Choice) -> dict[str, Run]:
-    """Return the run of the first specimen of each candidate by its label."""
-    return {
-        contender.label: read_run(contender.specimens[0], contender.label)
-        for contender in choice.contenders
-    }
+    """Return the run of the first specimen of each candidate by its label, as it is heard.
+
+    A short track goes on with a random continuation, as on the page of a run, and does not repeat.
+    """
+    runs = {}
+    for contender in choice.contenders:
+        run = read_run(contender.specimens[0], contender.label)
+        ends = run.sound.once  # a fall is heard once, and a longer record as it is
+        if not ends and run.sound.duration < listening.MIN_S:
+            longer = run.scene.with_({"sound.listen_s": listening.MIN_S})
+            run = replace(run, scene=longer)
+        runs[contender.label] = run
+    return runs
 
 
 def common_gain(runs: Mapping[str, Run]) -> float | None:
@@ -54,14 +63,20 @@ def page(choice: Choice, runs: Mapping[str, Run], picture: bytes | None) -> byte
         version=__version__,
         title="Which one is quieter?",
         sentences=choice.sentences,
-        pairs=choice.pairs,
+        tried=choice.tried,
+        numbers=choice.numbers,
         sounds=[_sound(label, run, gain) for label, run in runs.items()],
         picture=None if picture is None else maps.uri("image/png", picture),
         heads=heads,
         rows=rows,
-        notes=[*words.notes(choice), UNVALIDATED],
+        notes=[*words.notes(choice), *_again(choice), UNVALIDATED],
         css=Markup(text.asset("report.css") + text.asset("gallery.css") + STYLE),
     ).encode()
+
+
+def _again(choice: Choice) -> list[str]:
+    """Name the command that gives the same answer again; a choice in Python has none."""
+    return [f"The same answer again: {choice.command}"] if choice.command else []
 
 
 def _sound(label: str, run: Run, gain: float | None) -> dict[str, Any]:

@@ -85,9 +85,10 @@ def picture(choice: ChoiceNumbers) -> Picture:
     above.tick_params(labelbottom=False)
     above.legend(fontsize=8.5, frameon=False)
     title = figure.suptitle(drawable(capital(in_short(choice))), x=0.012, ha="left", fontsize=12)
+    left_out = f" ({len(choice.omitted)} left out)" if choice.omitted else ""
     note = (
-        f"Means over {choice.pairs} {choice.noun} and speeds within 3 %; the band is ± one standard"
-        " uncertainty of the pairs"
+        f"Means over {choice.pairs} {choice.noun}{left_out} and speeds within 3 %; the band is"
+        " ± one standard uncertainty of the pairs"
     )
     above.set_title(note, loc="left", fontsize=8.5, color="0.25")
     for text in (title, above.title):

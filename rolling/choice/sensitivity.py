@@ -8,7 +8,6 @@ time.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,16 +15,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from acoustics.arrays import Array
 from acoustics.pairs import FIRST_PAIRS, SURE, paired_mean, pairs_needed
 from acoustics.texts import printable
 from rolling.choice import drawing
 from rolling.choice.candidates import Candidate
 from rolling.choice.chain import chain_levels
-from rolling.choice.choosing import BATCH, OpenChoice, default_folder, open_choice
-from rolling.choice.comparison import Contender
+from rolling.choice.choosing import OpenChoice, default_folder, open_choice
+from rolling.choice.comparison import Contender, OmittedPair
 from rolling.choice.difference import Difference, difference
 from rolling.choice.drawing import ChangedValue, LeftOut
 from rolling.contact.solver import ContactError
+from rolling.run.budget import Budget, Clock
 from rolling.scene.messages import SceneError
 from rolling.scene.models import full_key
 from rolling.scene.scene import Scene
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 TOLD_DB = 0.1  # distance of the linear chain from which on it is told
 SHOWN_DB = 0.005  # smallest change that shows in hundredths of a decibel
 NEXT = 2  # values that the sentence names after the first
+USUAL = Budget(within_db=defaults.IMPROVED_WITHIN_DB)
 TABLE = "improve.csv"
 PICTURE = "improve.png"
 
@@ -52,12 +54,15 @@ class Sensitivity:
         The value and the changed scene.
     apart : Difference
         Level of the changed scene less that of the scene, over the same specimens.
+    levels_apart_db : (specimens,) array, dB
+        The same of each specimen.
     chain_db, chain_uncertainty_db : float or None, dB
         The same by the linear chain, for a larger value; None where it has no level.
     """
 
     change: ChangedValue
     apart: Difference
+    levels_apart_db: Array
     chain_db: float | None
     chain_uncertainty_db: float | None
 
@@ -112,6 +117,8 @@ class Sensitivities:
         Why some ± are above the wanted one; empty if none is.
     folder : Path
         Folder of the specimens.
+    omitted : list of OmittedPair
+        Specimens that are left out of some changes, because a contact has no solution.
 
     Examples
     --------
@@ -132,6 +139,7 @@ class Sensitivities:
     within_db: float
     limit: str
     folder: Path
+    omitted: Sequence[OmittedPair] = ()
 
     def table(self) -> pd.DataFrame:
         """Tabulate the changes, the largest first.
@@ -211,8 +219,7 @@ def improve_scene(
     scene: Scene,
     folder: Path | None = None,
     keys: Sequence[str] | None = None,
-    within_db: float = defaults.IMPROVED_WITHIN_DB,
-    minutes: float = defaults.CHOICE_MINUTES,
+    budget: Budget = USUAL,
     workers: int = 0,
 ) -> Sensitivities:
     """Find how much louder a scene becomes when a value of its drawing is a little larger.
@@ -222,8 +229,7 @@ def improve_scene(
     scene : Scene. A scene without a sweep.
     folder : Path. Folder of the specimens. Default: outputs/improve-DIGITS.
     keys : sequence of str. Keys of the values. Default: all that stand on a drawing.
-    within_db : float, dB. Wanted ± of every change.
-    minutes : float. Time after which no more specimens begin; the first six are always heard.
+    budget : Budget. How long it goes on; the first six specimens are always heard.
     workers : int. Number of processes; 0: one per core.
 
     Raises
@@ -240,7 +246,7 @@ def improve_scene(
     if keys is not None:
         changes, left_out = _chosen(scene, keys, changes, left_out)
     with open_choice([base], target, workers) as work:
-        search = _SpecimenLoop(work, base, within_db, minutes)
+        search = _SpecimenLoop(work, base, budget)
         rows = search.rows(changes)
     rows.sort(key=lambda row: -abs(row.db))
     return Sensitivities(
@@ -248,9 +254,10 @@ def improve_scene(
         rows=rows,
         left_out=[*left_out, *search.failed],
         noun=work.specimens.noun,
-        within_db=within_db,
+        within_db=budget.within_db,
         limit=search.limit,
         folder=target,
+        omitted=[*search.omitted.values()],
     )
 
 
@@ -291,74 +298,81 @@ def refuse_sweep(scene: Scene) -> None:
 class _SpecimenLoop:
     """Hears changed scenes on the specimens of a scene until their changes are known."""
 
-    def __init__(self, work: OpenChoice, base: Candidate, within_db: float, minutes: float) -> None:
+    def __init__(self, work: OpenChoice, base: Candidate, budget: Budget) -> None:
         self._work = work
         self._base = base
-        self._within_db = within_db
-        self._minutes = minutes
-        self._began = time.monotonic()
+        self._budget = budget
+        looks = budget.looks(work.specimens.count, work.specimens.noun)
+        # The scatter of all pairs is that of the first six.
+        self._looks = [count for count in looks if count >= FIRST_PAIRS] or looks[-1:]
+        self._clock = Clock(budget)
         self.limit = ""
         self.failed: list[LeftOut] = []
+        self.omitted: dict[int, OmittedPair] = {}  # by the number of the pair
 
     def rows(self, changes: list[ChangedValue]) -> list[Sensitivity]:
         """Return the changes of the level; those that fail are kept in `failed`."""
-        most = self._work.specimens.count
-        first = min(FIRST_PAIRS, most)
         rows = []
         for change in changes:
-            row = self._row(change, first)
+            row = self._row(change, self._looks[0])
             if row is not None:
                 rows.append(row)
         for number, row in enumerate(rows):
-            while True:
-                count = row.apart.pairs
-                needed = min(self._needed(row), count + BATCH)
-                if needed <= count:
-                    break
-                if count == most:
-                    self.limit = f"there are no more {self._work.specimens.noun}"
-                    break
-                if time.monotonic() - self._began > 60 * self._minutes:
-                    self.limit = f"the limit of {self._minutes:g} min was reached"
-                    break
-                more = self._row(row.change, min(needed, most))
-                if more is None:
-                    break
-                row = more
-                rows[number] = more
+            rows[number] = self._until_known(row)
         failed = [left.key for left in self.failed]
         return [row for row in rows if row.change.key not in failed]
 
+    def _until_known(self, row: Sensitivity) -> Sensitivity:
+        """Return a change over so many specimens that it is known, or that time or places end."""
+        for count in self._looks[1:]:
+            if self._needed(row) <= row.apart.pairs:
+                return row
+            if self._clock.is_over:
+                self.limit = self._budget.of_time
+                return row
+            more = self._row(row.change, count)
+            if more is None:
+                return row
+            row = more
+        if self._needed(row) > row.apart.pairs:
+            self.limit = self._budget.why_no_more(self._work.specimens.noun)
+        return row
+
     def _row(self, change: ChangedValue, count: int) -> Sensitivity | None:
-        """Return the change of the level over some specimens; None where a contact fails."""
-        (base,) = self._work.hear([self._base], count)
+        """Return the change of the level over some specimens; None where its contacts fail."""
+        ((base,), _) = self._work.hear([self._base], count)
         if not math.isfinite(base.level_db):
             raise SceneError([f"{change.candidate.scene.name}: makes no sound within hearing"])
         try:
-            (changed,) = self._work.hear([change.candidate], count)
+            (base, changed), omitted = self._work.hear([self._base, change.candidate], count)
         except ContactError as error:
             self.failed.append(LeftOut(change.key, change.name, str(error)))
             return None
+        for pair in omitted:
+            self.omitted.setdefault(pair.number, pair)
         if not np.all(np.isfinite(changed.levels_db)):
             self.failed.append(LeftOut(change.key, change.name, "then nothing sounds"))
             return None
-        row = _sensitivity(change, base, changed)
+        row = _sensitivity(change, base, changed, len(omitted))
         progress.line(f"{change.name}: {_number(row.db, row.uncertainty_db)} per +{change.step}")
         return row
 
     def _needed(self, row: Sensitivity) -> int:
         """Return the specimens after which the ± of a change is the wanted one."""
         apart = row.apart
-        if apart.uncertainty_db is None or apart.uncertainty_db <= self._within_db:
+        if apart.uncertainty_db is None or apart.uncertainty_db <= self._budget.within_db:
             return apart.pairs
-        wanted_db = apart.wanted_scatter_db(self._within_db)
-        (base,) = self._work.hear([self._base], apart.pairs)
-        (changed,) = self._work.hear([row.change.candidate], apart.pairs)
-        return pairs_needed(changed.levels_db - base.levels_db, wanted_db)
+        wanted_db = apart.wanted_scatter_db(self._budget.within_db)
+        return pairs_needed(row.levels_apart_db, wanted_db)
 
 
-def _sensitivity(change: ChangedValue, base: Contender, changed: Contender) -> Sensitivity:
-    """Return the change of a level between two contenders on the same specimens."""
+def _sensitivity(
+    change: ChangedValue, base: Contender, changed: Contender, omitted: int
+) -> Sensitivity:
+    """Return the change of a level between two contenders on the same specimens.
+
+    Some of their pairs are left out.
+    """
     chain_db = None
     chain_uncertainty_db = None
     of_base = chain_levels(base.specimens)
@@ -370,7 +384,8 @@ def _sensitivity(change: ChangedValue, base: Contender, changed: Contender) -> S
             chain_uncertainty_db = of_pairs.uncertainty
     return Sensitivity(
         change=change,
-        apart=difference(changed.heard, base.heard),
+        apart=difference(changed.heard, base.heard, omitted=omitted),
+        levels_apart_db=changed.levels_db - base.levels_db,
         chain_db=chain_db,
         chain_uncertainty_db=chain_uncertainty_db,
     )
@@ -429,6 +444,12 @@ def _sentences(result: Sensitivities) -> Iterator[str]:
         yield (
             f"A larger value is not allowed for {' and '.join(downwards)}, so the change is that"
             " of a smaller one with the other sign."
+        )
+    for pair in result.omitted:
+        yield (
+            f"Number {pair.number} of the {result.noun} is left out, because a contact has no"
+            f" solution ({printable(pair.label)}: {pair.reason}); it counts as one that speaks"
+            " against a change."
         )
     for left in result.left_out:
         yield f"Left out: {left.name} ({printable(left.reason)})."

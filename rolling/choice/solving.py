@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rolling.choice.heard import Specimen, finish_specimen, write_heard
+from rolling.choice.omissions import remember
 from rolling.contact.solver import ContactError
 from rolling.marches.piece import contact_identity
 from rolling.results import result_file
@@ -36,9 +37,11 @@ def solve(
     pool : Pool. Its processes march.
     bar : Bar. It receives the expected time of pieces [s].
 
+    A specimen whose contact has no solution gets a file that says so, and the others go on.
+
     Raises
     ------
-    ContactError : a specimen has no solution. Finished ones are kept.
+    ContactError : a specimen failed for another reason. Finished ones are kept.
     OSError, KeyboardInterrupt : as `RunLoop`. Finished pieces are kept.
     """
     lacking = []
@@ -76,7 +79,12 @@ def solve(
             if unfinished[marches[number]] == 0:
                 folders.drop_pieces(folder, marches[number])
     for number, reason in loop.failures.items():
-        raise ContactError(f"{names[number]}: {reason}")
+        # A height file that was replaced meanwhile says nothing of the contact of its scene.
+        is_same = contact_identity(lacking[number].scene) == marches[number]
+        if number not in loop.without_solution or not is_same:
+            raise ContactError(f"{names[number]}: {reason}")
+        progress.line(f"{names[number]} is left out: {reason}")
+        remember(folder, lacking[number], reason)
 
 
 @contextmanager

@@ -11,14 +11,12 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from acoustics.pairs import LOOKS, MOST_PAIRS
 from rolling.choice.candidates import Candidate
 from rolling.dynamics.smooth_contact import semi_axes
-from rolling.results import labels
 from rolling.scene.scene import Scene
+from rolling.scene.seeds import seeds_of, with_seed
 
-MAX_SPECIMENS = 60
-FEWEST = 4  # pairs that a ± needs
-SEED_KEYS = ("surface.seed", "sphere.surface.seed")
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0  # places in this order are far apart at any count
 
 
@@ -61,22 +59,20 @@ class Specimens:
             found = _places(one.scene)
             if found is not None:
                 measured.append(found)
-            if seed_keys(one.scene):
+            if seeds_of(one.scene):
                 is_random = True
         self._first_seed = _first_seed(candidates)
         self.overlap = any(found.overlap for found in measured)
         self.noun = "surfaces"
-        self.count = MAX_SPECIMENS if is_random else 1
+        self.count = MOST_PAIRS if is_random else 1
         if measured:
             self.noun = "places of the scan" if len(measured) == 1 else "places of the scans"
-            self.count = min(MAX_SPECIMENS, *(len(found.places) for found in measured))
+            self.count = min(MOST_PAIRS, *(len(found.places) for found in measured))
 
     def scene(self, candidate: Candidate, number: int) -> Scene:
         """Return the scene of a candidate on the specimen of a number, from 0 on."""
-        scene = candidate.scene
+        scene = with_seed(candidate.scene, self._first_seed + number)
         changes: dict[str, Any] = {}
-        for key in seed_keys(scene):
-            changes[key] = self._first_seed + number
         found = _places(scene)
         if found is not None:
             place = found.places[number]
@@ -87,16 +83,11 @@ class Specimens:
         return scene.runs()[0].scene
 
 
-def seed_keys(scene: Scene) -> list[str]:
-    """Return the keys of the seeds that a scene has."""
-    return [key for key in SEED_KEYS if labels.value_at(scene, key) is not None]
-
-
 def _first_seed(candidates: Sequence[Candidate]) -> int:
     """Return the seed of the first specimen, that of the first candidate that has one."""
     for one in candidates:
-        for key in seed_keys(one.scene):
-            return int(labels.value_at(one.scene, key))
+        for seed in seeds_of(one.scene).values():
+            return seed
     return 1
 
 
@@ -113,9 +104,10 @@ def _places(scene: Scene) -> Places | None:
     width = track.n_across * track.spacing
     rows = max(1, int(width / (2.0 * half_width)))
     columns = max(1, track.lap_steps // track.steps)
-    overlap = rows * columns < FEWEST
+    fewest = LOOKS[0]
+    overlap = rows * columns < fewest
     if overlap:
-        rows = min(FEWEST, track.n_across)
+        rows = min(fewest, track.n_across)
     places = []
     for row in range(rows):
         for column in range(columns):

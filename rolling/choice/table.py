@@ -56,6 +56,7 @@ def rows(choice: ChoiceNumbers) -> list[dict[str, Any]]:
                 row["n5_difference_percent"] = judged.difference_percent
                 row["n5_difference_uncertainty_percent"] = judged.uncertainty_percent
         row["specimens"] = len(contender.heard)
+        row["left_out"] = len(choice.omitted)
         found.append(row)
     return found
 

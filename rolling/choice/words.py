@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +14,7 @@ from acoustics.numbers import rounded
 from acoustics.pairs import SURE
 from acoustics.texts import printable
 from rolling.choice.candidates import LOSS_FACTORS
-from rolling.choice.comparison import ChoiceNumbers, Contender
+from rolling.choice.comparison import ChoiceNumbers, Contender, OmittedPair
 from rolling.choice.difference import Difference
 from rolling.results.answer import uncertain
 
@@ -29,12 +29,14 @@ _OTHERS = {
     "grid": "the error of the grid; choose a smaller surface.spacing_um",
     "instrument": "what the instrument could not see",
     "baffle": "the baffle in which free plates are computed and which they do not have",
+    "left_out": "the pairs that are left out; choose a wider surface",
 }
 
 
 def sentences(choice: ChoiceNumbers) -> list[str]:
     """Return the answer: who is quieter and how sure, where the difference lies, and one doubt."""
     lines = [_verdict(choice)]
+    lines += _omissions(choice)
     lines += _where(choice)
     if choice.audible:
         lines.append(choice.audible[0].text)
@@ -119,7 +121,27 @@ def capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-# ---- where the difference lies, and what limits it
+# ---- which pairs are left out, where the difference lies, and what limits it
+
+
+def _omissions(choice: ChoiceNumbers) -> Iterator[str]:
+    """Say which pairs are left out, why, and what that does to the sureness."""
+    if not choice.omitted:
+        return
+    yield omission_words(choice.omitted, choice.tried, choice.noun)
+
+
+def omission_words(omitted: Sequence[OmittedPair], count: int, noun: str) -> str:
+    """Say which of some pairs are left out and why."""
+    first = omitted[0]
+    numbers = " and ".join(str(one.number) for one in omitted)
+    verb = "is" if len(omitted) == 1 else "are"
+    each = "it counts" if len(omitted) == 1 else "each counts"
+    return (
+        f"Of {count} {noun}, number {numbers} {verb} left out for all, because a contact has no"
+        f" solution ({printable(first.label)}: {first.reason}); {each} as a pair that speaks"
+        " against this answer."
+    )
 
 
 def _where(choice: ChoiceNumbers) -> Iterator[str]:
@@ -214,12 +236,17 @@ def _doubt(choice: ChoiceNumbers) -> Iterator[str]:
             f"The scan has room for fewer than {choice.pairs} tracks, so they overlap, and the ±"
             " is too small: measure a larger field."
         )
+    if choice.is_early:
+        yield (
+            f"The choice ended early, because {choice.limit} after {choice.tried} {choice.noun};"
+            " with more --minutes the same command goes on."
+        )
     if apart.uncertainty_db <= choice.within_db:
         return
     part, size = max(apart.parts_db.items(), key=lambda item: item[1])
     if part != "scatter":
         yield f"Of the ±, {size:.1f} dB come from {_OTHERS[part]}."
-    elif choice.limit:
+    elif choice.limit and not choice.is_early:
         yield (
             f"The ± of {printable(other.label)} is above the wanted {choice.within_db:g} dB,"
             f" because {choice.limit}; four times as many {choice.noun} would halve it."

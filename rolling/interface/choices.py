@@ -31,11 +31,13 @@ def choose(
     folder: Path | str | None = None,
     workers: int = 0,
     progress: bool | None = None,
+    pairs: int | None = None,
 ) -> Choice:
     """Choose the quietest of some scenes, and say by how much and how sure that is.
 
     All scenes are heard on the same random surfaces, or at several places of their scans, and each
-    difference has its scatter over these pairs as a ±. Pairs are added until it is the wanted one.
+    difference has its scatter over these pairs as a ±. Pairs are added until it is the wanted one,
+    in batches that are fixed beforehand. A pair whose contact has no solution is left out.
 
     Parameters
     ----------
@@ -51,6 +53,9 @@ def choose(
         Default: none, and only the numbers are kept.
     workers, progress : int, bool
         As in `simulate`.
+    pairs : int
+        Number of pairs, from 2 to 60, whatever the ± and the time. The same number gives the same
+        answer. Default: as many as the wanted ± needs.
 
     Returns
     -------
@@ -60,11 +65,11 @@ def choose(
     Raises
     ------
     SceneError
-        The scenes are not comparable, or one of them cannot run.
+        The scenes are not comparable, one of them cannot run, or so many pairs are not there.
     FolderError
         The folder holds something else.
     ContactError
-        A contact has no solution.
+        More than one in ten pairs have no solution, or half or more of fewer than ten.
     KeyboardInterrupt
         Ctrl-C was pressed.
 
@@ -81,10 +86,11 @@ def choose(
     ----------
     C. Stein, Annals of Mathematical Statistics 16, 1945, 243-258, for the number of pairs.
     """
-    from rolling.choice.choosing import Budget, choose_scenes
+    from rolling.choice.choosing import choose_scenes
+    from rolling.run.budget import Budget
 
     listed = _listed(scenes, Scene)
-    budget = Budget(within_db=within_db, minutes=minutes)
+    budget = Budget(within_db=within_db, minutes=minutes, pairs=pairs)
     with _kept_in(folder, progress) as kept:
         return choose_scenes(listed, kept, budget, workers)
 
@@ -97,6 +103,7 @@ def choose_bearings(
     folder: Path | str | None = None,
     workers: int = 0,
     progress: bool | None = None,
+    pairs: int | None = None,
 ) -> BearingChoice:
     """Choose between bearings by the three bands of ISO 15242, and say how sure that is.
 
@@ -108,7 +115,7 @@ def choose_bearings(
     scenes : BearingScene or sequence of BearingScene
         The bearings. One scene with a sweep has a bearing for each run, one with single faults is
         compared with itself without them.
-    within_db, minutes, folder, workers, progress
+    within_db, minutes, folder, workers, progress, pairs
         As in `choose`.
 
     Returns
@@ -139,10 +146,12 @@ def choose_bearings(
     6
     """
     from rolling.bearing_run import choosing
+    from rolling.run.budget import Budget
 
     listed = _listed(scenes, BearingScene)
+    budget = Budget(within_db=within_db, minutes=minutes, pairs=pairs)
     with _kept_in(folder, progress) as kept:
-        return choosing.choose_bearings(listed, kept, within_db, minutes, workers)
+        return choosing.choose_bearings(listed, kept, budget, workers)
 
 
 @ignoring_underflow
@@ -154,6 +163,7 @@ def sensitivities(
     folder: Path | str | None = None,
     workers: int = 0,
     progress: bool | None = None,
+    pairs: int | None = None,
 ) -> Sensitivities:
     """Find how much louder a scene becomes when a value of its drawing is a little larger.
 
@@ -176,6 +186,9 @@ def sensitivities(
         numbers are kept.
     workers, progress : int, bool
         As in `simulate`.
+    pairs : int
+        Number of specimens, from 2 to 60, whatever the ± and the time. Default: as many as the
+        wanted ± needs.
 
     Returns
     -------
@@ -203,6 +216,7 @@ def sensitivities(
     -0.83
     """
     from rolling.choice.sensitivity import improve_scene
+    from rolling.run.budget import Budget
 
     instance("scene", scene, Scene)
     if isinstance(keys, str):
@@ -212,8 +226,7 @@ def sensitivities(
             scene=scene,
             folder=kept,
             keys=keys,
-            within_db=within_db,
-            minutes=minutes,
+            budget=Budget(within_db=within_db, minutes=minutes, pairs=pairs),
             workers=workers,
         )
 

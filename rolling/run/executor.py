@@ -95,6 +95,7 @@ class RunLoop:
     Attributes
     ----------
     failures : dict. Reason of each failed run, by the number of the run.
+    without_solution : set. Numbers of the failed runs whose contact has no solution.
     """
 
     def __init__(
@@ -109,6 +110,7 @@ class RunLoop:
         files : RunFiles. Files that the runs get. Default: all is kept in memory.
         """
         self.failures: dict[int, str] = {}
+        self.without_solution: set[int] = set()
         self._scenes = scenes
         self._bar = bar
         self._files = files
@@ -193,6 +195,7 @@ class RunLoop:
         try:
             pieces = next_pieces(scene, result, film)
         except ContactError as error:
+            self.without_solution.add(number)
             self.fail(number, str(error))
             return
         if not pieces:
@@ -239,6 +242,7 @@ class RunLoop:
         try:
             result = own_part(scene, self._results.pop(number), film)
         except ContactError as error:
+            self.without_solution.add(number)
             self.fail(number, str(error))
             return
         if self._files is None:
@@ -301,6 +305,7 @@ class RunLoop:
         task = self._in_hand[future].task
         value: Any = None
         reason = ""
+        has_solution = True
         try:
             value = future.result()
             if value is None and task.piece is not None:  # its file holds the arrays
@@ -312,6 +317,7 @@ class RunLoop:
             raise
         except Exception as error:
             reason = _failure_reason(task, error, pool)
+            has_solution = not isinstance(error, ContactError)
         if task.piece is not None and not reason:
             progress.solved()
         del self._in_hand[future]
@@ -320,6 +326,8 @@ class RunLoop:
         progress.detail(f"done: {' '.join(task.key)}")
         for number in self._wanting.pop(task.key, []):
             if reason:
+                if not has_solution:
+                    self.without_solution.add(number)
                 self.fail(number, reason)
             elif task.piece is None:
                 self._finished.append(FinishedRun(number, None))

@@ -292,6 +292,13 @@ def _add_choose(commands: Any) -> None:
         help="add no more surfaces after M minutes; four are always heard (default"
         f" {defaults.CHOICE_MINUTES:g})",
     )
+    choose.add_argument(
+        "--pairs",
+        type=arguments.whole,
+        metavar="N",
+        help="hear N surfaces, whatever the ± and the time: the same N gives the same answer"
+        " (default: as many as --within needs)",
+    )
     inverse = choose.add_mutually_exclusive_group()
     inverse.add_argument(
         "--improve",

@@ -136,7 +136,7 @@ def _heard(work: OpenChoice, candidates: list[Candidate]) -> list[Contender]:
     """Hear candidates on all seeds, some seeds at a time."""
     for count in range(10, SEEDS, 10):
         work.hear(candidates, count)
-    return work.hear(candidates, SEEDS)
+    return work.hear(candidates, SEEDS).contenders
 
 
 def choices(pair: Pair, within_db: float) -> Iterator[Verdict]:

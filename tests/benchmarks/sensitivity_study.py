@@ -115,13 +115,13 @@ def _study(
 ) -> list[float]:
     """Print the rows of a scene; return the shares of levels below tolerance limits."""
     changes, _ = drawing.changes_of(scene, base, 1, folder)
-    (own,) = work.hear([base], surfaces)
+    (own,) = work.hear([base], surfaces).contenders
     chain = chain_levels(own.specimens)
     assert chain is not None  # as nothing falls
     for change in changes:
         if change.key in (drawing.DISTANCE, drawing.LOSS, "plate.loss_factor"):
             continue
-        (changed,) = work.hear([change.candidate], surfaces)
+        (changed,) = work.hear([change.candidate], surfaces).contenders
         apart = changed.levels_db - own.levels_db
         of_chain = chain_levels(changed.specimens)
         assert of_chain is not None

@@ -10,9 +10,11 @@ import pytest
 import soundfile
 
 import rolling as rc
+from acoustics.pairs import LOOKS
 from rolling import cli
 from rolling.choice import choosing
 from rolling.choice.candidates import candidate
+from rolling.results import listening
 from rolling.terminal import progress
 from tests.support.commands import tree
 
@@ -58,18 +60,28 @@ def test_a_choice_leaves_its_answer_in_files(chosen: Path) -> None:
 
 @pytest.mark.slow
 def test_sounds_of_a_choice_have_one_gain(chosen: Path) -> None:
-    """The ratio of the WAVs is that of the calibrated records."""
-    peaks = []
+    gains = []
     for name in ("ground", "lapped"):
-        sound, _ = soundfile.read(chosen / f"{name}.wav")
-        calibrated, _ = soundfile.read(chosen / name / "01" / "signal.wav")
-        peaks.append(np.abs(sound).max() / np.abs(calibrated).max())
-    assert peaks[0] == pytest.approx(peaks[1], rel=1e-3)
+        with soundfile.SoundFile(chosen / f"{name}.wav") as file:
+            gains.append(listening.gain_of_comment(file.comment).full_scale_per_pa)
+    assert gains[0] == gains[1]
+
+
+@pytest.mark.slow
+def test_sounds_of_a_choice_go_on_beyond_the_track(chosen: Path) -> None:
+    """A track of 10 ms that repeats is a buzz: each lap would be equal to the one before."""
+    for name in ("ground", "lapped"):
+        sound, rate = soundfile.read(chosen / f"{name}.wav")
+        assert len(sound) == 5 * rate
+        middle = sound[rate : 4 * rate]
+        lap = round(0.01 * rate)
+        same = float(middle[lap:] @ middle[:-lap] / (middle @ middle))
+        assert abs(same) < 0.3
 
 
 @pytest.mark.slow
 def test_a_specimen_is_a_run(chosen: Path) -> None:
-    run = rc.open_run(chosen / "ground" / "02")
+    run = rc.open_run(chosen / "runs" / "ground" / "02")
     assert run.scene.surface.seed == 2
 
 
@@ -89,9 +101,9 @@ def test_the_same_command_solves_nothing_again(
 
     monkeypatch.setattr("rolling.choice.solving.RunLoop", refuse)
     scenes = [str(chosen.parent / f"{name}.yaml") for name in ("ground", "lapped")]
-    before = (chosen / "ground" / "01" / "result.h5").stat().st_mtime_ns
+    before = (chosen / "runs" / "ground" / "01" / "result.h5").stat().st_mtime_ns
     assert cli.main(["choose", *scenes, "--within", "9", "--out", str(chosen), "-q"]) == 0
-    assert (chosen / "ground" / "01" / "result.h5").stat().st_mtime_ns == before
+    assert (chosen / "runs" / "ground" / "01" / "result.h5").stat().st_mtime_ns == before
 
 
 @pytest.mark.slow
@@ -102,7 +114,7 @@ def test_an_interrupted_choice_goes_on(tmp_path: Path, monkeypatch: pytest.Monke
     finished = []
     hear = choosing.OpenChoice.hear
 
-    def hear_some(self: choosing.OpenChoice, candidates: list, count: int) -> list:
+    def hear_some(self: choosing.OpenChoice, candidates: list, count: int) -> choosing.HeardPairs:
         if finished:
             raise KeyboardInterrupt
         finished.append(count)
@@ -110,20 +122,20 @@ def test_an_interrupted_choice_goes_on(tmp_path: Path, monkeypatch: pytest.Monke
 
     monkeypatch.setattr(choosing.OpenChoice, "hear", hear_some)
     assert cli.main(words) == 130
-    kept = sorted((tmp_path / "out").glob("*/*/heard.json"))
-    assert len(kept) == 2 * choosing.FEWEST
+    kept = sorted((tmp_path / "out").glob("runs/*/*/heard.json"))
+    assert len(kept) == 2 * LOOKS[0]
     before = [path.stat().st_mtime_ns for path in kept]
     monkeypatch.setattr(choosing.OpenChoice, "hear", hear)
     assert cli.main(words) == 0
     assert [path.stat().st_mtime_ns for path in kept] == before
-    assert len(sorted((tmp_path / "out").glob("*/*/heard.json"))) == 12
+    assert len(sorted((tmp_path / "out").glob("runs/*/*/heard.json"))) == 12
 
 
 def test_a_candidate_that_shares_the_contact_costs_no_march(tmp_path: Path) -> None:
     scene = rc.read_scene(write(tmp_path, "thin"))
     both = [candidate("thin", scene), candidate("thick", scene.with_(thickness_mm=9))]
     with choosing.open_choice(both, tmp_path / "out", workers=1) as work:
-        thin, thick = work.hear(both, 1)
+        (thin, thick), _ = work.hear(both, 1)
     times = [rc.open_run(one.specimens[0].folder).series["step_time"] for one in (thin, thick)]
     np.testing.assert_array_equal(times[0], times[1])  # of the same march
     assert thin.level_db != thick.level_db
@@ -194,7 +206,8 @@ def test_a_choice_of_another_program_is_not_mixed(
     scenes = [write(tmp_path, "ground"), write(tmp_path, "lapped", ra=0.05)]
     out = tmp_path / "out"
     out.mkdir()
-    stored = {"format": choosing.FORMAT, "program": "version 0.0.1, sources 0"}
+    program = "version 0.0.1, sources 0"
+    stored = {"format": choosing.FORMAT, "program": program, "sentences": []}
     (out / "choice.json").write_text(json.dumps(stored))
     assert cli.main(["choose", *scenes, "--out", str(out)]) == 2
     assert "version 0.0.1" in capsys.readouterr().err
@@ -205,7 +218,7 @@ def test_a_choice_of_another_program_is_not_mixed(
 def test_damaged_numbers_are_named(tmp_path: Path, chosen: Path) -> None:
     from rolling.choice.heard import Specimen, read_heard
 
-    stored = rc.open_run(chosen / "ground" / "01")
+    stored = rc.open_run(chosen / "runs" / "ground" / "01")
     specimen = Specimen({}, stored.scene, tmp_path, loss_factors=(0.01,))
     (tmp_path / "heard.json").write_text('{"squares_pa2": [1]}')
     with pytest.raises(rc.FolderError, match=r"heard\.json"):

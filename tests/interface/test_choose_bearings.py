@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 
 import rolling as rc
+from acoustics.pairs import LOOKS
 from rolling.bearing_run import choosing
 from rolling.cli import main
 from rolling.run import pools
+from rolling.run.budget import Budget, Clock
 from rolling.scene.messages import SceneError
 
 SMOOTH = [
@@ -102,7 +104,43 @@ def test_a_killed_process_costs_no_specimen(
     monkeypatch.setattr(choosing, "pool_for_tasks", lambda workers, tasks: Broken())
     twice = scene().with_({"name": "twice", "bearing.surfaces.balls.waviness": {4: 0.04}})
     choice = choosing.choose_bearings([scene(), twice], tmp_path / "out")
-    assert choice.pairs >= choosing.FEWEST
+    assert choice.pairs >= LOOKS[0]
+
+
+def waves(amplitude_um: float) -> rc.BearingScene:
+    return scene().with_({"name": "waves", "bearing.surfaces.balls.waviness": {4: amplitude_um}})
+
+
+def test_the_number_of_specimens_may_be_given(tmp_path: Path) -> None:
+    budget = Budget(pairs=2)
+    choice = choosing.choose_bearings([scene(), waves(0.04)], tmp_path / "out", budget, workers=1)
+    assert choice.pairs == 2
+    stored = json.loads((tmp_path / "out" / "choice.json").read_text())
+    assert stored["pairs"] == 2 and stored["sentences"] == choice.sentences
+
+
+def test_the_limit_of_time_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Clock, "is_over", True)
+    monkeypatch.setattr(choosing, "specimens_needed", lambda choice: 60)
+    choice = choosing.choose_bearings([scene(), waves(0.04)], tmp_path / "out", workers=1)
+    assert choice.pairs == LOOKS[0] and choice.is_early
+    assert "ended early, because the limit of 10 min" in choice.sentences[-1]
+
+
+def test_a_choice_of_an_older_version_is_kept_or_starts_anew(tmp_path: Path) -> None:
+    """It did not write which program it was of, and numbers of two programs are not mixed."""
+    out = tmp_path / "out"
+    out.mkdir()
+    scenes = [scene(), waves(0.04)]
+    old = {"format": choosing.FORMATS[1], "identity": "", "labels": [], "heard": []}
+    (out / "choice.json").write_text(json.dumps(old))
+    (out / "choice.csv").touch()
+    with pytest.raises(rc.FolderError, match="an older version"):
+        choosing.choose_bearings(scenes, out, workers=1)
+    (out / "choice.csv").unlink()
+    choice = choosing.choose_bearings(scenes, out, Budget(pairs=2), workers=1)
+    assert choice.pairs == 2
+    assert json.loads((out / "choice.json").read_text())["format"] == choosing.FORMAT
 
 
 def test_what_leaves_nothing_to_choose_is_refused(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from rolling.choice.limit import Point, falls, from_quiet, tolerance_factor
 from rolling.choice.limit_search import LimitSearch, coarsest_value
 from rolling.choice.sensitivity import improve_scene
 from rolling.marches.piece import contact_identity
+from rolling.run.budget import Budget
 
 SMALL = """\
 name: small
@@ -56,7 +57,7 @@ def test_distance_is_a_closed_form_and_costs_no_march(
 ) -> None:
     folder = tmp_path / "help"
     keys = ["sound.distance_m", "plate.thickness_mm", "plate.contact_loss_factor", "speed_m_s"]
-    found = improve_scene(scene, folder, keys=keys, workers=1, within_db=1.0)
+    found = improve_scene(scene, folder, keys=keys, workers=1, budget=Budget(within_db=1.0))
     by_key = {row.change.key: row for row in found.rows}
     exact = -20 * math.log10(1.1)
     # rounding of the sums of squares only

@@ -8,15 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import t as student
 
 import rolling as rc
 from acoustics.bands import BAND_NAMES
-from acoustics.pairs import FIRST_PAIRS, paired_mean, pairs_needed, student_factor
+from acoustics.pairs import FIRST_PAIRS, LOOKS, looks, paired_mean, pairs_needed, student_factor
 from acoustics.unbaffled import SHARED_PART
 from rolling.choice.candidates import LOSS_FACTORS, candidate, candidates_of
 from rolling.choice.difference import difference
 from rolling.choice.heard import Heard, LevelError
-from rolling.choice.specimens import FEWEST, Specimens
+from rolling.choice.specimens import Specimens
 from rolling.choice.words import frequencies_of_difference
 from rolling.dynamics.smooth_contact import semi_axes
 
@@ -112,6 +113,35 @@ def test_half_of_what_the_loss_factor_changes_is_in_the_uncertainty() -> None:
     assert apart.db == pytest.approx(4)
     assert apart.parts_db["loss_factor"] == pytest.approx(2)
     assert apart.uncertainty_db == pytest.approx(2, rel=0.01)
+
+
+def test_a_pair_that_is_left_out_counts_as_one_on_the_other_side() -> None:
+    """Nobody knows its difference; five pairs of 3 dB and one unknown are no six of 3 dB."""
+    first = [heard([23.0])] * 5
+    second = [heard([20.0])] * 5
+    whole = difference(first, second)
+    apart = difference(first, second, omitted=1)
+    # Student's t of five values of 3 dB and one of -3 dB
+    values = np.array([3.0] * 5 + [-3.0])
+    ratio = values.mean() / (values.std(ddof=1) / math.sqrt(6))
+    assert apart.sureness == pytest.approx(student.cdf(ratio, 5))
+    assert apart.db == whole.db == pytest.approx(3)
+    assert whole.sureness == 1.0 and not difference(first, second, omitted=2).is_sure
+    assert apart.parts_db["left_out"] == pytest.approx(3 - values.mean())
+
+
+def test_a_pair_that_is_left_out_lies_beside_a_wide_scatter() -> None:
+    """Where pairs scatter by more than their mean, it lies two standard deviations off."""
+    levels = [0.1 + db for db in (-3.0, 3.0) * 5]
+    silent = [heard([0.0])] * 10
+    apart = difference([heard([db]) for db in levels], silent, omitted=1)
+    assert apart.parts_db["left_out"] == pytest.approx(2 * np.std(levels, ddof=1) / 11)
+    assert apart.sureness == 0.5  # one such pair turns the sign round
+
+
+def test_pairs_are_looked_at_after_numbers_that_are_fixed() -> None:
+    assert looks(60) == [*LOOKS] and looks(1) == [1]
+    assert looks(7) == [4, 6, 7]
 
 
 def test_a_stated_loss_factor_stands_beside_both_of_the_other() -> None:
@@ -211,7 +241,7 @@ def test_places_of_a_scan_are_a_contact_width_apart(tmp_path: Path) -> None:
     scene = scan(tmp_path)
     (one, _) = candidates_of([scene, scene.with_(name="heavier", load_n=1.1 * scene.load)])
     specimens = Specimens([one])
-    assert specimens.count >= FEWEST
+    assert specimens.count >= LOOKS[0]
     across = sorted(
         specimens.scene(one, number).rolling.across_um for number in range(specimens.count)
     )

@@ -1,0 +1,89 @@
+"""Surfaces that are narrower than the contact: which of them a choice would have to leave out.
+
+Two runs of one law differ: over forty seeds the widest contact of a track has 84 to 136 um. Only
+where the highest summits that a law may have lie near enough to be loaded, the surfaces are made.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from rolling.check import cost
+from rolling.check.doubt import Doubt, Severity
+from rolling.contact import closed_forms
+from rolling.dynamics.smooth_contact import equivalent_radius
+from rolling.scene.scene import Scene
+from rolling.scene.seeds import seeds_of, with_seed
+from rolling.scene.surfaces import HeightFile
+
+# Heights over their rms, above which no summit of a Gaussian or another law is expected.
+GAUSSIAN_SUMMIT = 6.0
+OTHER_SUMMIT = 10.0
+RISING = ("bump", "dent", "step")  # faults that rise above the surface
+OF_CHOICE = "narrow_specimens"  # key of the doubt that concerns no number of a run
+SPECIMENS = 12  # of a choice that are foreseen
+MAX_NODES = 10_000_000  # of all surfaces that are made for it, which takes a few seconds
+
+
+def rules(scene: Scene) -> Iterator[Doubt]:
+    """Doubt surfaces that are narrower than the contact: the own one, and those of a choice."""
+    if is_surely_wide_enough(scene):
+        return
+    from rolling.check.widest_places import may_be_too_narrow  # compiled, and slow to import
+
+    seeds = seeds_of(scene)
+    nodes = scene.track.n_along * scene.track.n_across
+    if nodes > MAX_NODES:
+        return
+    if may_be_too_narrow(scene):
+        yield Doubt(
+            "window",
+            "window: at the widest place of the track the contact is probably wider than the"
+            " surface, and then the run has no solution",
+            Severity.INDICATIVE,
+            advice=_wider(scene),
+        )
+    if not seeds:
+        return
+    first = min(seeds.values())
+    count = min(SPECIMENS, MAX_NODES // nodes)
+    narrow = [
+        seed for seed in range(first, first + count) if may_be_too_narrow(with_seed(scene, seed))
+    ]
+    if narrow:
+        named = ", ".join(map(str, narrow))
+        yield Doubt(
+            OF_CHOICE,
+            f"on {len(narrow)} of the first {count} surfaces of `rolling choose` (seed {named}) the"
+            " contact is probably wider than the surface, and it leaves them out",
+            Severity.TRUST,
+            advice=_wider(scene),
+        )
+
+
+def _wider(scene: Scene) -> str:
+    """Advise to take a wider surface."""
+    if isinstance(scene.surface, HeightFile):
+        return "choose a larger height file"
+    wider = 2 * 1e6 * scene.track.n_across * scene.spacing
+    return f"choose a larger surface.width_um, such as {wider:.10g}"
+
+
+def is_surely_wide_enough(scene: Scene) -> bool:
+    """Tell whether the highest summit that a law may have lies too low beside the contact."""
+    if scene.is_smooth:
+        return True
+    is_gaussian = bool(scene.laws) and all(law.is_gaussian for law in scene.laws)
+    summit = GAUSSIAN_SUMMIT if is_gaussian else OTHER_SUMMIT
+    highest = hertz_approach(scene) + summit * cost.roughness(scene)[0]
+    highest += max((1e-6 * one.depth_um for one in scene.faults if one.kind in RISING), default=0.0)
+    along = 2 * math.sqrt(2 * scene.radius * highest)
+    across = 2 * math.sqrt(2 * scene.radius_across * highest)
+    track = scene.track
+    return along <= track.n_along * track.spacing and across <= track.n_across * track.spacing
+
+
+def hertz_approach(scene: Scene) -> float:
+    """Return the approach of the smooth elastic contact [m]."""
+    return closed_forms.hertz_approach(scene.load, equivalent_radius(scene), scene.contact_modulus)

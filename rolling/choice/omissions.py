@@ -1,0 +1,64 @@
+"""Specimens whose contact has no solution: foreseen, remembered, and refused where many."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rolling.check import widest_places
+from rolling.choice.comparison import OmittedPair
+from rolling.choice.heard import Specimen
+from rolling.contact.solver import ContactError
+from rolling.marches.piece import contact_identity
+from rolling.results.run_folder import FAILED
+from rolling.terminal import files
+
+FEW = 10  # pairs; of fewer, up to half may be left out
+MOST_OF_FEW = 0.5  # share of few pairs, which is refused itself
+MOST_OF_MANY = 0.1  # share of ten pairs or more, above which a choice ends
+
+
+def remember(home: Path, specimen: Specimen, reason: str) -> None:
+    """Write why the contact of a specimen has no solution, so that it is not marched again."""
+    files.make_below(home, specimen.folder)
+    content = {"reason": reason, "contact": contact_identity(specimen.scene)}
+    files.write_json(specimen.folder / FAILED, content)
+
+
+def foreseen(home: Path, specimen: Specimen) -> str:
+    """Return why a specimen has no solution, as far as its surface tells; empty if it may have one.
+
+    What is foreseen is remembered.
+    """
+    if specimen.is_done:
+        return ""
+    reason = widest_places.reason_against(specimen.scene)
+    if reason:
+        remember(home, specimen, reason)
+    return reason
+
+
+def refuse_many(omitted: Sequence[OmittedPair], count: int, noun: str) -> None:
+    """Refuse a choice of which so many pairs have no solution that the others do not tell.
+
+    Parameters
+    ----------
+    omitted : sequence of OmittedPair. The pairs that are left out.
+    count : int. Number of all pairs.
+    noun : str. What the specimens are.
+
+    Raises
+    ------
+    ContactError : there are more than one in ten of ten pairs or more, or half or more of fewer.
+    """
+    share = len(omitted) / count
+    is_many = share > MOST_OF_MANY if count >= FEW else share >= MOST_OF_FEW
+    if not is_many or not omitted:
+        return
+    first = omitted[0]
+    if count == 1:
+        raise ContactError(f"{first.label}: {first.reason}")
+    raise ContactError(
+        f"{len(omitted)} of {count} {noun} have no solution, so that the others do not stand for"
+        f" all; {first.label}, specimen {first.number}: {first.reason}"
+    )

@@ -1,0 +1,318 @@
+"""What a choice leaves out, when it ends, and what it keeps, without a march.
+
+Levels of specimens are given, and a stand-in writes them as marches would.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rolling as rc
+from acoustics.pairs import LOOKS
+from rolling import cli
+from rolling.choice import choosing, omissions, picture
+from rolling.choice.candidates import candidates_of
+from rolling.choice.choosing import choose_scenes, open_choice
+from rolling.choice.command import as_json
+from rolling.choice.heard import Specimen
+from rolling.contact.solver import ContactError
+from rolling.run.budget import Budget, Clock
+from rolling.scene.messages import SceneError
+from rolling.terminal.files import FolderError, write_json
+
+# The third specimen of these scenes has a lone summit 68 um beside the middle, which is loaded.
+NARROW = """\
+name: narrow
+sphere: {material: steel-100cr6, radius_mm: 5}
+plate: {material: steel-s235, thickness_mm: 10, length_mm: 200, width_mm: 150, edges: free, loss_factor: 0.02}
+surface: {kind: gaussian, seed: 1, roughness_ra_um: 0.1, correlation_length_um: 12, spacing_um: 4, width_um: 128}
+rolling: {load_n: 0.3, speed_m_s: 0.1, distance_mm: 0.4}
+dynamics: {}
+"""  # noqa: E501
+
+Marching = Callable[..., None]
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> rc.Scene:
+    path = tmp_path / "narrow.yaml"
+    path.write_text(NARROW)
+    return rc.read_scene(path)
+
+
+@pytest.fixture
+def wide(scene: rc.Scene) -> rc.Scene:
+    """Return the scene on a surface that is wider than any contact on it."""
+    return scene.with_({"surface.width_um": 256})
+
+
+@pytest.fixture
+def marched(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Write what is heard of specimens in place of marches, and list which were asked for.
+
+    Specimens of a candidate whose name has an `x` fail from the third on, every third one.
+    """
+    asked: list[str] = []
+
+    def solve(
+        folder: Path, specimens: Sequence[Specimen], labels: Sequence[str], **_: object
+    ) -> None:
+        for specimen, label in zip(specimens, labels, strict=True):
+            if specimen.is_heard:
+                continue
+            asked.append(label)
+            seed = specimen.scene.surface.seed
+            if "x" in label.split(",")[0] and seed % 3 == 0:
+                omissions.remember(folder, specimen, "no solution; take a larger surface.width_um")
+                continue
+            _write_heard(specimen, seed)
+
+    monkeypatch.setattr(choosing, "solve", solve)
+    monkeypatch.setattr(choosing, "_audible", lambda _: ())
+    return asked
+
+
+def _write_heard(specimen: Specimen, seed: int) -> None:
+    """Write a level of a specimen: 20 dB(A) over Ra, and a scatter of 2 dB."""
+    specimen.folder.mkdir(parents=True)
+    random = np.random.default_rng((seed, round(1e3 * specimen.scene.surface.roughness_ra_um)))
+    level_db = 40 + 20 * math.log10(specimen.scene.surface.roughness_ra_um) + random.normal(0, 2)
+    square = (20e-6) ** 2 * 10 ** (level_db / 10)
+    losses = len(specimen.loss_factors)
+    content: dict[str, Any] = {
+        "loss_factors": list(specimen.loss_factors),
+        "squares_pa2": [square] * losses,
+        "bands_pa2": [[square] + [0.0] * 30] * losses,
+        "released_power_db": 60.0,
+        "errors_db": {},
+        "baffle_db": None,
+    }
+    for name in ("result.h5", "summary.json"):
+        (specimen.folder / name).touch()
+    write_json(specimen.folder / "heard.json", content)
+
+
+def two(wide: rc.Scene, name: str = "x") -> list[rc.Scene]:
+    """Return two scenes, the second of which is rougher."""
+    return [wide.with_(name="smooth"), wide.with_({"name": name, "roughness_ra_um": 0.2})]
+
+
+# ---- specimens without a solution
+
+
+def test_a_specimen_without_solution_is_left_out_with_its_partner(
+    wide: rc.Scene, tmp_path: Path, marched: list[str]
+) -> None:
+    """The same command does not march it again, and another scene with its contact neither."""
+    wide = wide.with_(seed=4)  # so that one of five is the failing seed 6
+    out = tmp_path / "out"
+    choice = choose_scenes(two(wide), out, Budget(pairs=5), workers=1)
+    assert [(pair.number, pair.label) for pair in choice.omitted] == [(3, "x")]
+    assert choice.pairs == 4 and choice.tried == 5 and choice.numbers == [1, 2, 4, 5]
+    assert all(len(one.heard) == len(one.specimens) == 4 for one in choice.contenders)
+    sentence = choice.sentences[1]
+    assert "number 3 is left out" in sentence and "surface.width_um" in sentence
+    assert choice.table()["left_out"].to_list() == [1, 1]
+    stored = json.loads(json.dumps(as_json(choice)))
+    assert stored["left_out"][0]["number"] == 3 and stored["pairs"] == 4
+    assert "(1 left out)" in _title(choice)
+    marched.clear()
+    again = choose_scenes(two(wide), out, Budget(pairs=5), workers=1)
+    assert again.sentences == choice.sentences
+    assert marched == []
+
+
+def _title(choice: rc.Choice) -> str:
+    """Return the line above the picture of a choice."""
+    return str(picture.picture(choice).figure.axes[0].get_title(loc="left"))
+
+
+@pytest.mark.parametrize(("seed", "pairs"), [(3, 4), (1, 12)])
+def test_a_choice_that_would_leave_out_many_ends_with_the_remedy(
+    wide: rc.Scene, tmp_path: Path, marched: list[str], seed: int, pairs: int
+) -> None:
+    """Half of four are many, and more than one in ten of twelve."""
+    with pytest.raises(ContactError, match=r"of .* surfaces have no solution.*surface\.width_um"):
+        choose_scenes(two(wide.with_(seed=seed)), tmp_path / "out", Budget(pairs=pairs), workers=1)
+
+
+def test_another_contact_is_marched_again(
+    wide: rc.Scene, tmp_path: Path, marched: list[str]
+) -> None:
+    scenes = two(wide.with_(seed=4))
+    with open_choice(candidates_of(scenes), tmp_path / "out", workers=1) as work:
+        (rough,) = [one for one in candidates_of(scenes) if one.label == "x"]
+        specimen = work._specimen(rough, 0)
+        omissions.remember(tmp_path / "out", specimen, "no solution")
+        assert specimen.no_solution == "no solution"
+        changed = rough.scene.with_({"surface.width_um": 512, "surface.seed": 4})
+        other = Specimen({}, changed, specimen.folder, specimen.loss_factors)
+        assert other.no_solution == ""
+
+
+def test_a_narrow_surface_is_foreseen_before_a_march(
+    scene: rc.Scene, tmp_path: Path, marched: list[str]
+) -> None:
+    scenes = [scene, scene.with_({"name": "heavier", "rolling.load_n": 0.35})]
+    choice = choose_scenes(scenes, tmp_path / "out", Budget(pairs=4), workers=1)
+    assert [pair.number for pair in choice.omitted] == [3]
+    assert not any("specimen 3" in label for label in marched)
+    # for both scenes alike, of which the smooth one is found first
+    assert "surface.width_um: 256" in choice.omitted[0].reason
+
+
+def test_a_check_foresees_the_surfaces_of_a_choice(
+    scene: rc.Scene, wide: rc.Scene, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    doubts = {doubt.key: doubt for doubt in scene.check(solve=False).doubts["narrow"]}
+    assert "seed 3" in doubts["narrow_specimens"].text
+    assert "window" not in doubts  # the surface of the scene itself is wide enough
+    other = scene.with_(seed=3).check(solve=False).doubts["narrow"]
+    assert "window" in {doubt.key for doubt in other}
+    assert "narrow_specimens" not in {
+        doubt.key for doubt in wide.check(solve=False).doubts["narrow"]
+    }
+    assert cli.main(["check", "--fast", str(tmp_path / "narrow.yaml")]) == 0
+    assert "On 1 of the first 12 surfaces" in capsys.readouterr().out
+
+
+# ---- number of pairs, and time
+
+
+def test_a_number_of_pairs_takes_the_time_that_it_takes(
+    wide: rc.Scene, tmp_path: Path, marched: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rolling.run.budget.time.monotonic", iter(range(0, 10**6, 3600)).__next__)
+    choice = choose_scenes(two(wide, "rough"), tmp_path / "out", Budget(pairs=9), workers=1)
+    assert choice.pairs == 9 and not choice.is_early
+    assert "9 surfaces were asked for" in choice.limit
+
+
+@pytest.mark.parametrize("pairs", [1, 61, 2.5, True])
+def test_other_numbers_of_pairs_are_refused(
+    wide: rc.Scene, tmp_path: Path, pairs: Any, marched: list[str]
+) -> None:
+    with pytest.raises(SceneError, match=r"pairs: got .*, allowed: a whole number from 2 to 60"):
+        choose_scenes(two(wide), tmp_path / "out", Budget(pairs=pairs), workers=1)
+    assert marched == []
+
+
+def test_the_limit_of_time_ends_a_choice_early_and_says_so(
+    wide: rc.Scene, tmp_path: Path, marched: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as fast:
+        fast.setattr(Clock, "is_over", True)
+        choice = choose_scenes(two(wide, "rough"), tmp_path / "out", Budget(), workers=1)
+    assert choice.pairs == LOOKS[0] and choice.is_early
+    assert "ended early, because the limit of 10 min was reached" in choice.sentences[-1]
+
+
+def test_a_choice_that_was_killed_gives_the_same_answer(
+    wide: rc.Scene, tmp_path: Path, marched: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Killed in any batch, it takes the same looks again."""
+    whole = choose_scenes(two(wide, "rough"), tmp_path / "whole", Budget(), workers=1)
+    assert whole.pairs > LOOKS[1] and not whole.is_early
+    solve = choosing.solve
+    calls = []
+
+    def killed(**given: Any) -> None:
+        calls.append(0)
+        if len(calls) == 3:
+            half = len(given["specimens"]) - 3  # within a batch
+            solve(**given | {key: given[key][:half] for key in ("specimens", "labels")})
+            raise KeyboardInterrupt
+        solve(**given)
+
+    with monkeypatch.context() as context:
+        context.setattr(choosing, "solve", killed)
+        with pytest.raises(KeyboardInterrupt):
+            choose_scenes(two(wide, "rough"), tmp_path / "killed", Budget(), workers=1)
+    again = choose_scenes(two(wide, "rough"), tmp_path / "killed", Budget(), workers=1)
+    assert again.sentences == whole.sentences and again.pairs == whole.pairs
+    fixed = choose_scenes(
+        two(wide, "rough"), tmp_path / "fixed", Budget(pairs=whole.pairs), workers=1
+    )
+    assert fixed.sentences == whole.sentences
+
+
+def test_the_answer_names_the_command_that_repeats_it(
+    wide: rc.Scene,
+    tmp_path: Path,
+    marched: list[str],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr("rolling.choice.command.write_choice", lambda choice: None)
+    (tmp_path / "a file.yaml").write_text(NARROW.replace("128", "256"))
+    words = ["choose", str(tmp_path / "a file.yaml"), "--out", str(tmp_path / "out")]
+    words += ["--set", "sweep={surface.roughness_ra_um: [0.1, 0.2]}", "--workers", "1"]
+    assert cli.main(words) == 0
+    out = capsys.readouterr().out
+    (line,) = [line for line in out.splitlines() if line.startswith("the same answer again: ")]
+    assert "--pairs " in line and "'--set'" not in line
+    assert f"'{tmp_path}/a file.yaml'" in line and "--set 'sweep=" in line
+
+
+# ---- folders
+
+
+def test_no_name_of_a_candidate_is_that_of_a_file_of_the_choice(
+    wide: rc.Scene, tmp_path: Path, marched: list[str]
+) -> None:
+    names = ["choice.csv", "choice.json", "choice.html", "choice.png", "b", "b.wav", "runs"]
+    scenes = [
+        wide.with_({"name": name, "roughness_ra_um": 0.1 + 0.01 * number})
+        for number, name in enumerate(names)
+    ]
+    choice = choose_scenes(scenes, tmp_path / "out", Budget(pairs=4), workers=1)
+    assert {path.name for path in (tmp_path / "out").iterdir() if path.is_dir()} == {"runs"}
+    files = {"choice.csv", "choice.json", "choice.html", "choice.png", "runs", "pieces"}
+    sounds = {f"{one.candidate.folder_name}.wav" for one in choice.contenders}
+    assert len(sounds) == len(names) and not sounds & files
+    folders = {one["folder"] for one in as_json(choice)["candidates"]}
+    assert folders == {f"runs/{name}" for name in names}
+
+
+OLD = {"format": "rolling-contact-noise choice, format 1", "program": "version 0.8.0, sources 1"}
+
+
+def test_an_unfinished_choice_of_an_older_version_starts_anew(
+    wide: rc.Scene, tmp_path: Path, marched: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its files stay, since numbers of two programs are not mixed."""
+    run = tmp_path / "out" / "smooth" / "01" / "heard.json"
+    run.parent.mkdir(parents=True)
+    run.write_text("old")
+    write_json(tmp_path / "out" / "choice.json", OLD)
+    with rolling_messages():
+        choice = choose_scenes(two(wide, "rough"), tmp_path / "out", Budget(pairs=4), workers=1)
+    assert "starts anew" in "".join(capsys.readouterr())
+    assert choice.pairs == 4 and len(marched) == 8 and run.read_text() == "old"
+    marched.clear()
+    choose_scenes(two(wide, "rough"), tmp_path / "out", Budget(pairs=4), workers=1)
+    assert marched == []  # from now on it goes on
+
+
+def rolling_messages() -> Any:
+    """Show lines of progress, as a command does."""
+    from rolling.terminal import progress
+
+    return progress.begin(progress.Level.NORMAL)
+
+
+def test_a_finished_choice_of_an_older_version_is_kept(
+    wide: rc.Scene, tmp_path: Path, marched: list[str]
+) -> None:
+    (tmp_path / "out").mkdir()
+    write_json(tmp_path / "out" / "choice.json", OLD | {"sentences": ["A is quieter."]})
+    with pytest.raises(FolderError, match=r"version 0\.8\.0"):
+        choose_scenes(two(wide), tmp_path / "out", Budget(pairs=4), workers=1)
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["choice.json"]
