@@ -292,7 +292,8 @@ def check_run(scene: Scene, solved: Probe | None = None) -> RunCheck:
         *scene_rules(scene),
         *level.of_grid(scene),
     ]
-    if not refusals.excess([scene], 1, None):
+    is_narrow = any(x.key == "window" for x in found if isinstance(x, Doubt))
+    if not is_narrow and not refusals.excess([scene], 1, None):
         found += narrow_surface.rules(scene)
     if solved is not None:
         found += solved.findings(scene)

@@ -6,21 +6,14 @@ where the highest summits that a law may have lie near enough to be loaded, the 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
-from rolling.check import cost
 from rolling.check.doubt import Doubt, Severity
-from rolling.contact import closed_forms
-from rolling.dynamics.smooth_contact import equivalent_radius
+from rolling.check.highest_summit import is_surely_wide_enough
 from rolling.scene.scene import Scene
 from rolling.scene.seeds import seeds_of, with_seed
 from rolling.scene.surfaces import HeightFile
 
-# Heights over their rms, above which no summit of a Gaussian or another law is expected.
-GAUSSIAN_SUMMIT = 6.0
-OTHER_SUMMIT = 10.0
-RISING = ("bump", "dent", "step")  # faults that rise above the surface
 OF_CHOICE = "narrow_specimens"  # key of the doubt that concerns no number of a run
 SPECIMENS = 12  # of a choice that are foreseen
 MAX_NODES = 10_000_000  # of all surfaces that are made for it, which takes a few seconds
@@ -68,22 +61,3 @@ def _wider(scene: Scene) -> str:
         return "choose a larger height file"
     wider = 2 * 1e6 * scene.track.n_across * scene.spacing
     return f"choose a larger surface.width_um, such as {wider:.10g}"
-
-
-def is_surely_wide_enough(scene: Scene) -> bool:
-    """Tell whether the highest summit that a law may have lies too low beside the contact."""
-    if scene.is_smooth:
-        return True
-    is_gaussian = bool(scene.laws) and all(law.is_gaussian for law in scene.laws)
-    summit = GAUSSIAN_SUMMIT if is_gaussian else OTHER_SUMMIT
-    highest = hertz_approach(scene) + summit * cost.roughness(scene)[0]
-    highest += max((1e-6 * one.depth_um for one in scene.faults if one.kind in RISING), default=0.0)
-    along = 2 * math.sqrt(2 * scene.radius * highest)
-    across = 2 * math.sqrt(2 * scene.radius_across * highest)
-    track = scene.track
-    return along <= track.n_along * track.spacing and across <= track.n_across * track.spacing
-
-
-def hertz_approach(scene: Scene) -> float:
-    """Return the approach of the smooth elastic contact [m]."""
-    return closed_forms.hertz_approach(scene.load, equivalent_radius(scene), scene.contact_modulus)

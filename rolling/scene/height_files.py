@@ -19,18 +19,21 @@ from typing import IO, Any, cast
 import numpy as np
 
 from acoustics.arrays import Array
+from rolling.scene.kept import Kept
 from rolling.scene.messages import TABLES, SceneError, quoted
 from rolling.terminal.files import kind_of
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # of heights, in m
 MAX_BYTES = 500_000_000  # of a file, packed or not; reading takes long, and .npy may be larger
 MAX_LINE = 20_000_000  # letters
+MAX_KEPT = 64_000_000  # bytes of the numbers of text files that a process keeps
 NAME = "heights.npy"  # of the array in an archive of several
 _TEXT_ENDINGS = (".csv", ".txt")
 _ENDINGS = (".npy", ".npz", *_TEXT_ENDINGS)
 TRIPLES = ".xyz"
 INSTRUMENTS = (TRIPLES, ".x3p", ".sdf", *TABLES["formats"])
 _DECIMALS = re.compile(r"\s*-?0\d+\s*")  # no whole number begins with 0
+_DECIMALS_IN_LINE = re.compile(r"(?:^|,)\s*-?0\d+\s*(?:,|$)")
 _WHOLE = re.compile(r"[+-]?\d+")
 # A number with a comma before its decimals, and perhaps points between its thousands.
 _DECIMAL_COMMA = re.compile(r"[+-]?(\d{1,3}(\.\d{3})+|\d*),\d+([eE][+-]?\d+)?")
@@ -203,7 +206,7 @@ def numbers_of_text(path: Path) -> Array:
     """Read the numbers of a text file, shape (rows, columns).
 
     Empty lines and lines that begin with # do not count. A separator at the end of a line adds no
-    number. The array is read-only, because the last one is kept.
+    number. The array is read-only, because the last ones are kept.
     """
     return _text(path)[0]
 
@@ -235,19 +238,63 @@ def _text(path: Path) -> "tuple[Array, _Commas]":
         raise HeightFormatError(
             f"is larger than {MAX_BYTES:,} bytes of text; a .npy file may be larger"
         )
-    return _table(path, (status.st_mtime_ns, status.st_size, status.st_ino))
+    stamp = status.st_mtime_ns, status.st_size, status.st_ino
+    return _tables.value((path, stamp), lambda: _table(path))
 
 
-@lru_cache(maxsize=1)
-def _table(path: Path, stamp: tuple[int, ...]) -> "tuple[Array, _Commas]":
-    """Read the numbers of a file that was last written at a stamp, and what its commas may be."""
+_tables: Kept["tuple[Array, _Commas]"] = Kept(MAX_KEPT, lambda table: table[0].nbytes)
+
+
+def _table(path: Path) -> "tuple[Array, _Commas]":
+    """Read the numbers of a file, and what its commas may be."""
+    table, commas = _fast_table(path) or _slow_table(path)
+    table.flags.writeable = False
+    return table, commas
+
+
+def _fast_table(path: Path) -> "tuple[Array, _Commas] | None":
+    """Read the numbers of a file by numpy; None where a person has to be told what is wrong."""
+    commas = _Commas()
+    lines = (line for _, line in _lines(path))
+    first = next(lines, None)
+    if first is None:
+        return None
+    separator = _separator(first)
+    texts = _plain_lines(itertools.chain([first], lines), separator, commas)
+    try:
+        table = np.loadtxt(texts, dtype=float, comments=None, delimiter=separator, ndmin=2)
+    except (ValueError, OverflowError):
+        return None
+    if np.isinf(table).any():
+        return None
+    return table, commas
+
+
+def _plain_lines(lines: Iterator[str], separator: str | None, commas: "_Commas") -> Iterator[str]:
+    """Yield lines without a separator at their ends; raise ValueError for doubtful commas."""
+    for line in lines:
+        if separator == ",":
+            has_points = line.count(".") > line.count(",")  # in every number
+            if not has_points and _DECIMALS_IN_LINE.search(line):
+                raise ValueError("decimals behind a comma")
+            commas.add(line)
+        yield line.removesuffix(separator) if separator else line
+
+
+def _separator(line: str) -> str | None:
+    """Return what separates the numbers of a line; None for whitespace."""
+    return next((sign for sign in (";", "\t", ",") if sign in line), None)
+
+
+def _slow_table(path: Path) -> "tuple[Array, _Commas]":
+    """Read the numbers of a file line by line, and say on which line one is wrong."""
     values = array("d")
     rows = 0
     width = 0
     separator: str | None = None
     commas = _Commas()
     for place, line in _lines(path):
-        separator = separator or next((sign for sign in (";", "\t", ",") if sign in line), None)
+        separator = separator or _separator(line)
         row = _row(line, separator, place)
         if separator == ",":
             commas.add(line)
@@ -259,9 +306,7 @@ def _table(path: Path, stamp: tuple[int, ...]) -> "tuple[Array, _Commas]":
         values.extend(row)
     if not rows:
         raise HeightFormatError(f"holds no heights, allowed: {_NUMBERS}")
-    table = np.frombuffer(values, dtype=float).reshape(rows, width)
-    table.flags.writeable = False
-    return table, commas
+    return np.frombuffer(values, dtype=float).reshape(rows, width), commas
 
 
 def _lines(path: Path) -> Iterator[tuple[int, str]]:

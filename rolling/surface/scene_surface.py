@@ -1,7 +1,8 @@
 """Surface of a scene, generated or read, centred and levelled.
 
 March, statistics and pictures take the heights from this module. The last surface is kept, because
-most runs of a sweep share it, and small ones before it, so that a sweep may alternate between them.
+most runs of a sweep share it, and smaller ones before it, because a sweep or a choice alternates
+between them. Tracks beside each other on a plate share its surface.
 In pure rolling each place of the sphere meets the place of the plate that it rolled to, so both
 surfaces add up to one that does not move: z(x, y) = plate(x, y) + sphere(x mod 2 pi R, y). A track
 beside the middle of the plate's surface is made by moving the heights of the plate.
@@ -18,6 +19,7 @@ from acoustics.arrays import Array, short_repr
 from rolling.scene import height_files, surfaces
 from rolling.scene.height_files import reason_of
 from rolling.scene.height_grid import height_grid
+from rolling.scene.kept import Kept
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.track import Track
@@ -59,25 +61,37 @@ class SceneSurface:
         return self.levelling is not None and self.levelling.seams[0].stands_out
 
 
-_MAX_KEPT = 16e6  # bytes of the heights of all surfaces that are kept, apart from the last
+@dataclass(frozen=True, eq=False)
+class _Plate:
+    """Surface of a plate with its faults, before the track is moved to its middle.
 
-_kept: dict[tuple[Any, ...], SceneSurface] = {}  # the oldest first
+    Tracks beside each other on one surface share it.
+    """
+
+    heights: Array  # [m], shape (along, across)
+    levelling: Levelling | None
+    effects: Sequence[Effect]
+    described: dict[str, Any]
+    seen: InstrumentSight | None
+
+
+MAX_KEPT = 64_000_000  # bytes of the heights of all surfaces that are kept, apart from the last
+_kept: Kept[SceneSurface] = Kept(MAX_KEPT, lambda made: made.heights.nbytes)
+_plates: Kept[_Plate] = Kept(MAX_KEPT, lambda made: made.heights.nbytes, keeps_last=False)
 
 
 def scene_surface(scene: Scene) -> SceneSurface:
     """Generate or read the surface of a scene; raise SceneError where that fails."""
-    key = identity(scene)
-    if key not in _kept:
+
+    def make() -> SceneSurface:
         try:
             with progress.step(_making(scene)):
-                fresh = _make(scene)
+                return _make(scene)
         except surface.SurfaceError as error:
             place = "surface.path" if scene.height_path else "surface"
             raise SceneError([f"{scene.place(place)}: {place}: {error}"]) from error
-        _kept[key] = fresh
-        while sum(other.heights.nbytes for other in _kept.values()) > _MAX_KEPT and len(_kept) > 1:
-            del _kept[next(iter(_kept))]
-    return _kept[key]
+
+    return _kept.value(identity(scene), make)
 
 
 def heights(scene: Scene) -> Array:
@@ -91,13 +105,6 @@ def identity(scene: Scene) -> tuple[Any, ...]:
     A file that was written again counts as another file.
     """
     track = scene.track
-    stamps = []
-    for section, path in scene.height_paths.items():
-        try:
-            stamp = path.stat()
-        except OSError as error:
-            raise SceneError([f"{section}.path: {path}: {reason_of(error)}"]) from error
-        stamps.append((stamp.st_mtime_ns, stamp.st_size, stamp.st_ino))
     ball = scene.sphere.surface
     of_ball = None
     if ball is not None:
@@ -109,8 +116,27 @@ def identity(scene: Scene) -> tuple[Any, ...]:
         scene.folder,
         track.n_along,
         track.n_across,
-        *stamps,
+        *_stamps(scene),
     )
+
+
+def _plate_identity(scene: Scene) -> tuple[Any, ...]:
+    """Return values that are equal for scenes whose plates have the same surface."""
+    track = scene.track
+    shape = (track.n_along, track.n_across)
+    return (scene.surface.model_dump_json(), scene.folder, shape, *_stamps(scene))
+
+
+def _stamps(scene: Scene) -> list[tuple[int, ...]]:
+    """Return what changes when a height file of a scene is written again."""
+    stamps: list[tuple[int, ...]] = []
+    for section, path in scene.height_paths.items():
+        try:
+            stamp = path.stat()
+        except OSError as error:
+            raise SceneError([f"{section}.path: {path}: {reason_of(error)}"]) from error
+        stamps.append((stamp.st_mtime_ns, stamp.st_size, stamp.st_ino))
+    return stamps
 
 
 def _making(scene: Scene) -> str:
@@ -122,20 +148,17 @@ def _making(scene: Scene) -> str:
 
 def _make(scene: Scene) -> SceneSurface:
     """Make the surface of plate and sphere of a scene."""
-    plate, plane, effects = _plate(scene)
-    seen = _seen(scene, plate)
-    described = made.described("surface_made", plate, scene.spacing, scene.surface.law)
-    add_faults(plate, scene.surface.faults or (), scene.spacing)
-    plate = under_track(scene, plate)
+    made_plate = _plates.value(_plate_identity(scene), lambda: _make_plate(scene))
+    plate = under_track(scene, made_plate.heights)
     if scene.sphere.surface is None:
         return SceneSurface(
             heights=plate,
             spacing=scene.spacing,
-            levelling=plane,
-            preparation=effects,
-            made=described,
+            levelling=made_plate.levelling,
+            preparation=made_plate.effects,
+            made=made_plate.described,
             suspicions=tuple(_suspicions(scene)),
-            seen=seen,
+            seen=made_plate.seen,
         )
     try:
         ball, described_ball = ball_heights(scene, scene.sphere.surface)
@@ -143,16 +166,27 @@ def _make(scene: Scene) -> SceneSurface:
         raise SceneError([f"sphere.surface: {error}"]) from error
     suspicions = tuple(_suspicions(scene))  # after the ball is read, which refuses damaged files
     part_ra = (_ra(plate), _ra(ball))  # before the sum, which may overwrite the plate
+    if plate is made_plate.heights and plate.nbytes <= MAX_KEPT:  # it is kept as it is
+        plate = plate.copy()
     return SceneSurface(
         heights=rolled_together(plate, ball, scene.track, scene.start),
         spacing=scene.spacing,
-        levelling=plane,
-        preparation=effects,
+        levelling=made_plate.levelling,
+        preparation=made_plate.effects,
         part_ra=part_ra,
-        made=described | described_ball,
+        made=made_plate.described | described_ball,
         suspicions=suspicions,
-        seen=seen,
+        seen=made_plate.seen,
     )
+
+
+def _make_plate(scene: Scene) -> _Plate:
+    """Make the surface of the plate of a scene with its faults."""
+    plate, plane, effects = _plate(scene)
+    seen = _seen(scene, plate)
+    described = made.described("surface_made", plate, scene.spacing, scene.surface.law)
+    add_faults(plate, scene.surface.faults or (), scene.spacing)
+    return _Plate(heights=plate, levelling=plane, effects=effects, described=described, seen=seen)
 
 
 def under_track(scene: Scene, plate: Array) -> Array:

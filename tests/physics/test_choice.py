@@ -20,6 +20,7 @@ from rolling.choice.heard import Heard, LevelError
 from rolling.choice.specimens import Specimens
 from rolling.choice.words import frequencies_of_difference
 from rolling.dynamics.smooth_contact import semi_axes
+from rolling.surface import scene_surface
 
 SMALL = {
     "name": "small",
@@ -247,3 +248,30 @@ def test_places_of_a_scan_are_a_contact_width_apart(tmp_path: Path) -> None:
     )
     width_um = 2e6 * semi_axes(one.scene)[1]
     assert np.diff(across).min() >= width_um * (1 - 1e-9)
+
+
+def test_places_of_a_scan_share_its_prepared_surface(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Six places on each of two scans: each scan is read and prepared once, in any order."""
+    prepared = []
+    make = scene_surface._make_plate
+    monkeypatch.setattr(
+        scene_surface, "_make_plate", lambda given: prepared.append(given) or make(given)
+    )
+    scenes = []
+    for name in ("ground", "lapped"):
+        (tmp_path / name).mkdir()
+        scenes.append(scan(tmp_path / name).with_(name=name))
+    candidates = candidates_of(scenes)
+    specimens = Specimens(candidates)
+    first = {}
+    for _ in range(2):
+        for number in range(6):
+            for one in candidates:
+                placed = specimens.scene(one, number)
+                heights = scene_surface.heights(placed)
+                # the track of a place lies in the middle, as if its surface were made alone
+                moved = np.roll(first.setdefault(one.label, heights), -placed.across_nodes, axis=1)
+                np.testing.assert_array_equal(heights, moved)
+    assert len(prepared) == 2

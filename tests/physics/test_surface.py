@@ -10,6 +10,7 @@ from hard_cases.gaussian_heights import gaussian
 from scene_text import PLAIN
 
 from rolling.scene import file as scene_file
+from rolling.scene.kept import Kept
 from rolling.scene.laws import Roughness
 from rolling.surface import heights as surface
 from rolling.surface import levelling, made, scene_surface
@@ -252,8 +253,8 @@ def test_surfaces_that_runs_share_are_made_and_described_once(
     made = []
     make = scene_surface._make
     monkeypatch.setattr(scene_surface, "_make", lambda given: made.append(given) or make(given))
-    monkeypatch.setattr(scene_surface, "_kept", {})
-    monkeypatch.setattr(scene_surface, "_MAX_KEPT", most)
+    kept = Kept(int(most), lambda surface: surface.heights.nbytes)
+    monkeypatch.setattr(scene_surface, "_kept", kept)
     swept = ["sweep.rolling.load_n=[5, 20]", "sweep.surface.seed=[1, 2]"]
     runs = [single for _, single in scene_file.loads(PLAIN, swept).runs()]
     statistics = [scene_surface.scene_surface(run).statistics for run in runs]

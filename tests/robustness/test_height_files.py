@@ -20,6 +20,7 @@ from rolling import cli
 from rolling.check import findings
 from rolling.scene import file, height_files
 from rolling.scene.height_files import HeightFormatError
+from rolling.scene.kept import Kept
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.surface import scene_surface
@@ -356,6 +357,73 @@ def test_text_without_numbers_and_text_that_is_too_large(
     assert "h.txt:1: a line of more than 100 letters" in fault(tmp_path, "h.txt")
     monkeypatch.setattr(height_files, "MAX_BYTES", 100)
     assert "is larger than 100 bytes of text; a .npy file may be larger" in fault(tmp_path, "h.txt")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "1_0 2\n3 4",
+        "1e999 2\n3 4",
+        "nan 2\n3 NaN",
+        "infinity 2\n1 2",
+        "0x10 2",
+        "1,2,\n3,4,",
+        "1,2,,\n3,4,,",
+        "1;2;\n3;4",
+        "1;2,5\n3;4,5",
+        "1, 2\n 3 ,4",
+        "1\t2\t\n3\t4",
+        "#c\n\n1 2\n#d\n3 4",
+        "1 2 # x\n3 4",
+        "1,05\n2,06",
+        "05,1\n2,3",
+        "0.5,1,05",
+        "1.5,1,05",
+        "1.5,2.5\n1,05",
+        "+1 -2",
+        "1.,.5",
+        "1 2\n3",
+        "1,,2",
+        '"1" 2',
+        "1 2\r3 4\r\n5 6",
+        "\xef\xbb\xbf1,2\n3,4",
+        "1\xa02\n3\xa04",
+        "",
+    ],
+)
+def test_numpy_reads_what_the_explaining_reader_reads(text: str, tmp_path: Path) -> None:
+    """Where the latter says what is wrong, the former leaves it to it."""
+    path = tmp_path / "h.txt"
+    path.write_bytes(text.encode("latin-1"))
+    fast = height_files._fast_table(path)
+    try:
+        slow, _ = height_files._slow_table(path)
+    except height_files.HeightFormatError:
+        assert fast is None
+        return
+    assert fast is not None
+    np.testing.assert_array_equal(fast[0], slow)
+
+
+def test_two_files_in_turn_are_parsed_once_each(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A choice between two scans reads them in turn; what is too large is not kept."""
+    parsed = []
+    table = height_files._table
+    monkeypatch.setattr(height_files, "_table", lambda path: parsed.append(path) or table(path))
+    paths = [tmp_path / name for name in ("a.csv", "b.csv")]
+    for path in paths:
+        path.write_text("1,2\n3,4.5\n")
+    for _ in range(3):
+        for path in paths:
+            height_files.numbers_of_text(path)
+    assert parsed == paths
+    small = Kept(40, lambda table: table[0].nbytes)  # bytes, of which a table takes 32
+    monkeypatch.setattr(height_files, "_tables", small)
+    for path in (*paths, *paths):
+        height_files.numbers_of_text(path)
+    assert parsed == 3 * paths
 
 
 def test_a_text_that_was_written_again_is_read_again(tmp_path: Path) -> None:
