@@ -163,7 +163,7 @@ def _solve(
     """March contacts by their identities; raise ContactError where one has no solution."""
     identities = list(scenes)
     marches = {}
-    for number, result in loop.finished_runs(pool):
+    for number, result, _ in loop.finished_runs(pool):
         identity = identities[number]
         if folder is None:
             assert result is not None  # it is not written into files

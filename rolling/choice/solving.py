@@ -74,7 +74,7 @@ def solve(
     with progress.step("estimating the time of the marches"):
         loop = RunLoop([specimen.scene for specimen in lacking], bar, run_files)
     with _kept_advice(folder):
-        for number, _ in loop.finished_runs(pool):
+        for number, _, _ in loop.finished_runs(pool):
             unfinished[marches[number]] -= 1
             if unfinished[marches[number]] == 0:
                 folders.drop_pieces(folder, marches[number])

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-import shutil
 import time
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from acoustics.traps import ignoring_underflow
 from rolling.contact.processor_time import ProcessorTime
+from rolling.figures.settings import PictureWarning
 from rolling.marches import effort
 from rolling.results import labels, runs_table
 from rolling.results.common_gain import write_with_common_gain
 from rolling.results.run_folder import PAGE, SUMMARY, TABLE, RunFolder, read_summary
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
+from rolling.run.ending import Ending
+from rolling.run.kept_runs import KeptRuns
 from rolling.run.solving import open_runs
 from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError
@@ -25,7 +29,7 @@ if TYPE_CHECKING:
 
 
 def write_derived_alone(
-    folder: Path, runs: Sequence[RunFolder], report: bool, part: folders.Part | None = None
+    ending: Ending, runs: Sequence[RunFolder], report: bool, part: folders.Part | None = None
 ) -> None:
     """Write table, figures and page of a folder on which no other command works.
 
@@ -35,27 +39,28 @@ def write_derived_alone(
         return
     with ExitStack() as stack:
         try:
-            stack.enter_context(folders.locked(folder))
+            stack.enter_context(folders.locked(ending.folder))
         except FolderError:
             if part is None:
                 progress.line("another command works on the folder; it writes table and page")
             else:
                 progress.line("other parts are at work; the last one writes table and page")
             return
-        write_derived(folder, runs, report)
+        write_derived(ending, runs, report)
 
 
-def write_derived(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
+def write_derived(ending: Ending, runs: Sequence[RunFolder], report: bool) -> None:
     """Write what follows from the runs that are done: one gain, table, figures and page.
 
     Files that are up to date stay as they are.
     """
+    folder = ending.folder
     done = [run for run in runs if run.is_done]
     if len(done) == len(runs):
-        shutil.rmtree(folder / folders.PIECES, ignore_errors=True)
+        folders.drop_all_pieces(folder)
     if not done:
         return
-    write_with_common_gain(runs)
+    write_with_common_gain(runs, ending.kept.read, ending.each)
     newest = max((run.folder / SUMMARY).stat().st_mtime_ns for run in done)
     report = report and len(runs) <= defaults.MAX_RUNS_COMPARED
     last = folder / TABLE
@@ -68,13 +73,77 @@ def write_derived(folder: Path, runs: Sequence[RunFolder], report: bool) -> None
         write_table(runs_table.runs_table(runs), folder / TABLE)
     if not report:
         return
-    began = ProcessorTime.now()
-    content = _drawn_report(open_runs(done), folder, [run for run in runs if not run.is_done])
-    spent = ProcessorTime.now().since(began)
+    unsolved = [run for run in runs if not run.is_done]
+    content, spent = _drawn(ending, done, unsolved)
     for run in done:  # before the page, which must not be older than a summary
         summary = read_summary(run.folder / SUMMARY)
         files.write_json(run.folder / SUMMARY, effort.with_page(summary, spent, len(done)))
     files.write_bytes(folder / PAGE, content)
+
+
+def _drawn(
+    ending: Ending, done: Sequence[RunFolder], unsolved: Sequence[RunFolder]
+) -> tuple[bytes, ProcessorTime]:
+    """Write the figures that compare runs, and return their page and its processor time.
+
+    Where the command has several processes, one draws the figures and another one the page.
+    """
+    page_file = ending.folder / f".{PAGE}{files.PARTIAL}"
+    names = labels.labels(unsolved) if unsolved else []
+    calls: list[tuple[Any, ...]] = [(_page_file, (ending.kept, done, page_file, names))]
+    if len(done) > 1:
+        calls.insert(0, (_figure_files, (ending.kept, done, ending.folder)))
+    with progress.step("drawing the figures and the page"):
+        drawn = ending.each(_with_warnings, calls)
+    try:
+        content = page_file.read_bytes()
+    finally:
+        page_file.unlink(missing_ok=True)
+    whole = ProcessorTime(0.0, 0.0)
+    for spent, warned in drawn:
+        whole = whole.plus(spent)
+        for text in warned:
+            warnings.warn(text, PictureWarning, stacklevel=2)
+    return content, whole
+
+
+@ignoring_underflow
+def _with_warnings(
+    function: Callable[..., None], arguments: tuple[Any, ...]
+) -> tuple[ProcessorTime, list[str]]:
+    """Call a function that draws; return its processor time, and the pictures that it left out."""
+    began = ProcessorTime.now()
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", PictureWarning)
+        function(*arguments)
+    texts = []
+    for warning in caught:
+        if issubclass(warning.category, PictureWarning):
+            texts.append(str(warning.message))
+        else:
+            warnings.warn_explicit(
+                warning.message, warning.category, warning.filename, warning.lineno
+            )
+    return ProcessorTime.now().since(began), texts
+
+
+def _figure_files(kept: KeptRuns, done: Sequence[RunFolder], folder: Path) -> None:
+    """Write the figures that compare runs into a folder."""
+    from rolling.figures import write_figures
+
+    write_figures(open_runs(done, kept.read), folder)
+
+
+def _page_file(
+    kept: KeptRuns,
+    done: Sequence[RunFolder],
+    path: Path,
+    unsolved: Sequence[str],
+) -> None:
+    """Write the page of runs into a file."""
+    from rolling.report import page
+
+    files.write_bytes(path, page.page(open_runs(done, kept.read), unsolved))
 
 
 def write_table(frame: pd.DataFrame, path: Path) -> None:
@@ -85,12 +154,6 @@ def write_table(frame: pd.DataFrame, path: Path) -> None:
 
 def write_report(runs: Sequence[Run], folder: Path, unsolved: Sequence[RunFolder]) -> None:
     """Write the figures that compare runs and the page of all runs into a folder."""
-    content = _drawn_report(runs, folder, unsolved)
-    files.write_bytes(folder / PAGE, content)
-
-
-def _drawn_report(runs: Sequence[Run], folder: Path, unsolved: Sequence[RunFolder]) -> bytes:
-    """Write the figures that compare runs into a folder, and return the page of all runs."""
     from rolling.figures import write_figures
     from rolling.report import page
 
@@ -101,4 +164,4 @@ def _drawn_report(runs: Sequence[Run], folder: Path, unsolved: Sequence[RunFolde
         names: list[str] = []
         if unsolved:
             names = labels.labels(unsolved)
-        return page.page(runs, names)
+        files.write_bytes(folder / PAGE, page.page(runs, names))

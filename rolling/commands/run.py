@@ -12,6 +12,7 @@ from rolling.results import labels, run_lines
 from rolling.results.run_folder import PAGE, RunFolder
 from rolling.results.run_result import PASSES
 from rolling.run import folder as folders
+from rolling.run.ending import Ending
 from rolling.run.solving import runs_of_part, solve_folder
 from rolling.scene import file
 from rolling.scene.scene import Scene
@@ -54,11 +55,18 @@ def run_scene(
     KeyboardInterrupt : Ctrl-C or SIGTERM; finished pieces are kept.
     """
     folder = out or folders.default_folder(scene)
-    failures = solve_folder(
-        scene, folder, start_from=start_from, part=part, workers=workers, cluster=cluster
-    )
-    runs = folders.runs_in(folder, scene)
-    write_derived_alone(folder, runs, report, part)
+    with Ending(folder) as ending:
+        failures = solve_folder(
+            scene,
+            folder,
+            start_from=start_from,
+            part=part,
+            workers=workers,
+            cluster=cluster,
+            ending=ending,
+        )
+        runs = folders.runs_in(folder, scene)
+        write_derived_alone(ending, runs, report, part)
     _print_runs(folder, runs_of_part(runs, part))
     if open:
         pages.open_page(folder / PAGE)
@@ -98,9 +106,10 @@ def resound(
     if program != folders.this_program():
         progress.line(f"{folder}: marched by {program}, heard by {folders.this_program()}")
     target = out or folders.default_folder(scene)
-    failures = solve_folder(scene, target, sources=stored, workers=workers)
-    runs = folders.runs_in(target, scene)
-    write_derived_alone(target, runs, report)
+    with Ending(target) as ending:
+        failures = solve_folder(scene, target, sources=stored, workers=workers, ending=ending)
+        runs = folders.runs_in(target, scene)
+        write_derived_alone(ending, runs, report)
     _print_runs(target, runs)
     return failures
 

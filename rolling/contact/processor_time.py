@@ -35,6 +35,13 @@ class ProcessorTime(NamedTuple):
             compilation_s=self.compilation_s - before.compilation_s,
         )
 
+    def plus(self, other: ProcessorTime) -> ProcessorTime:
+        """Return the sum of two processor times."""
+        return ProcessorTime(
+            work_s=self.work_s + other.work_s,
+            compilation_s=self.compilation_s + other.compilation_s,
+        )
+
 
 class _Compilation(threading.local):
     """Compilation of a thread: how deep its kernels compile each other, and its processor time."""

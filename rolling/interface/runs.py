@@ -21,6 +21,7 @@ from rolling.results import labels
 from rolling.results.run_folder import PAGE
 from rolling.results.run_result import Run, write_run
 from rolling.run import folder as folders
+from rolling.run.ending import Ending
 from rolling.run.solving import Values, open_runs, simulate_runs
 from rolling.run.sweep_runs import Runs, SweepError
 from rolling.scene import sweep as sweeps
@@ -228,7 +229,8 @@ def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
         folders.write_scene(folder, scene)
         (alone,) = folders.stored_runs(folder)
         write_run(replace(run, scene=scene, folder=folder, values={}))
-        write_derived(folder, [alone], report)
+        with Ending(folder) as ending:
+            write_derived(ending, [alone], report)
     return folder
 
 

@@ -5,22 +5,39 @@ own gain. When the sweep ends or grows, all its listen.wav are written with one 
 depend on the runs alone, and not on the order in which runs, processes or parts ended.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rolling.results import labels, listening
 from rolling.results.listening import COMMON_GAIN, SILENCE, Gain
 from rolling.results.run_folder import SUMMARY, RunFolder, read_summary
-from rolling.results.run_result import LISTEN, read_run
+from rolling.results.run_result import LISTEN, Run, read_run
 from rolling.terminal import progress
 from rolling.terminal.files import write_bytes, write_json
 
+Read = Callable[[RunFolder, str], Run]  # of a run that is done, under a label
 
-def write_with_common_gain(runs: Sequence[RunFolder]) -> None:
+
+def each_here(function: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> list[Any]:
+    """Call a function with some arguments each, in this process."""
+    return [function(*arguments) for arguments in calls]
+
+
+def write_with_common_gain(
+    runs: Sequence[RunFolder],
+    read: Read = read_run,
+    each: Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], Any] = each_here,
+) -> None:
     """Write listen.wav of the runs of a sweep that are done with the gain that they share.
 
-    A file that has this gain already stays as it is. The sound of the others is made again from
-    result.h5, because samples that were rounded twice would depend on the order of the runs.
+    A file that has this gain already stays as it is. The others are written from the sound of the
+    run, because samples that were rounded twice would depend on the order of the runs.
+
+    Parameters
+    ----------
+    runs : sequence of RunFolder
+    read : function. It returns a run from its folder. Default: `read_run`.
+    each : function. It calls a function of this module with some arguments each, in some process.
 
     Raises
     ------
@@ -38,12 +55,11 @@ def write_with_common_gain(runs: Sequence[RunFolder]) -> None:
             continue
         common = gains.get(summaries[run]["source"])
         if common is not None and not _is_current(run, label, summaries[run], common):
-            waiting.append((run, label, common))
+            waiting.append((run, label, common, read))
     if not waiting:
         return
     with progress.step("writing listen.wav with one gain for the sweep"):
-        for run, label, common in waiting:
-            _write_again(run, label, common)
+        each(_write_again, waiting)
 
 
 def common_gains(summaries: Sequence[Mapping[str, Any]]) -> dict[str, float]:
@@ -77,9 +93,9 @@ def _is_current(run: RunFolder, label: str, summary: Mapping[str, Any], common: 
     return listening.has_gain(run.folder / LISTEN, gain, listening.wav_title(run, label))
 
 
-def _write_again(run: RunFolder, label: str, common: float) -> None:
+def _write_again(run: RunFolder, label: str, common: float, read: Read) -> None:
     """Write listen.wav of a run with a common gain, then its summary, which names the gain."""
-    opened = read_run(run, label)
+    opened = read(run, label)
     content, facts = listening.listen_wav(opened, common)
     write_bytes(run.folder / LISTEN, content)
     provenance = opened.summary.get("provenance", {}) | {"label": label}

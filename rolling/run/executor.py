@@ -55,7 +55,7 @@ class RunFiles:
     stored : mapping. Runs that are done, by contact identity; their marches are taken.
     film : bool. Whether runs get a slow motion.
     finish : function. It makes the sound of a complete run from its folder, label and result, and
-        writes its files, in a process of the pool.
+        writes its files, in a process of the pool. It may return the digest of a run that is kept.
     """
 
     runs: Sequence[RunFolder]
@@ -63,7 +63,7 @@ class RunFiles:
     pieces: Path
     stored: Mapping[str, RunFolder]
     film: bool
-    finish: Callable[[RunFolder, str, Result], None] = finish_run
+    finish: Callable[[RunFolder, str, Result], str | None] = finish_run
 
 
 class FinishedRun(NamedTuple):
@@ -71,10 +71,12 @@ class FinishedRun(NamedTuple):
 
     number : int. Its place among the scenes.
     result : Result. None where its files are written.
+    digest : str. Digest of a run that is kept for the end of the command; empty without.
     """
 
     number: int
     result: Result | None
+    digest: str = ""
 
 
 class _TaskInHand(NamedTuple):
@@ -330,7 +332,7 @@ class RunLoop:
                     self.without_solution.add(number)
                 self.fail(number, reason)
             elif task.piece is None:
-                self._finished.append(FinishedRun(number, None))
+                self._finished.append(FinishedRun(number, None, value or ""))
             else:
                 self._results[number].add(task.piece, value)
                 if not self._is_waiting(number):

@@ -30,6 +30,7 @@ except ImportError:  # Windows
 
 SCENE = defaults.SCENE
 PIECES = "pieces"
+KEPT = "heard"  # runs that a command keeps for its end, in the folder of the pieces
 MARK = "# rolling-contact-noise run folder, format 2"  # the first line of scene.yaml begins so
 LOCK = ".lock"
 LOCK_SECONDS = 2.0  # of waiting for `status`, which locks a folder for a moment
@@ -411,6 +412,7 @@ def tidy(folder: Path, runs: Sequence[RunPlace], alone: bool) -> None:
     places = {run.folder for run in runs}
     if alone:
         places.add(folder)
+        shutil.rmtree(pieces / KEPT, ignore_errors=True)
     for place in places:
         with suppress(OSError):  # a place that is no folder
             (place / FAILED).unlink(missing_ok=True)
@@ -424,6 +426,15 @@ def drop_pieces(folder: Path, contact: str) -> None:
     shutil.rmtree(pieces / contact[:16], ignore_errors=True)
     with suppress(OSError):  # pieces of other marches are there
         pieces.rmdir()
+
+
+def drop_all_pieces(folder: Path) -> None:
+    """Remove all pieces of a folder whose runs are done; runs that are kept for the end stay."""
+    for place in (folder / PIECES).glob("*"):
+        if place.name != KEPT:
+            shutil.rmtree(place, ignore_errors=True)
+    with suppress(OSError):
+        (folder / PIECES).rmdir()
 
 
 # ---- status

@@ -1,7 +1,7 @@
 """Solve runs in memory, or those that a folder lacks; write the files of runs, and read them."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -17,9 +17,11 @@ from rolling.results.run_folder import FAILED, RESULT, RunFolder
 from rolling.results.run_result import LISTEN, Run, make_run, read_run
 from rolling.run import folder as folders
 from rolling.run.cluster import Cluster
+from rolling.run.ending import Ending
 from rolling.run.executor import RunFiles, RunLoop, ended_by_signal
 from rolling.run.pools import Pool, local_pool
 from rolling.run.taken import OTHER_CONTACT, TakenMarches
+from rolling.run.worker import finish_and_keep_run, finish_run
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
@@ -58,7 +60,7 @@ def simulate_runs(
         pool = stack.enter_context(local_pool(workers, scenes))
         stack.enter_context(ended_by_signal())
         loop = RunLoop(scenes, bar)
-        for number, result in loop.finished_runs(pool):
+        for number, result, _ in loop.finished_runs(pool):
             assert result is not None  # it is not written into files
             try:
                 heard[number] = make_run(runs[number], names[number], result)
@@ -89,6 +91,7 @@ def solve_folder(
     part: folders.Part | None = None,
     workers: int = 0,
     cluster: str | None = None,
+    ending: Ending | None = None,
 ) -> dict[str, str]:
     """Solve the runs of a scene that a folder lacks, and write the files of all of them.
 
@@ -99,6 +102,7 @@ def solve_folder(
     sources : sequence of RunFolder. Runs elsewhere that are done, whose marches are taken.
     start_from : Path. Another run folder, whose equal marches are taken as far as they are sound;
         what is taken is said. Default: none.
+    ending : Ending. It keeps runs and processes for the end of the command. Default: none.
     part, workers, cluster : as in `rolling.commands.run.run_scene`.
 
     Returns
@@ -138,7 +142,7 @@ def solve_folder(
         else:
             if start_from is not None:
                 sources = [*sources, *_taken_runs(start_from, elsewhere, own)]
-            failures = _solve_lacking(folder, runs, own, sources, workers, pool)
+            failures = _solve_lacking(folder, runs, own, sources, workers, pool, ending)
         if not (folder / folders.SCENE).is_file():  # somebody removed the folder meanwhile
             folders.write_scene(folder, scene)
     return failures
@@ -206,6 +210,7 @@ def _solve_lacking(
     sources: Sequence[RunFolder],
     workers: int,
     pool: Pool | None,
+    ending: Ending | None,
 ) -> dict[str, str]:
     """Solve own runs that are not done, and write their files; return failures by label."""
     label_of = dict(zip((run.folder for run in runs), labels.labels(runs), strict=True))
@@ -222,6 +227,7 @@ def _solve_lacking(
         pieces=folder / folders.PIECES,
         stored=stored,
         film=len(runs) <= defaults.MAX_RUNS_ON_PAGE,
+        finish=finish_run if ending is None else finish_and_keep_run,
     )
     marches = [contact_identity(scene) for scene in scenes]
     unfinished = Counter(marches)  # runs that still need the pieces of a march
@@ -229,11 +235,15 @@ def _solve_lacking(
     try:
         with ExitStack() as stack:
             bar = stack.enter_context(progress.Bar(0.0, scenes[0].name))
-            if pool is None:
+            if pool is None and ending is not None:  # its processes stay until the end
+                pool = ending.pool = ending.enter_context(local_pool(workers, scenes))
+            elif pool is None:
                 pool = stack.enter_context(local_pool(workers, scenes))
             stack.enter_context(ended_by_signal())
             loop = RunLoop(scenes, bar, run_files)
-            for number, _ in loop.finished_runs(pool):
+            for number, _, digest in loop.finished_runs(pool):
+                if ending is not None and digest:
+                    ending.kept.digests[lacking[number].folder] = digest
                 if unfinished.total() == len(lacking) > 1:
                     sound = lacking[number].folder / LISTEN
                     progress.line(f"the first sound, {names[number]}: {sound}")
@@ -256,9 +266,11 @@ def _solve_lacking(
     return {names[number]: reason for number, reason in loop.failures.items()}
 
 
-def open_runs(runs: Sequence[RunFolder]) -> list[Run]:
+def open_runs(
+    runs: Sequence[RunFolder], read: Callable[[RunFolder, str], Run] = read_run
+) -> list[Run]:
     """Read runs that are done, with labels that tell them apart; a single run keeps its own."""
-    opened = [read_run(run, label) for run, label in zip(runs, labels.labels(runs), strict=True)]
+    opened = [read(run, label) for run, label in zip(runs, labels.labels(runs), strict=True)]
     if len(opened) == 1:  # perhaps of a sweep, and saved alone
         label = opened[0].summary.get("provenance", {}).get("label") or opened[0].label
         opened[0] = replace(opened[0], label=printable(label))

@@ -108,6 +108,20 @@ def finish_run(run: RunFolder, label: str, result: Result) -> None:
     write_run(make_run(run, label, result))
 
 
+@ignoring_underflow
+def finish_and_keep_run(run: RunFolder, label: str, result: Result) -> str:
+    """Finish a run as `finish_run` does, and keep it for the end of the command.
+
+    Return the digest of its file, empty where it is not kept.
+    """
+    from rolling.results.run_result import make_run, write_run
+    from rolling.run.kept_runs import keep
+
+    heard = make_run(run, label, result)
+    write_run(heard)
+    return keep(heard)
+
+
 def run_task(task: bytes, program: Program) -> Any:
     """Have a pickled task done by the process of this thread of a Dask worker.
 

@@ -157,7 +157,7 @@ def measured(scenes: Sequence[Scene], workers: int) -> list[dict[str, float]]:
     with progress.begin(progress.Level.QUIET), progress.Bar(0.0, "", False) as bar:
         loop = RunLoop(scenes, bar)
         with local_pool(workers, scenes) as pool:
-            for number, result in loop.finished_runs(pool):
+            for number, result, _ in loop.finished_runs(pool):
                 run = make_run(RunFolder({}, scenes[number], Path()), "", result)
                 numbers[number] = _numbers(run)
                 print(f"{len(numbers)} of {len(scenes)}", end="\r", file=sys.stderr, flush=True)

@@ -237,7 +237,7 @@ def test_a_damaged_piece_is_marched_again(damage: bytes | str, scene: Path, tmp_
     again = worker.solve_piece(piece, tmp_path)
     assert isinstance(expected, dict) and isinstance(again, dict)
     for name, values in expected.items():
-        if name != "step_time":
+        if name not in ("step_time", "effort"):
             np.testing.assert_array_equal(again[name], values)
     assert worker.read_piece(path) is not None
 

@@ -1,0 +1,81 @@
+"""Runs that a command has heard, kept as files until its end needs them again.
+
+The end of a command compares its runs: their gain, their figures, their page. It reads the runs
+that the processes have made, so that no sound is made twice. The file of a run is read by the
+command that had it made only, and its digest, which came from that process, must hold: a pickle of
+somebody else is never opened. Where a file is missing, the run is made again from its result.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+import shutil
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from rolling.results.run_folder import SUMMARY, RunFolder, read_summary
+from rolling.results.run_result import Run, read_run
+from rolling.run import folder as folders
+from rolling.scene.height_files import read_regular
+from rolling.terminal.files import FolderError, make_below, write_bytes
+
+MAX_BYTES = 100_000_000  # of a run that is kept
+MIN_FREE = 20  # times the size of a kept run that the disk must have left
+
+
+def keep(run: Run) -> str:
+    """Write a run for the end of the command; return its digest, empty where it is not kept.
+
+    A run that is large, or too large for what the disk has left, is not worth its place.
+    """
+    content = pickle.dumps(run)
+    digest = hashlib.sha256(content).hexdigest()
+    pieces = run.home / folders.PIECES
+    with suppress(OSError, FolderError):
+        if len(content) > MAX_BYTES or shutil.disk_usage(run.home).free < MIN_FREE * len(content):
+            return ""
+        make_below(run.home, pieces / folders.KEPT)
+        write_bytes(pieces / folders.KEPT / digest, content)
+        return digest
+    return ""
+
+
+@dataclass
+class KeptRuns:
+    """Runs that processes of this command have heard.
+
+    folder : Path. The run folder.
+    digests : dict. Digest of the file of each kept run, by the folder of the run.
+    """
+
+    folder: Path
+    digests: dict[Path, str] = field(default_factory=dict)
+
+    def read(self, run: RunFolder, label: str) -> Run:
+        """Return a run that is done, with its stored numbers, under a label.
+
+        Raises
+        ------
+        FolderError, SceneError : as `read_run`.
+        """
+        digest = self.digests.get(run.folder)
+        if digest:
+            with suppress(OSError):
+                path = self.folder / folders.PIECES / folders.KEPT / digest
+                content = read_regular(path, MAX_BYTES)
+                if hashlib.sha256(content).hexdigest() == digest:
+                    kept: Run = pickle.loads(content)
+                    return replace(kept, label=label, summary=read_summary(run.folder / SUMMARY))
+        return read_run(run, label)
+
+    def remove(self) -> None:
+        """Remove the files of the runs."""
+        for digest in self.digests.values():
+            with suppress(OSError):
+                (self.folder / folders.PIECES / folders.KEPT / digest).unlink(missing_ok=True)
+        for place in (self.folder / folders.PIECES / folders.KEPT, self.folder / folders.PIECES):
+            with suppress(OSError):  # pieces of other marches are there
+                place.rmdir()
+        self.digests.clear()

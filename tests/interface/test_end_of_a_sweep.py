@@ -1,0 +1,167 @@
+"""The end of a command: no sound is made twice, and processes that are there draw for it."""
+
+from __future__ import annotations
+
+import pickle
+import warnings
+from collections.abc import Callable
+from concurrent.futures import BrokenExecutor, Future
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import pytest
+from commands import words_of
+from finished import marched, same
+from scene_text import TINY
+
+from rolling import cli
+from rolling.commands import derived
+from rolling.figures.settings import PictureWarning
+from rolling.results import run_result
+from rolling.results.run_folder import RunFolder
+from rolling.results.run_result import Run, read_run, write_run
+from rolling.run import folder as folders
+from rolling.run import kept_runs
+from rolling.run.ending import Ending
+from rolling.run.kept_runs import KeptRuns
+from rolling.run.pools import Pool, Task
+
+LOADS = "sweep: {rolling.load_n: [0.5, 1, 2]}\n"
+
+
+@pytest.fixture
+def made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Return a list of the runs whose sound is made from now on; pages are not drawn."""
+    labels: list[str] = []
+    make_run = run_result.make_run
+
+    def counted(place: RunFolder, label: str, *more: Any) -> Run:
+        labels.append(label)
+        return make_run(place, label, *more)
+
+    monkeypatch.setattr(run_result, "make_run", counted)
+    monkeypatch.setattr("rolling.report.page.page", lambda runs, names: f"{len(runs)}".encode())
+    monkeypatch.setattr("rolling.figures.write_figures", lambda runs, folder: [])
+    return labels
+
+
+def test_the_sound_of_each_run_of_a_sweep_is_made_once(tmp_path: Path, made: list[str]) -> None:
+    """The common gain, the figures and the page read the runs that were heard."""
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(TINY + LOADS)
+    out = tmp_path / "out"
+    command = ["run", str(scene), "--out", str(out), "--workers", "1", "-q"]
+    assert cli.main(command) == 0
+    assert sorted(made) == ["load 0.5 N", "load 1 N", "load 2 N"]
+    assert (out / "report.html").read_text() == "3"
+    assert not (out / folders.PIECES).exists()
+    # A further run of the sweep is made once; the others are made again from their results.
+    made.clear()
+    scene.write_text(TINY + LOADS.replace("2]", "2, 3]"))
+    assert cli.main(command) == 0
+    assert made.count("load 3 N") == 1
+
+
+def test_runs_that_a_killed_command_kept_are_removed(tmp_path: Path, made: list[str]) -> None:
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(TINY + LOADS)
+    out = tmp_path / "out"
+    assert cli.main(words_of(scene, out, "--workers", "1")) == 0
+    left = out / folders.PIECES / folders.KEPT / "of-a-killed-command"
+    left.parent.mkdir(parents=True)
+    left.write_bytes(b"")
+    assert cli.main(words_of(scene, out, "--workers", "1")) == 0
+    assert not left.exists()
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    """A run that is done."""
+    heard = marched(TINY, folder=tmp_path_factory.mktemp("run"))
+    write_run(heard)
+    return heard
+
+
+def test_a_kept_run_is_the_run_that_is_read(run: Run) -> None:
+    kept = KeptRuns(run.folder)
+    kept.digests[run.folder] = kept_runs.keep(run)
+    again = kept.read(run, "again")
+    read = read_run(run, "again")
+    assert again.label == read.label and again.summary == read.summary
+    assert same(again.sound, read.sound) and again.scene == read.scene
+    for name, values in read.series.items():
+        if name != "step_time":  # it is not stored
+            assert same(again.series[name], values), name
+    kept.remove()
+    assert not (run.folder / folders.PIECES).exists()
+
+
+class Trap:
+    """An object whose pickle runs code where it is read."""
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        return pytest.fail, ("a pickle of a stranger was read",)
+
+
+@pytest.mark.parametrize("damage", ["another pickle", "a folder", "missing", "a link"])
+def test_a_file_that_was_exchanged_is_never_unpickled(
+    damage: str, run: Run, tmp_path: Path
+) -> None:
+    kept = KeptRuns(run.folder)
+    digest = kept.digests[run.folder] = kept_runs.keep(run)
+    path = run.folder / folders.PIECES / folders.KEPT / digest
+    path.unlink()
+    if damage == "another pickle":
+        path.write_bytes(pickle.dumps(Trap()))
+    elif damage == "a folder":
+        path.mkdir()
+    elif damage == "a link":
+        (tmp_path / "trap").write_bytes(pickle.dumps(Trap()))
+        path.symlink_to(tmp_path / "trap")
+    assert same(kept.read(run, "again").sound, run.sound)
+    if damage == "a folder":
+        path.rmdir()
+    kept.remove()
+
+
+def test_a_run_for_which_the_disk_has_no_place_is_not_kept(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(kept_runs, "MIN_FREE", 1e12)
+    assert kept_runs.keep(run) == ""
+    monkeypatch.setattr(kept_runs, "MIN_FREE", 20)
+    monkeypatch.setattr(kept_runs, "MAX_BYTES", 10)
+    assert kept_runs.keep(run) == ""
+    assert not (run.folder / folders.PIECES).exists()
+
+
+class BreakingPool(Pool):
+    """Two processes, one of which is killed at a task."""
+
+    teams = MappingProxyType({0: 2})
+
+    def submit(self, task: Task, team: Any = 0) -> Future[Any]:
+        """Do the first task, and break at the others."""
+        future: Future[Any] = Future()
+        if task.key[1] == "0":
+            future.set_result(task.function(*task.arguments))
+        else:
+            future.set_exception(BrokenExecutor())
+        return future
+
+
+def test_the_end_goes_on_here_where_a_process_was_killed(tmp_path: Path) -> None:
+    ending = Ending(tmp_path)
+    ending.pool = BreakingPool()
+    assert ending.each(divmod, [(7, 2), (9, 2), (11, 3)]) == [(3, 1), (4, 1), (3, 2)]
+    assert ending.pool is None
+
+
+def test_pictures_that_a_process_leaves_out_are_told() -> None:
+    def draw() -> None:
+        warnings.warn("the picture spectrum is left out", PictureWarning, stacklevel=1)
+
+    spent, texts = derived._with_warnings(draw, ())
+    assert texts == ["the picture spectrum is left out"]
+    assert spent.work_s >= 0
