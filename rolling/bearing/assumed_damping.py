@@ -8,6 +8,7 @@ ring gives its velocity at another loss factor for the same forces, at each freq
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -26,7 +27,10 @@ _SEGMENT_S = 2.0  # of a record, over which powers are averaged
 
 
 def band_change_db(
-    record: RingRecord, model: BearingModel, loss_factor: float
+    record: RingRecord,
+    model: BearingModel,
+    loss_factor: float,
+    bands_hz: Mapping[str, tuple[float, float]] = VELOCITY_BANDS_HZ,
 ) -> dict[str, dict[str, float]]:
     """Return how far another loss factor would change each band [dB], by direction and band.
 
@@ -38,6 +42,8 @@ def band_change_db(
         Bearing.
     loss_factor : float
         The other loss factor.
+    bands_hz : dict, Hz
+        Edges of the bands by their names. Default: the three bands of ISO 15242-1.
     """
     segment = min(len(record.velocity_m_s), round(_SEGMENT_S * record.rate_hz))
     frequency_hz = np.asarray(np.fft.rfftfreq(segment, 1 / record.rate_hz), dtype=float)
@@ -54,8 +60,8 @@ def band_change_db(
         before += np.square(np.abs(lines))
         after += np.square(np.abs(changed))
     return {
-        RADIAL: _changes(frequency_hz[shown], before[:, :2], after[:, :2]),
-        AXIAL: _changes(frequency_hz[shown], before[:, 2:], after[:, 2:]),
+        RADIAL: _changes(frequency_hz[shown], before[:, :2], after[:, :2], bands_hz),
+        AXIAL: _changes(frequency_hz[shown], before[:, 2:], after[:, 2:], bands_hz),
     }
 
 
@@ -67,10 +73,15 @@ def _transfer(model: BearingModel, loss_factor: float, frequency_hz: Array) -> A
     return np.asarray(np.linalg.solve(other.dynamic_stiffness(frequency_hz), stiffness))
 
 
-def _changes(frequency_hz: Array, before: Array, after: Array) -> dict[str, float]:
+def _changes(
+    frequency_hz: Array,
+    before: Array,
+    after: Array,
+    bands_hz: Mapping[str, tuple[float, float]],
+) -> dict[str, float]:
     """Return the changes of the bands [dB] between two spectra of power, 0 for a ring at rest."""
     changes = {}
-    for band, (low, high) in VELOCITY_BANDS_HZ.items():
+    for band, (low, high) in bands_hz.items():
         inside = (frequency_hz >= low) & (frequency_hz < high)
         was = float(before[inside].sum())
         becomes = float(after[inside].sum())
@@ -78,7 +89,11 @@ def _changes(frequency_hz: Array, before: Array, after: Array) -> dict[str, floa
     return changes
 
 
-def loss_factor_db(record: RingRecord, model: BearingModel) -> dict[str, dict[str, float]]:
+def loss_factor_db(
+    record: RingRecord,
+    model: BearingModel,
+    bands_hz: Mapping[str, tuple[float, float]] = VELOCITY_BANDS_HZ,
+) -> dict[str, dict[str, float]]:
     """Return what an assumed loss factor leaves uncertain [dB], by direction and band.
 
     It is the root mean square of the changes over the loss factors that bearings may have, about
@@ -86,11 +101,11 @@ def loss_factor_db(record: RingRecord, model: BearingModel) -> dict[str, dict[st
     """
     steps = (np.arange(_LOSS_FACTORS) + 0.5) / _LOSS_FACTORS
     factors = LEAST_LOSS_FACTOR * (LARGEST_LOSS_FACTOR / LEAST_LOSS_FACTOR) ** steps
-    changes = [band_change_db(record, model, float(factor)) for factor in factors]
+    changes = [band_change_db(record, model, float(factor), bands_hz) for factor in factors]
     return {
         direction: {
             band: float(np.sqrt(np.mean([change[direction][band] ** 2 for change in changes])))
-            for band in VELOCITY_BANDS_HZ
+            for band in bands_hz
         }
         for direction in (RADIAL, AXIAL)
     }

@@ -252,17 +252,18 @@ def _grouped(parts: Sequence[int], turns: int) -> list[tuple[int, list[int]]]:
 
 
 def _orders_in_words(orders: Mapping[int, tuple[str, ...]]) -> str:
-    """Say which orders move the ring in which direction: order 9 axially, 8 and 10 radially."""
+    """Say which orders move the ring in which direction: order 9 axially, orders 8, 10 radially."""
     texts = []
     for direction in (AXIAL, RADIAL):
         own = sorted(order for order, names in orders.items() if direction in names)
-        if own:
+        if len(own) == 1:
+            texts.append(f"order {own[0]} {direction}ly")
+        elif own:
             words = " and ".join(map(str, own))
             if len(own) > 2:
                 words = f"{own[0]} to {own[-1]}"
-            texts.append(f"{words} {direction}ly")
-    several = len(orders) > 1
-    return f"order{'s' if several else ''} {', '.join(texts)}"
+            texts.append(f"orders {words} {direction}ly")
+    return ", ".join(texts)
 
 
 def _ball_family(

@@ -22,7 +22,13 @@ from rolling.bearing_contacts.bearing_forecast import (
     forecast_of,
     marches_seconds,
 )
-from rolling.bearing_contacts.plan import ContactPlan, contact_plan
+from rolling.bearing_contacts.faults import reach_across
+from rolling.bearing_contacts.plan import (
+    ContactPlan,
+    contact_of,
+    contact_plan,
+    kinds_of_contact,
+)
 from rolling.check import cost, forecast, refusals
 from rolling.check.doubt import TRUSTED_DB, Doubt, Finding, Severity, sized
 from rolling.check.findings import Findings
@@ -37,6 +43,12 @@ HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
 _PLACES = 8  # of the cage, over which loads are stated
 _TURNED_DEG = 0.5  # turn of the contact angle by the loads, beyond which axial bands do not hold
 AXIAL_DOUBT = "contact_angle"  # key of the doubt that concerns axial velocities alone
+# Smallest ball bearings that are made: 1.5 x 0.5 mm with six balls (MinebeaMitsumi, 2015), and
+# 2 x 0.6 mm in catalogues of miniature bearings.
+_SMALL_MM = 2.5  # outside diameter below which only miniature bearings are made
+_SMALLEST_MM = 1.4
+_MINIATURE_BALLS = 7
+_MINIATURE_BORE = 0.36  # of the outside diameter
 _CENTRIFUGAL_SHARE = 0.1  # of the mean load of a ball, from which on it is said
 
 
@@ -108,6 +120,7 @@ def _geometry(scene: BearingScene) -> Iterator[Finding | Doubt]:
         f"{name}{bearing.balls} balls of {bearing.ball_diameter_mm:g} mm on a circle of"
         f" {bearing.pitch_diameter_mm:g} mm",
     )
+    yield from _size(scene)
     sizes = " x ".join(
         rounded(1e3 * size, 4) for size in (scene.bore, scene.outside_diameter, scene.width)
     )
@@ -167,6 +180,34 @@ def _turned(scene: BearingScene) -> str:
     """Write the contact angles under the loads."""
     first, last = (rounded(angle, 3) for angle in _angles_under_loads(scene))
     return f"{first} degrees" if first == last else f"between {first} and {last} degrees"
+
+
+def _size(scene: BearingScene) -> Iterator[Doubt]:
+    """Doubt a bearing that is smaller than those that are made, as of sizes in inches.
+
+    The smallest ball bearings that are sold have outside diameters of 1.5 and 2 mm, bores of 0.5
+    and 0.6 mm and six or seven balls. Inches make such diameters of usual bearings, which have more
+    balls or a larger bore.
+    """
+    outside_mm = 1e3 * scene.outside_diameter
+    if outside_mm >= _SMALL_MM:
+        return
+    is_made = (
+        outside_mm >= _SMALLEST_MM
+        and scene.bearing.balls <= _MINIATURE_BALLS
+        and scene.bore <= _MINIATURE_BORE * scene.outside_diameter
+    )
+    if is_made:
+        return
+    in_inches = 25.4 * outside_mm
+    yield Doubt(
+        "size",
+        f"no such bearing is made: {scene.bearing.balls} balls in an outside diameter of"
+        f" {rounded(outside_mm, 3)} mm, where its ring would bend at"
+        f" {si(scene.ring_bending_hz, 'Hz')}; sizes in inches?",
+        Severity.DO_NOT_QUOTE,
+        advice=f"give millimetres; as inches the outside diameter is {rounded(in_inches, 3)} mm",
+    )
 
 
 def _speeds(scene: BearingScene) -> Iterator[Finding]:
@@ -326,11 +367,35 @@ def _surfaces(scene: BearingScene) -> Iterator[Finding | Doubt]:
         ("outer raceway", surfaces.outer),
     ):
         yield Finding(f"surface_{name.partition(' ')[0]}", f"surface, {name}", _words(surface))
+    yield from _faults_beside(scene)
     if scene.is_smooth:
         reason = "a perfectly smooth bearing is silent"
         if scene.radial_load:
             reason = "a perfectly smooth bearing moves by the passing of its balls alone"
         yield Doubt("smooth", reason, Severity.NOTE)
+
+
+def _faults_beside(scene: BearingScene) -> Iterator[Doubt]:
+    """Say which faults lie beside the contacts, so that no ball meets them."""
+    _, most = ball_loads(scene)
+    for body in ("balls", "inner", "outer"):
+        surface = getattr(scene.bearing.surfaces, body)
+        contacts = [contact_of(scene.geometry, name) for name in kinds_of_contact(body)]
+        half = max(semi_axes(contact, most).across for contact in contacts)
+        for number, fault in enumerate(getattr(surface, "faults", None) or ()):
+            if fault.at_mm is None:  # at random places within the track
+                continue
+            nearest = 1e-3 * abs(fault.at_mm[1]) - reach_across(fault)
+            if nearest <= half:
+                continue
+            yield Doubt(
+                "fault_beside",
+                f"bearing.surfaces.{body}.faults[{number}]: the {fault.kind} lies beside the track,"
+                f" {rounded(1e3 * nearest)} mm and more from its middle; the contact reaches"
+                f" {rounded(1e3 * half)} mm under the largest load of a ball, so nothing meets it",
+                Severity.NOTE,
+                advice=f"give an at_mm whose second number is below {rounded(1e3 * half)}",
+            )
 
 
 def _words(surface: BallSurface | None) -> str:

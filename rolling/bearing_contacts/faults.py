@@ -93,13 +93,13 @@ def fault_stretches(
             continue
         width = kind.numbers.width_um * 1e-6
         for x, y in fault_places(fault, 2 * np.pi * radius_m, width):
-            if abs(y) - _reach_across(fault) > width / 2:
+            if abs(y) - reach_across(fault) > width / 2:
                 continue
             stretches.append(_stretch(kind, fault, float(x) / radius_m, float(y), law))
     return stretches
 
 
-def _reach_across(fault: SurfaceFault) -> float:
+def reach_across(fault: SurfaceFault) -> float:
     """Return how far a fault reaches across the track from its place [m]."""
     if fault.crosses:
         return math.inf
@@ -140,11 +140,11 @@ def _fault_numbers(
     """Return the grid of the stretch around a fault, which is closed and holds the contact."""
     numbers = kind.numbers
     roughness = law.rq_m if law is not None else 0.0
-    reach_along, reach_across = overlap_reach(
+    reach_along, reach_beside = overlap_reach(
         kind.contact, max(kind.loads_n), roughness + fault.depth_um * 1e-6 / HIGHEST
     )
     # A small fault has fewer nodes where the window would have too many.
-    least_um = 1e6 * math.sqrt(4 * reach_along * reach_across / WINDOW_NODES)
+    least_um = 1e6 * math.sqrt(4 * reach_along * reach_beside / WINDOW_NODES)
     wanted_um = min(max(fault.size_um / NODES_PER_FAULT, least_um), fault.size_um / 2)
     spacing_um = min(numbers.spacing_um, float(f"{wanted_um:.2g}"))
     step_um = min(numbers.spacing_um * numbers.step_nodes, fault.size_um / STEPS_PER_FAULT)
@@ -152,9 +152,9 @@ def _fault_numbers(
     step_nodes = max(fitting, default=1.0)
     longest = 1e-6 * max(fault.size_um, fault.length_um or 0.0)
     length = ROOM * max(2 * (reach_along + _reach_along(fault)), longest)
-    width = 2 * ROOM * reach_across
+    width = 2 * ROOM * reach_beside
     if not fault.crosses:
-        width = max(width, 2 * ROOM * (abs(across_m) + _reach_across(fault)), ROOM * longest)
+        width = max(width, 2 * ROOM * (abs(across_m) + reach_across(fault)), ROOM * longest)
     # An even number of steps puts a position on the fault.
     steps = 2 * math.ceil(length * 1e6 / (2 * step_nodes * spacing_um))
     nodes = 2 * math.ceil(max(width * 1e6, numbers.width_um) / (2 * spacing_um))

@@ -16,7 +16,12 @@ from acoustics.arrays import Array
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ, LineReading, NarrowSpectrum
 from acoustics.traps import ignoring_underflow
 from rolling.bearing import assumed_damping, lines
-from rolling.bearing.band_uncertainty import LOSS_FACTOR, RECORD, BandUncertainty
+from rolling.bearing.band_uncertainty import (
+    LOSS_FACTOR,
+    RECORD,
+    BandUncertainty,
+    DecibelsOfBands,
+)
 from rolling.bearing.geometry import BearingGeometry
 from rolling.bearing.kinematics import Kinematics
 from rolling.bearing.linear_ring import linear_ring
@@ -142,10 +147,19 @@ class BearingRun:
         }
         parts = self.contact_uncertainty.with_part(RECORD, record_db)
         if has_assumed_loss_factor(self.scene):
-            parts = parts.with_part(
-                LOSS_FACTOR, assumed_damping.loss_factor_db(self.record, self.model)
-            )
+            parts = parts.with_part(LOSS_FACTOR, self._loss_factor_db(VELOCITY_BANDS_HZ))
         return parts
+
+    def _loss_factor_db(self, bands_hz: Mapping[str, tuple[float, float]]) -> DecibelsOfBands:
+        """Return what an assumed loss factor leaves uncertain in bands [dB], 0 in those at rest."""
+        decibels = assumed_damping.loss_factor_db(self.record, self.model, bands_hz)
+        return {
+            direction: {
+                band: value if self.bands_um_s[direction][band] >= NOTHING_UM_S else 0.0
+                for band, value in bands.items()
+            }
+            for direction, bands in decibels.items()
+        }
 
     @property
     def moving(self) -> str:
@@ -215,21 +229,59 @@ class BearingRun:
         """Doubt that forbids to quote the axial velocities, None where they may be quoted."""
         return contact_angle_doubt(self.scene)
 
+    @property
+    def bands_below_bending_hz(self) -> dict[str, tuple[float, float]]:
+        """Edges of the three bands [Hz], cut at the ring's first bending mode.
+
+        A band above it has two equal edges.
+        """
+        bending_hz = self.scene.ring_bending_hz
+        return {
+            band: (low, max(min(high, bending_hz), low))
+            for band, (low, high) in VELOCITY_BANDS_HZ.items()
+        }
+
     @cached_property
+    def bands_below_bending_um_s(self) -> dict[str, dict[str, float]]:
+        """Velocity of the ring [um/s] in the parts of the bands below its first bending mode.
+
+        They are by direction and band; a part has the share of the power of its band that it has in
+        the narrow spectrum.
+        """
+        velocities: dict[str, dict[str, float]] = {}
+        for direction, spectrum in self.record.spectra.items():
+            velocities[direction] = {}
+            square = np.square(spectrum.rms)
+            for band, (low, high) in VELOCITY_BANDS_HZ.items():
+                inside = (spectrum.frequency_hz >= low) & (spectrum.frequency_hz < high)
+                below = spectrum.frequency_hz < self.bands_below_bending_hz[band][1]
+                whole = float(square[inside].sum())
+                share = float(square[inside & below].sum()) / whole if whole > 0 else 1.0
+                velocities[direction][band] = math.sqrt(share) * self.bands_um_s[direction][band]
+        return velocities
+
+    @cached_property
+    def below_bending_uncertainty_db(self) -> dict[str, dict[str, float]]:
+        """Standard uncertainty of the bands below the first bending mode, by direction and band.
+
+        Their parts are those of the whole bands, but for that of an assumed loss factor, which
+        depends on whether a resonance is below.
+        """
+        parts = self.uncertainty
+        if LOSS_FACTOR in parts.parts_db:
+            own = self._loss_factor_db(self.bands_below_bending_hz)
+            parts = parts.with_part(LOSS_FACTOR, own)
+        return parts.totals_db
+
+    @property
     def share_above_bending_db(self) -> float:
         """Part of the radial high band [dB] that lies above the ring's first bending mode.
 
         The level of the band falls by so much without it.
         """
-        spectrum = self.record.spectra[RADIAL]
-        low, high = VELOCITY_BANDS_HZ["high"]
-        inside = (spectrum.frequency_hz >= low) & (spectrum.frequency_hz < high)
-        square = np.square(spectrum.rms)
-        whole = float(square[inside].sum())
-        below = float(square[inside & (spectrum.frequency_hz < self.scene.ring_bending_hz)].sum())
-        if not whole > 0:
-            return 0.0
-        return 10 * math.log10(whole / max(below, 1e-30 * whole))
+        whole = self.bands_um_s[RADIAL]["high"]
+        below = self.bands_below_bending_um_s[RADIAL]["high"]
+        return 20 * math.log10(whole / max(below, 1e-15 * whole)) if whole > 0 else 0.0
 
     @cached_property
     def peaks(self) -> list[BearingLine]:

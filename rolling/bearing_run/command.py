@@ -292,6 +292,9 @@ def run_table(done: Sequence[BearingFolder]) -> DataFrame:
                 uncertain = numbers["bands_uncertainty_db"][direction][band]
                 row[f"{direction}_{band}_uncertainty_db"] = uncertain
                 row[f"{direction}_{band}_verdict"] = _band_verdict(numbers, direction, band)
+            below = numbers.get("bands_below_bending_um_s", {}).get(direction, {})
+            for band, um_s in below.items():
+                row[f"{direction}_{band}_below_bending_um_s"] = um_s
         housing = numbers.get("housing") or {}
         if "laeq_db" in housing:
             row["housing_laeq_db"] = housing["laeq_db"]
@@ -335,12 +338,18 @@ def _print_runs(folder: Path, done: Sequence[BearingFolder]) -> None:
 
 
 def band_table(done: Sequence[BearingFolder]) -> str:
-    """Write the radial bands of runs in aligned columns, a row each, [um/s]."""
-    rows = [["run, radial um/s", *summary.BAND_WORDS.values()]]
+    """Write the radial bands of runs in aligned columns, a row each, [um/s].
+
+    Bands end where the ring bends; the last column has the high band of a ring that stays rigid.
+    """
+    heads = [f"{words}, below the bending" for words in summary.BAND_WORDS.values()]
+    rows = [["run, radial um/s", *heads, f"{summary.BAND_WORDS['high']}, rigid"]]
     for place in done:
-        bands = stored_run.read_summary(place.folder / SUMMARY)["bands_um_s"]["radial"]
-        velocities = [summary.velocity(bands[name]) for name in summary.BAND_WORDS]
-        rows.append([label_of(place), *velocities])
+        numbers = stored_run.read_summary(place.folder / SUMMARY)
+        whole = numbers["bands_um_s"]["radial"]
+        below = numbers.get("bands_below_bending_um_s", {}).get("radial", whole)
+        velocities = [summary.velocity(below[name]) for name in summary.BAND_WORDS]
+        rows.append([label_of(place), *velocities, summary.velocity(whole["high"])])
     return columns(rows)
 
 

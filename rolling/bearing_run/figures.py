@@ -18,7 +18,6 @@ from pandas import DataFrame
 from acoustics.arrays import Array
 from acoustics.plot_style import COLOURS, gridded
 from acoustics.plot_style import envelope as thinned
-from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing import lines
 from rolling.bearing.geometry import contact_lines
 from rolling.bearing.lines import BearingLine
@@ -67,12 +66,15 @@ def spectrum(run: BearingRun, ax: Axes) -> Axes:
     ax.set_xlim(*_SHOWN_HZ)
     top = 10 ** math.ceil(math.log10(max(largest, _NOTHING_UM_S)) + 0.6)
     ax.set_ylim(top / 10**_DECADES, top)
-    for colour, (name, (low, high)) in zip(_BAND_COLOURS, VELOCITY_BANDS_HZ.items(), strict=True):
+    bands_hz = run.bands_below_bending_hz
+    for colour, (name, (low, high)) in zip(_BAND_COLOURS, bands_hz.items(), strict=True):
+        if not high > low:  # the ring bends from below the band on
+            continue
         ax.axvspan(low, high, color=colour, zorder=0)
         ax.text(
             math.sqrt(low * high),
             0.985,
-            f"{summary.velocity(run.bands_um_s[RADIAL][name])} µm/s",
+            f"{summary.velocity(run.bands_below_bending_um_s[RADIAL][name])} µm/s",
             transform=ax.get_xaxis_transform(),
             ha="center",
             va="top",

@@ -16,7 +16,7 @@ from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.texts import printable
 from rolling import __version__
 from rolling.bearing import lines
-from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL, UM_S
+from rolling.bearing.ring_record import AXIAL, DIRECTIONS, NOTHING_UM_S, RADIAL, UM_S
 from rolling.bearing.tracks import BodyTrack
 from rolling.bearing_run import figures, stored_run, summary
 from rolling.figures.settings import left_out_if_it_fails
@@ -54,7 +54,6 @@ def page(runs: Sequence[BearingRun], scene_text: str, not_shown: Sequence[str] =
     gains = common_gains(runs)
     title = printable(first.scene.title or first.scene.name)
     data = {
-        "bands": [list(band) for band in VELOCITY_BANDS_HZ.values()],
         "runs": [{**data_of(run), "gain": gains.ring} for run in runs],
     }
     template = environment().get_template("bearing.html")
@@ -62,7 +61,7 @@ def page(runs: Sequence[BearingRun], scene_text: str, not_shown: Sequence[str] =
         version=__version__,
         title=title,
         views=[_view(run, gains) for run in runs],
-        band_names=list(summary.BAND_WORDS.values()),
+        band_names=[f"{words}, below the bending" for words in summary.BAND_WORDS.values()],
         not_shown=[printable(label) for label in not_shown],
         data=data,
         js=Markup(joined_script("bearing/begin.js")),
@@ -102,22 +101,12 @@ def _view(run: BearingRun, gains: PageGains) -> dict[str, Any]:
             content = figures.picture(run, name).file("png")
             assert content is not None
             pictures[name] = maps.uri("image/png", content), words
-    rows = []
-    for name, words in summary.BAND_WORDS.items():
-        cells = []
-        for direction in DIRECTIONS:
-            spread = run.uncertainty.total_db(direction, name)
-            spread_text = f"± {spread:.1f} dB" if spread >= 0.05 else "± < 0.1 dB"
-            if direction == AXIAL and run.axial_doubt is not None:
-                spread_text = run.axial_doubt.severity.word
-            cells.append((summary.velocity(run.bands_um_s[direction][name]), spread_text))
-        rows.append((words, cells))
     first, _, *others = run.summary["sentences"]  # the second has the axial velocities
     return {
         "label": printable(run.label or run.scene.name),
         "what": _on_page(first),
         "sentences": [_on_page(sentence) for sentence in others],
-        "rows": rows,
+        "rows": _band_rows(run),
         "src": records.compressed(gains.ring * heard) if heard.any() else None,
         "heard": f"acceleration of the {run.moving} ring along x, {heard.size / 48000:.3g} s;"
         f" full scale is {rounded(1 / gains.ring, 3)} m/s2",
@@ -137,6 +126,40 @@ def _view(run: BearingRun, gains: PageGains) -> dict[str, Any]:
         "doubts": [doubt.line for doubt in summary.doubts_of(run)],
         "facts": _facts(run),
     }
+
+
+def _band_rows(run: BearingRun) -> list[tuple[str, list[tuple[str, str]]]]:
+    """Return a row for each band with its velocities and their ±, radial and axial.
+
+    Bands end where the ring bends. What they have with a rigid ring above follows.
+    """
+    rows = []
+    for band, words in summary.band_words(run).items():
+        cells = []
+        for direction in DIRECTIONS:
+            um_s = run.bands_below_bending_um_s[direction][band]
+            spread_db = run.below_bending_uncertainty_db[direction][band]
+            cells.append((summary.velocity(um_s), _spread(run, direction, um_s, spread_db)))
+        rows.append((words, cells))
+    for band, (_, high) in VELOCITY_BANDS_HZ.items():
+        if run.scene.ring_bending_hz >= high:
+            continue
+        cells = []
+        for direction in DIRECTIONS:
+            um_s = run.bands_um_s[direction][band]
+            spread_db = run.uncertainty.total_db(direction, band)
+            cells.append((summary.velocity(um_s), _spread(run, direction, um_s, spread_db)))
+        rows.append((f"{summary.BAND_WORDS[band]}, of a ring that stays rigid", cells))
+    return rows
+
+
+def _spread(run: BearingRun, direction: str, um_s: float, spread_db: float) -> str:
+    """Write the ± of a velocity, or that it is not to be quoted; empty for a ring at rest."""
+    if um_s < NOTHING_UM_S:
+        return ""
+    if direction == AXIAL and run.axial_doubt is not None:
+        return run.axial_doubt.severity.word
+    return f"± {spread_db:.1f} dB" if spread_db >= 0.05 else "± < 0.1 dB"
 
 
 def _housing_src(run: BearingRun, gain: float) -> str | None:
@@ -227,7 +250,8 @@ def data_of(run: BearingRun) -> dict[str, Any]:
             "radial": bearing.radial_load_n,
         },
         "ranges": _ranges(run),
-        "bands": list(run.record.bands[RADIAL].rms_m_s.values()),
+        "bandsHz": [list(edges) for edges in run.bands_below_bending_hz.values()],
+        "bands": [um_s / UM_S for um_s in run.bands_below_bending_um_s[RADIAL].values()],
         "gain": stored_run.ring_sound(run).gain,
         "spectrum": {"hz": _digits(np.exp(log_hz), 6), "um_s": _digits(um_s, 4)},
         "envelope": {"hz": _digits(pulse_hz, 6), "share": _digits(share, 4)},

@@ -32,7 +32,6 @@ STRONG_LINE = 10.0  # height from which on a line of the envelope tells of a fau
 RISE = 2.0  # of that height over the height without the fault, from which on the fault shows
 _MOST_LINES = 3  # that a sentence names
 _UNCERTAIN_DB = 0.05  # from which on a band is stated as uncertain
-_RIGID_DB = 3.0  # part of the high band above the ring's first bending mode: half of its power
 _LEAST_DB = 0.1  # effects below it have no sentence
 _ENERGY_DB = 10 / math.log(10)
 
@@ -54,6 +53,8 @@ def summarize(run: BearingRun) -> dict[str, Any]:
         "bands_uncertainty_db": run.uncertainty.totals_db,
         "bands_uncertainty_parts_db": run.uncertainty.to_dict(),
         "bands_verdict": band_verdicts(run),
+        "bands_below_bending_um_s": run.bands_below_bending_um_s,
+        "bands_below_bending_uncertainty_db": run.below_bending_uncertainty_db,
         "iso_departures": run.departures,
         "housing": _housing(run),
         "moving_ring": run.moving,
@@ -171,17 +172,30 @@ def condition(run: BearingRun) -> str:
 
 
 def answer(run: BearingRun) -> str:
-    """Say how fast the ring vibrates radially in the three bands."""
+    """Say how fast the ring vibrates radially in the three bands, as far as it is rigid."""
     said = condition(run)
+    velocities = run.bands_below_bending_um_s[RADIAL]
     bands = [
-        f"{velocity(um_s)} um/s ({BAND_WORDS[band]})"
-        for band, um_s in run.bands_um_s[RADIAL].items()
+        f"{velocity(um_s)} um/s ({words})"
+        for um_s, words in zip(velocities.values(), band_words(run).values(), strict=True)
     ]
     low, medium, high = bands
     return (
         f"{said[0].upper()}{said[1:]}: the {run.moving} ring vibrates radially at {low},"
         f" {medium} and {high}, rms."
     )
+
+
+def band_words(run: BearingRun) -> dict[str, str]:
+    """Return the three bands in words, each up to the first bending mode of the ring."""
+    words = {}
+    for band, (low, high) in run.bands_below_bending_hz.items():
+        words[band] = BAND_WORDS[band]
+        if high < VELOCITY_BANDS_HZ[band][1]:
+            words[band] = f"{low:,.0f} to {high:,.0f} Hz, where it begins to bend"
+        if high <= low:
+            words[band] = f"nothing of {BAND_WORDS[band]} is below its bending"
+    return words
 
 
 def sentences(run: BearingRun) -> list[str]:
@@ -197,7 +211,8 @@ def sentences(run: BearingRun) -> list[str]:
 
 def axial_sentence(run: BearingRun) -> str:
     """Say how fast the ring vibrates along its axis, and whether that is to be quoted."""
-    axial = f"Axially it vibrates at {_three(run.bands_um_s[AXIAL])} um/s in the same bands"
+    bands = _three(run.bands_below_bending_um_s[AXIAL])
+    axial = f"Axially it vibrates at {bands} um/s in the same bands"
     if run.axial_doubt is None:
         return f"{axial}."
     return (
@@ -207,15 +222,20 @@ def axial_sentence(run: BearingRun) -> str:
 
 
 def rigid_sentence(run: BearingRun) -> str:
-    """Say what the high band has where the ring is rigid; empty where that is nearly all."""
-    above_db = run.share_above_bending_db
-    high_um_s = run.bands_um_s[RADIAL]["high"]
-    if above_db < _RIGID_DB or high_um_s < NOTHING_UM_S:
+    """Say what the bands have with what a rigid ring does above its bending; empty for nothing."""
+    bending_hz = run.scene.ring_bending_hz
+    cut = [band for band, (_, high) in VELOCITY_BANDS_HZ.items() if bending_hz < high]
+    if not cut or max(run.bands_um_s[RADIAL][band] for band in cut) < NOTHING_UM_S:
         return ""
-    below_um_s = high_um_s * 10 ** (-above_db / 20)
+    texts = []
+    for band in cut:
+        velocities = f"{velocity(run.bands_um_s[RADIAL][band])} um/s radially"
+        if run.axial_doubt is None:
+            velocities += f" and {velocity(run.bands_um_s[AXIAL][band])} um/s axially"
+        texts.append(f"{velocities} ({BAND_WORDS[band]})")
     return (
-        f"Most of the high band is above {si(run.scene.ring_bending_hz, 'Hz')}, where a real ring"
-        f" bends and this one is rigid: below, the radial velocity is {velocity(below_um_s)} um/s."
+        f"A real ring bends from {si(bending_hz, 'Hz')} on. One that stays rigid has"
+        f" {'; '.join(texts)}."
     )
 
 

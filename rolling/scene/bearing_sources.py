@@ -51,5 +51,7 @@ def assumed_keys(scene: BearingQuantities) -> list[str]:
     for key in _DEFAULTS:
         if key not in named and getattr(bearing, key) == fields[key].default:
             keys.append(key)
+    if bearing.contact_angle_deg is None and bearing.radial_clearance_um is None:
+        keys.append("radial_clearance_um")  # 0, which a radial load alone allows
     keys += [key for key in _ESTIMATES if getattr(bearing, key) is None]
     return keys

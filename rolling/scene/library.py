@@ -8,7 +8,7 @@ changes no stored run.
 import difflib
 import itertools
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from functools import cache
 from importlib.resources import files
@@ -131,13 +131,15 @@ _HARDNESS = {"hardness_hv": HV_GPA, "yield_strength_gpa": YIELDS}  # factors of 
 class Name(NamedTuple):
     """Key of a section that takes a name, the table of names, and the keys that they give.
 
-    A section without the key has the default, if there is one.
+    A section without the key has the default, if there is one. `instead` says what to give for a
+    thing that is not in the table.
     """
 
     key: str
     table: str
     gives: tuple[str, ...]
     default: str = ""
+    instead: str = ""
 
 
 BEARING_KEYS = (
@@ -156,7 +158,13 @@ NAMES = {
     "sphere": (Name("material", "materials", _ELASTIC),),
     "surface": (Name("finish", "finishes", ("roughness_ra_um", "correlation_length_um")),),
     "bearing": (
-        Name("named", "bearings", BEARING_KEYS),
+        Name(
+            key="named",
+            table="bearings",
+            gives=BEARING_KEYS,
+            instead="in place of a name give balls, ball_diameter_mm, pitch_diameter_mm and a"
+            " contact angle or clearance",
+        ),
         Name("material", "materials", _ELASTIC, default="steel-100cr6"),
     ),
 }
@@ -236,20 +244,37 @@ def fill_in(section: str, values: Any) -> Any:
         given = values.get(by_name.key)
         known = data(by_name.table)[by_name.table]
         if given is not None and not (isinstance(given, str | int) and str(given) in known):
-            raise fault(_unknown_name(given, known), at=f"{section}.{by_name.key}")
+            words = _unknown_name(given, known)
+            if by_name.instead:
+                words += f"; {by_name.instead}"
+            raise fault(words, at=f"{section}.{by_name.key}")
     return with_named_values(section, values)
 
 
 def _unknown_name(given: Any, known: dict[str, Any]) -> str:
     """Write that a table has no such name, its names, and the nearest of them."""
     words = f"got {quoted(given)}, allowed: {', '.join(known)}"
-    # The material alone stands for the first of its kinds: "glass" for "glass-soda-lime".
-    forms = {name.partition("-")[0]: name for name in reversed(known)}
-    forms |= {name: name for name in known}
-    near = difflib.get_close_matches(str(given).casefold().replace(" ", "-"), forms, 1)
+    near = _like_number(str(given), known)
+    if not near and not str(given).isdigit():
+        # The material alone stands for the first of its kinds: "glass" for "glass-soda-lime".
+        forms = {name.partition("-")[0]: name for name in reversed(known)}
+        forms |= {name: name for name in known}
+        close = difflib.get_close_matches(str(given).casefold().replace(" ", "-"), forms, 1)
+        near = forms[close[0]] if close else ""
     if near:
-        words += f"; nearest: {forms[near[0]]}"
+        words += f"; nearest: {near}"
     return words
+
+
+def _like_number(given: str, known: Iterable[str]) -> str:
+    """Return the known number that is nearest to a given one of its series, or nothing.
+
+    The last two digits of a bearing are its bore; those before are its series.
+    """
+    if not given.isdigit():
+        return ""
+    series = [name for name in known if name.isdigit() and name[:-2] == given[:-2]]
+    return min(series, key=lambda name: abs(int(name) - int(given)), default="")
 
 
 def with_named_values(section: str, values: Any) -> Any:

@@ -14,8 +14,10 @@ from scene_text import BEARINGS, SCENES
 
 import rolling
 from rolling import cli
+from rolling.bearing_contacts.bearing_check import scene_rules
 from rolling.scene.bearing_file import bearing_schema, is_bearing_file
 from rolling.scene.bearing_rules import largest_pressure
+from rolling.scene.bearing_sources import assumed_keys
 from rolling.scene.file import dump
 from rolling.scene.messages import SceneError
 
@@ -115,6 +117,18 @@ def test_values_beside_a_name_win_and_another_name_brings_its_own() -> None:
     assert [run.scene.bearing.pitch_diameter_mm for run in both] == [33.5, 15]
     text = faults("bearing.named=6203")
     assert "6204, 608, 6305" in text[0] and "nearest: 6204" in text[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "nearest"), [("6205", "6204"), ("6304", "6305"), ("609", "608"), ("62O4", "6204")]
+)
+def test_the_nearest_name_is_of_the_same_series(name: str, nearest: str) -> None:
+    text = faults(f"bearing.named={name}")[0]
+    assert f"nearest: {nearest};" in text and "give balls, ball_diameter_mm" in text
+
+
+def test_a_name_of_another_series_has_no_nearest_one() -> None:
+    assert "nearest" not in faults("bearing.named=7210")[0]
 
 
 # ---- geometry
@@ -255,6 +269,75 @@ def test_faults_of_a_surface_lie_on_it() -> None:
 
 
 # ---- check
+
+INCHES = """\
+name: inches
+bearing:
+  balls: 9
+  ball_diameter_mm: 0.3126
+  pitch_diameter_mm: 1.537
+  contact_angle_deg: 0
+  speed_rpm: 1797
+  radial_load_n: 10
+"""
+
+
+def size_doubts(*overrides: str) -> list[str]:
+    """Return what the check says about the size of a bearing that is typed in inches."""
+    scene = loads_bearing(INCHES, overrides)
+    return [doubt.text for doubt in scene_rules(scene) if getattr(doubt, "key", "") == "size"]
+
+
+def test_sizes_in_inches_are_doubted() -> None:
+    (text,) = size_doubts()
+    assert "no such bearing is made" in text and "sizes in inches?" in text
+    named = {"6204": (8, 0.3125, 1.319), "608": (7, 0.1563, 0.5906), "6305": (7, 0.4528, 1.7126)}
+    for balls, ball, pitch in named.values():
+        sizes = [f"bearing.balls={balls}", f"bearing.ball_diameter_mm={ball}"]
+        assert size_doubts(*sizes, f"bearing.pitch_diameter_mm={pitch}", "bearing.radial_load_n=1")
+
+
+@pytest.mark.parametrize(
+    ("bore", "outside", "balls", "ball", "pitch"),
+    [
+        (0.5, 1.5, 6, 0.25, 1.0),
+        (0.6, 2.0, 6, 0.35, 1.3),
+        (1.0, 3.0, 6, 0.5, 2.0),
+        (1.0, 3.0, 7, 0.5, 2.0),
+        (1.5, 4.0, 8, 0.6, 2.75),
+        (3.0, 10.0, 7, 1.588, 6.5),
+    ],
+)
+def test_a_miniature_bearing_is_not_doubted(
+    bore: float, outside: float, balls: int, ball: float, pitch: float
+) -> None:
+    """Bore and outside diameter of bearings in catalogues; their balls are usual proportions."""
+    assert not size_doubts(
+        f"bearing.bore_mm={bore}",
+        f"bearing.outside_diameter_mm={outside}",
+        f"bearing.balls={balls}",
+        f"bearing.ball_diameter_mm={ball}",
+        f"bearing.pitch_diameter_mm={pitch}",
+        "bearing.radial_load_n=0.5",
+    )
+
+
+@pytest.mark.parametrize(("across_mm", "is_told"), [(0, False), (0.3, False), (2, True)])
+@pytest.mark.parametrize("body", ["inner", "outer", "balls"])
+def test_a_pit_beside_the_track_is_told(body: str, across_mm: float, is_told: bool) -> None:
+    pit = {"kind": "pit", "at_mm": [2, across_mm], "size_um": 300, "depth_um": 5}
+    scene = bearing().with_({"bearing.surfaces": {body: {"kind": "smooth", "faults": [pit]}}})
+    told = [doubt for doubt in scene_rules(scene) if getattr(doubt, "key", "") == "fault_beside"]
+    assert bool(told) == is_told
+    for doubt in told:
+        assert f"{body}.faults[0]" in doubt.text and "beside the track" in doubt.text
+
+
+def test_a_clearance_that_is_not_given_is_assumed() -> None:
+    words = ["bearing.contact_angle_deg=null"]
+    assert "radial_clearance_um" in assumed_keys(loads_bearing(INCHES, words))
+    assert "radial_clearance_um" not in assumed_keys(loads_bearing(INCHES))
+    assert "radial_clearance_um" not in assumed_keys(bearing())
 
 
 def test_the_check_says_what_a_designer_asks_for(capsys: pytest.CaptureFixture[str]) -> None:

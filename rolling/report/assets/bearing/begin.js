@@ -18,7 +18,7 @@ function askMotion() {
   worker.thread ??= openWorker();
   worker.busy = true;
   $("#model").setAttribute("aria-busy", "true");
-  worker.thread.postMessage({ bearing: state.run.bearing, settings: { ...state.settings }, bands: data.bands });
+  worker.thread.postMessage({ bearing: state.run.bearing, settings: { ...state.settings }, bands: state.run.bandsHz });
 }
 
 function openWorker() {
@@ -46,7 +46,8 @@ function showLevels() {
   const numbers = state.moved.levels.map(({ radial }) => velocity(radial));
   const { rpm, axial, radial } = state.settings;
   const at = [`${digits(rpm, 4)} rpm`, axial > 0 && `${digits(axial)} N axial`, radial > 0 && `${digits(radial)} N radial`].filter(Boolean);
-  $("#levels").textContent = `At ${at.join(", ")}: ${numbers.slice(0, -1).join(", ")} and ${numbers.at(-1)} µm/s radial.`;
+  const end = state.run.bandsHz.at(-1)[1] > state.run.bendingHz - 1 ? ", up to the bending of the ring" : "";
+  $("#levels").textContent = `At ${at.join(", ")}: ${numbers.slice(0, -1).join(", ")} and ${numbers.at(-1)} µm/s radial${end}.`;
 }
 
 /** Return the largest radial load [N] that an axial load holds on the balls. */

@@ -97,7 +97,8 @@ export function drawSpectrum() {
     const share = (top - Math.log10(Math.max(value, 1e-12))) / DECADES;
     return TOP + (bottom - TOP) * Math.min(Math.max(share, 0), 1);
   };
-  data.bands.forEach(([low, high], k) => {
+  run.bandsHz.forEach(([low, high], k) => {
+    if (!(high > low)) return; // the ring bends from below the band on
     const from = chart.x(low);
     const width = chart.x(high) - from;
     draw(chart.svg, "rect", { class: k % 2 ? "band odd" : "band", x: from, y: TOP, width, height: bottom - TOP });
