@@ -133,7 +133,7 @@ def level_table(runs: Sequence[Run]) -> pd.DataFrame:
             "released_power_uncertainty_db": released.uncertainty_db,
         }
         if run.summary.get("single_event") and run.sound.source == "vibration":
-            row["laf_max_db"] = run.summary["laf_max_db"]
+            row["laf_max_db"] = answer.leading(run.summary, "laf_max_db")
             row["laf_max_uncertainty_db"] = run.summary["uncertainty_db"]["laf_max"]
         rows.append(row)
     frame = pd.DataFrame(rows)

@@ -135,6 +135,7 @@ class RunView:
     records : list of PageRecord. Its records; the first is heard.
     lap : dict. Lap to which the end of that record leads back.
     solved : float, s. Time in that record at which the solved track ends.
+    ends : bool. Whether that record is of something that ends, and so does not go round.
     raised : Raised or None. Its end that is raised.
     repeats : list. Notes on the repetition of that record.
     pictures : dict. Charts of the run by their names.
@@ -150,6 +151,7 @@ class RunView:
     records: list[records.PageRecord]
     lap: dict[str, float]
     solved: float
+    ends: bool
     raised: Raised | None
     repeats: list[Doubt]
     pictures: dict[str, Chart]
@@ -178,6 +180,7 @@ def _views(runs: Sequence[Run]) -> list[RunView]:
             records=record.records,
             lap=record.lap,
             solved=record.solved,
+            ends=record.ends,
             raised=record.raised,
             repeats=repeats,
             pictures=_pictures(run, number, runs),
@@ -240,6 +243,7 @@ def _player(view: RunView, scale: dict[str, Any] | None) -> dict[str, Any]:
         "label": view.label,
         "lap": view.lap,
         "solved": view.solved,
+        "ends": view.ends,
         "raised": None if view.raised is None else view.raised.begin / run.sound.sample_rate,
         "playback": view.playback,
         "live": view.live,

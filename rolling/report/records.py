@@ -46,7 +46,8 @@ class RunRecords(NamedTuple):
 
     `playback` are the gains of the first record, and `below_db` is the level of the loudest run
     with this gain over its own. `lap` is the part of it to which its end leads back, and `solved`
-    the time [s] in it at which the solved track ends. `raised` is its end that is raised, if any.
+    the time [s] in it at which the solved track ends. `ends` tells whether it is of something that
+    ends, and so does not go round. `raised` is its end that is raised, if any.
     """
 
     records: list[PageRecord]
@@ -54,6 +55,7 @@ class RunRecords(NamedTuple):
     below_db: float
     lap: dict[str, float]
     solved: float
+    ends: bool
     raised: listening.Raised | None
 
 
@@ -87,13 +89,15 @@ def of_runs(runs: Sequence[Run]) -> list[RunRecords]:
             if source == sources[number] and level is not None
         ]
         own_db = levels_db[number]
+        ends = run.ends_within(run.sound.duration if long is None else long.numbers["seconds"])
         records.append(
             RunRecords(
                 records=_records(run, ear),
                 playback=playbacks[number],
                 below_db=0.0 if own_db is None else max(beside) - own_db,
-                lap=lap(run.sound, long, len(ear.pressure)),
+                lap=lap(run.sound, long, len(ear.pressure), ends),
                 solved=solved(run.sound, long),
+                ends=ends,
                 raised=ear.raised,
             )
         )
@@ -171,14 +175,17 @@ def _embedded(samples: Any, form: str, kind: str, **options: Any) -> str:
     return maps.uri(kind, content.getvalue())
 
 
-def lap(sound: ContactSound, long: Listening | None, samples: int) -> dict[str, float]:
-    """Return the lap to which the end of the record that is heard, of so many samples, leads."""
-    if sound.once:
+def lap(sound: ContactSound, long: Listening | None, samples: int, ends: bool) -> dict[str, float]:
+    """Return the lap to which the end of the record that is heard, of so many samples, leads.
+
+    The record of something that ends has no seam: all of it is one lap.
+    """
+    if ends:
         return asdict(Lap(0, samples))
     if long is None:
         return asdict(sound.lap)
-    ends = fade_length(len(long.pressure), len(long.pressure) / long.sample_rate)
-    return asdict(crossfaded_lap(long.pressure, ends, long.sample_rate))
+    fade = fade_length(len(long.pressure), len(long.pressure) / long.sample_rate)
+    return asdict(crossfaded_lap(long.pressure, fade, long.sample_rate))
 
 
 def solved(sound: ContactSound, long: Listening | None) -> float:

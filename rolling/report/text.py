@@ -205,8 +205,7 @@ def main_level(run: Run) -> float | None:
     """Return the level of a run that is read first [dB]; None for silence."""
     if run.sound.levels.laeq_db is None:
         return None
-    level = run.summary.get(level_key(run.summary))
-    return None if level is None else float(level)
+    return answer.leading(run.summary, level_key(run.summary))
 
 
 def _level_or_zero(run: Run) -> float:
@@ -271,11 +270,11 @@ def _cell(run: Run, key: str, quantity: TableRow, only_events: bool) -> str:
     """Write a number of a run for a table, which may have runs of events only."""
     if key in LEVELS:
         return level_text(run.summary, key) if key in shown_levels(run.summary) else NOTHING
-    if run.summary.get("single_event"):
-        if key in OF_LENGTH:
-            return NOTHING
-        if key in MEANS and not only_events:
-            return NOTHING
+    is_event = bool(run.summary.get("single_event"))
+    if (is_event or answer.heard_whole(run.summary)) and key in OF_LENGTH:
+        return NOTHING
+    if is_event and key in MEANS and not only_events:
+        return NOTHING
     value = level_beside(run.summary, key) if key in MEANS else run.summary.get(key)
     if value is None:
         return NOTHING

@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
+from acoustics.numbers import rounded
 from acoustics.texts import printable
 from rolling.results.description import listed, material_word, number_word, special
 from rolling.results.labels import SEED, labels, worded
@@ -41,6 +42,8 @@ class Answer(NamedTuple):
     reason : str. Why there is no level, or an empty text.
     contact_loss_db : float, dB. Change of the level by a loss factor of the contact where the scene
         states none. Half of it is in the uncertainty.
+    solved_share : float. Share of the record, in time, that was solved; the rest of a long record
+        of what ends follows the statistics of this part.
     """
 
     level_db: float | None
@@ -51,6 +54,7 @@ class Answer(NamedTuple):
     meaning: str
     reason: str
     contact_loss_db: float = 0.0
+    solved_share: float = 1.0
 
     @property
     def number(self) -> str:
@@ -79,6 +83,52 @@ def uncertain(level: float, uncertainty: float | None) -> str:
     return f"{level:.1f}{spread}"
 
 
+# ---- the record that plays
+
+
+def heard_whole(summary: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the numbers of the long record of a fall or of a ball that comes to rest.
+
+    What ends is heard as a whole, so the levels of its long record are read first. It is empty for
+    a run that goes on, or without a long record.
+    """
+    long = summary.get("listening") or {}
+    return long if long.get("ends") else {}
+
+
+def leading(summary: Mapping[str, Any], key: str) -> float | None:
+    """Return a level of the record that plays where that ends [dB], otherwise of the solved one."""
+    level: float | None = heard_whole(summary).get(key, summary.get(key))
+    return level
+
+
+def of_solved_part(summaries: Iterable[Mapping[str, Any]]) -> str:
+    """Say which part of the records whose levels lead is solved; empty where all of it is."""
+    texts = dict.fromkeys(_of_solved_part(summary) for summary in summaries)
+    known = [text for text in texts if text]
+    if len(known) <= 1:
+        return "".join(known)
+    return (
+        "Each level is that of the whole record that plays, which goes on at random with the"
+        " statistics of its solved part."
+    )
+
+
+def _of_solved_part(summary: Mapping[str, Any]) -> str:
+    """Say which part of the record whose level leads is solved; empty where all of it is."""
+    long = heard_whole(summary)
+    if not long or long["solved_share"] >= 1 or leading(summary, level_key(summary)) is None:
+        return ""
+    whole = "of the whole fall"
+    if not summary.get("single_event"):
+        whole = f"of the {rounded(long['seconds'], 3)} s that play"
+    solved_s = long["solved_share"] * long["seconds"]
+    return (
+        f"The level is that {whole}: the first {rounded(solved_s, 2)} s are solved, and the rest"
+        " goes on at random with their statistics."
+    )
+
+
 # ---- the two numbers
 
 
@@ -94,7 +144,7 @@ def vibration(summary: Mapping[str, Any]) -> Answer:
 
 def _heard_vibration(summary: Mapping[str, Any]) -> Answer:
     """Return the vibration of a run whose sound files hold it."""
-    level = summary[level_key(summary)]
+    level = leading(summary, level_key(summary))
     spread = summary["uncertainty_db"].get("laeq")
     return _computed(summary, level, spread)
 
@@ -123,7 +173,13 @@ def _computed(
         ),
         reason=reason,
         contact_loss_db=_contact_loss_db(summary),
+        solved_share=_solved_share(summary),
     )
+
+
+def _solved_share(summary: Mapping[str, Any]) -> float:
+    """Return the share of the record, in time, that was solved."""
+    return float(heard_whole(summary).get("solved_share", 1.0))
 
 
 def _contact_loss_db(summary: Mapping[str, Any]) -> float:
@@ -163,6 +219,7 @@ def _estimated(summary: Mapping[str, Any]) -> Answer:
         meaning=meaning + _event(summary),
         reason="",
         contact_loss_db=_contact_loss_db(summary),
+        solved_share=_solved_share(summary),
     )
 
 
@@ -175,7 +232,7 @@ def loses_contact_in_estimate(summary: Mapping[str, Any]) -> bool:
 def released_power(summary: Mapping[str, Any]) -> Answer:
     """Return the released power of a run, where the vibration is heard or at `distance_m`."""
     if summary["source"] == "release":
-        level_db = summary[level_key(summary)]
+        level_db = leading(summary, level_key(summary))
         spread = summary["uncertainty_db"].get("laeq")
     else:
         level_db = level_beside(summary, "release_laeq_db")
@@ -193,9 +250,15 @@ def released_power(summary: Mapping[str, Any]) -> Answer:
         how = "assumed"
         meaning = f"Released power of which the scene takes a share of q = {q:g} as sound."
     reason = ""
+    long = heard_whole(summary) if level_db is not None else {}
     if "drop_mm" in summary:
         level_db = None
         reason = "the release is computed for a ball that rolls, and this one falls"
+    elif long and summary["source"] == "vibration" and long["solved_share"] < 1:
+        solved_s = rounded(long["solved_share"] * long["seconds"], 2)
+        level = f"{summary['release_laeq_db']:.1f} dB(A)"
+        reason = f"it is known for the {solved_s} s that are solved, where its LAeq is {level}"
+        level_db = None
     elif level_db is None:
         reason = "the release does not fluctuate within hearing"
     if level_db is None:
@@ -209,6 +272,7 @@ def released_power(summary: Mapping[str, Any]) -> Answer:
         where="at the distance of the listener",
         meaning=meaning + _event(summary),
         reason=reason,
+        solved_share=_solved_share(summary),
     )
 
 
@@ -233,11 +297,16 @@ def level_key(summary: Mapping[str, Any]) -> str:
 
 
 def exposure_db(summary: Mapping[str, Any]) -> float:
-    """Return LAE over LAeq [dB] of an event, whose other levels are shown as LAE too; or 0."""
-    if not summary.get("single_event") or summary["laeq_db"] is None:
+    """Return the level that leads over LAeq of the record [dB], which other levels share; or 0.
+
+    The other levels of an event are shown as LAE too, and those of what ends for the whole record.
+    """
+    level_db = leading(summary, level_key(summary))
+    is_other = bool(summary.get("single_event") or heard_whole(summary))
+    if not is_other or level_db is None or summary["laeq_db"] is None:
         return 0.0
     own = summary.get("record_laeq_db", summary["laeq_db"])  # LAeq may be a mean over a comb
-    return float(summary["lae_db"] - own)
+    return float(level_db - own)
 
 
 def level_beside(summary: Mapping[str, Any], key: str) -> float | None:
@@ -289,9 +358,16 @@ def follows(runs: Sequence[RunFolder]) -> str:
     A single run is described by what is special about it, or by the gap between its numbers. Runs
     that differ in one number are compared at its ends, others from the quietest to the loudest.
     Runs that differ in their seed are one side of the comparison, with the mean of their levels.
-    "Louder" and "quieter" are said of the vibration only.
+    "Louder" and "quieter" are said of the vibration only. Levels of records of which a part is
+    solved say so.
     """
     solved = [run for run in runs if stored_summary(run) is not None]
+    sentences = (_follows(solved), of_solved_part(map(_summary, solved)))
+    return " ".join(filter(None, sentences))
+
+
+def _follows(solved: Sequence[RunFolder]) -> str:
+    """Say in one sentence what follows from the two numbers of solved runs."""
     if not solved:
         return ""
     if len(solved) == 1:

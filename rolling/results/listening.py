@@ -152,30 +152,35 @@ def _faded(record: Array, samples: int) -> Array:
 
 def record_in_laps_of(run: SolvedRun) -> EarRecord:
     """Return the record of a run in laps for the ear."""
-    content = describe_laps(run.sound)
+    content = describe_laps(run)
     if run.scene.sound.listen_s is not None:
         content += f"; no long record: {run.no_long}"
-    return _with_raised_end(run, EarRecord(record_in_laps(run.sound), content))
+    return _with_raised_end(run, EarRecord(record_in_laps(run), content))
 
 
-def record_in_laps(sound: ContactSound) -> Array:
-    """Return the record of all channels [Pa], or as many of its laps as last five seconds."""
+def record_in_laps(run: SolvedRun) -> Array:
+    """Return the record of all channels [Pa], or as many of its laps as last five seconds.
+
+    The record of what ends has no laps.
+    """
+    sound = run.sound
     record = sound.channels
     samples = round(MIN_S * sound.sample_rate)
-    if sound.once or len(record) >= samples:
+    if run.ends_within(sound.duration) or len(record) >= samples:
         return record
     lap = sound.lap.samples(record)
     count = math.ceil(samples / len(lap))
     return np.concatenate([lap] * count)
 
 
-def describe_laps(sound: ContactSound) -> str:
+def describe_laps(run: SolvedRun) -> str:
     """Describe how listen.wav follows from the record."""
+    sound = run.sound
     lap = sound.lap
     rate = sound.sample_rate
-    if sound.once or len(sound.pressure) >= MIN_S * rate:
+    if run.ends_within(sound.duration) or len(sound.pressure) >= MIN_S * rate:
         return f"the record, {sound.ends}"
-    count = len(record_in_laps(sound)) // len(lap)
+    count = len(record_in_laps(run)) // len(lap)
     duration = rounded(sound.duration, 3)
     if sound.loops:
         return f"{count} laps of the record of {duration} s, which closes on itself"
@@ -219,6 +224,8 @@ def describe_long_record(run: SolvedRun, long: Listening) -> str:
     own = decibels_a(run.sound.levels.laeq_db)
     if run.summary.get("single_event"):
         own = f"has LAE {decibels_a(run.summary['lae_db'])} re 1 s"
+    if numbers.get("ends"):
+        own += " in its solved part"
     kurtosis = "-" if numbers["kurtosis"] is None else f"{numbers['kurtosis']:.2f}"
     track = "all solved"
     if numbers["solved_mm"] < numbers["rolled_mm"]:
@@ -228,9 +235,12 @@ def describe_long_record(run: SolvedRun, long: Listening) -> str:
             f"follow their statistics at random (seed {numbers['seed']})"
         )
     name = "vibration" if run.summary["source"] == "vibration" else "released power"
+    level_words = f"LAeq of the {name} {decibels_a(numbers['laeq_db'])}"
+    if numbers.get("ends") and run.summary.get("single_event"):
+        level_words = f"LAE of the {name} {decibels_a(numbers['lae_db'])} re 1 s"
     text = (
         f"{rounded(numbers['seconds'], 4)} s over {rounded(numbers['rolled_mm'], 3)} mm, {track}: "
-        f"LAeq of the {name} {decibels_a(numbers['laeq_db'])} (the run {own}), kurtosis {kurtosis}"
+        f"{level_words} (the run {own}), kurtosis {kurtosis}"
     )
     if "impacts" in numbers:
         text += f", {rounded(numbers['impacts'] / numbers['seconds'], 3)} impacts per second"

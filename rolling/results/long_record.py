@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from acoustics import level
 from acoustics.numbers import micrometres, rounded, rounded_up
 from rolling.marches.result import Result, released_energy
 from rolling.scene.scene import Scene
+from rolling.scene.track import Motion
 from rolling.sound import long_listening
-from rolling.sound.contact_sound import ContactSound, contact_sound
+from rolling.sound.contact_sound import FADE_S, ContactSound, contact_sound
 from rolling.sound.long_listening import Listening, with_speed
 from rolling.sound.vibration_sound import Vibration
 from rolling.terminal import defaults
@@ -81,8 +83,31 @@ def make_long_record(
             moved, energy[:lap], result.step, is_closed, seconds, seed
         )
     record.numbers["seed"] = seed
+    record.numbers["ends"] = ends_within(sound, moved.motion, seconds)
+    if record.numbers["ends"]:
+        record.numbers.update(_levels_of_whole(record))
     record.numbers["limits"] = _limits(record.numbers)
     return record
+
+
+def ends_within(sound: ContactSound, motion: Motion, seconds: float) -> bool:
+    """Tell whether a record of so many seconds is of something that ends.
+
+    The fall of a ball ends, and so does a ball that comes to rest, at the latest in the fade of
+    the record. Such a record does not go round.
+    """
+    return sound.once or motion.rest_time <= seconds + FADE_S
+
+
+def _levels_of_whole(record: Listening) -> dict[str, float | None]:
+    """Return the levels of a record that holds the whole of a sound [dB], by their keys."""
+    levels = level.sound_levels(record.pressure, record.sample_rate)
+    return {
+        "lae_db": level.lae_db(record.pressure, record.sample_rate),
+        "laf_max_db": levels.laf_max_db,
+        "las_max_db": levels.las_max_db,
+        "lz_peak_db": levels.lz_peak_db,
+    }
 
 
 def _refuse_slow(scene: Scene, fastest: float) -> None:

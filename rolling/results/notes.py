@@ -12,6 +12,7 @@ from rolling.check import level
 from rolling.check.doubt import Doubt, Severity
 from rolling.dynamics.of_scene import NEAR_SPEEDS
 from rolling.marches.result import MovingRelease
+from rolling.results.long_record import ends_within
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import Vibration
@@ -186,6 +187,9 @@ def _uncertainty(
 
 def _record(scene: Scene, sound: ContactSound) -> Iterator[Doubt]:
     """Tell of a record that does not loop, or whose repetition is heard."""
+    if ends_within(sound, scene.motion, sound.duration):
+        yield note("not_loopable", f"The record ends: it is {sound.ends}, and does not go round.")
+        return
     if not sound.loops and sound.closed:
         text = "The ends of the record do not fit together: a loop of it is cross-faded."
         yield note("not_loopable", text)
@@ -195,7 +199,7 @@ def _record(scene: Scene, sound: ContactSound) -> Iterator[Doubt]:
             f"The record does not close on itself: it is {sound.ends}, and a loop of it is "
             "cross-faded.",
         )
-    if sound.levels.level_db is None or sound.once:
+    if sound.levels.level_db is None:
         return
     lap = scene.track.lap_steps * scene.track.step
     period = sound.duration * min(1.0, lap / float(scene.motion.distance(sound.duration)))

@@ -159,6 +159,9 @@ def _levels_in_words(summary: dict[str, Any]) -> dict[str, str]:
         text = runs_table.level_text(summary, key)
         if key != first and text != "-":
             rows[f"{name} of the {source}"] = f"{text} {unit}"
+    part = answer.of_solved_part([summary])
+    if part:
+        rows["record"] = part
     return rows
 
 

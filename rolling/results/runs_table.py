@@ -10,7 +10,7 @@ import numpy as np
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.texts import cell
 from rolling.results import verdict
-from rolling.results.answer import released_power, uncertain, vibration
+from rolling.results.answer import leading, released_power, uncertain, vibration
 from rolling.results.labels import SEED, labels
 from rolling.results.run_folder import RunFolder, stored_summary
 from rolling.scene.messages import table
@@ -58,6 +58,8 @@ def _two_numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
         cells[f"{name}_uncertainty_db"] = answer.uncertainty_db
         cells[f"{name}_how"] = answer.how
         cells["quantity"] = answer.quantity
+        if answer.solved_share < 1:
+            cells[f"{name}_solved_share"] = answer.solved_share
     return cells
 
 
@@ -152,8 +154,8 @@ def seed_statistics(table: pd.DataFrame, over: str = SEED) -> pd.DataFrame:
 
 
 def level_text(summary: Mapping[str, Any], key: str) -> str:
-    """Write a level of a summary with its uncertainty [dB]."""
-    if (level := summary[key]) is None:
+    """Write a level of a summary, or of the whole of what ends, with its uncertainty [dB]."""
+    if (level := leading(summary, key)) is None:
         no_level = key == "steady_level_db" and summary["source"] == "vibration"
         too_short = key in MAXIMA and summary["laeq_db"] is not None
         return "-" if no_level or too_short else "silent"

@@ -121,6 +121,10 @@ class SolvedRun(RunFolder):
             return self.vibration.levels.laeq_db
         return self.sound.levels.laeq_db
 
+    def ends_within(self, seconds: float) -> bool:
+        """Tell whether a record of so many seconds is of something that ends."""
+        return long_record.ends_within(self.sound, self.scene.motion, seconds)
+
     @cached_property
     def no_long(self) -> str:
         """Reason why a run has no long record; empty if it has one."""

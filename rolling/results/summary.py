@@ -87,6 +87,8 @@ def summarize(run: SolvedRun, release: ContactSound) -> dict[str, Any]:
         summary |= _moving(result, moving)
     if scene.dynamics is None:
         summary |= _vibration_estimate(run, release, stiffness)
+    if scene.sound.listen_s is not None:
+        summary["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
     found = doubts(scene, sound, summary, vibration, moving)
     summary["doubts"] = verdict.as_json(found)
     summary["verdict"] = None if summary["laeq_db"] is None else verdict.verdict(found)
@@ -95,8 +97,6 @@ def summarize(run: SolvedRun, release: ContactSound) -> dict[str, Any]:
         summary["passes"] = _passes(run, result.passes, stiffness)
     if run.channels:
         summary["channels"] = [channel.numbers for channel in run.channels]
-    if scene.sound.listen_s is not None:
-        summary["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
     return summary
 
 

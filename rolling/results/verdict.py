@@ -153,6 +153,7 @@ def answers_as_json(summary: Mapping[str, Any], sentence: str) -> dict[str, Any]
             "standard_uncertainty_db": answer.uncertainty_db,
             "how": answer.how,
             "quantity": answer.quantity,
+            "solved_share": answer.solved_share,
             "where": answer.where,
             "meaning": answer.meaning,
             "reason": answer.reason,

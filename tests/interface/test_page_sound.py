@@ -232,6 +232,24 @@ def test_a_record_that_does_not_close_goes_round_as_listen_wav_does(pages, opene
     assert np.abs(played[: faded.start] - record[: faded.start]).max() < 2**-14
 
 
+def test_a_record_that_ends_is_played_once_and_whole(pages, opened) -> None:
+    """Play stops at the end of a fall, with no seam in it, and begins it again when pressed."""
+    path = pages("falling")
+    fall = runs_of("falling")[0].sound
+    playback = data_of(path)["runs"][0]["playback"]
+    stopped = "document.querySelector('#play').textContent.trim() === 'Play'"
+    with opened(path) as page:
+        for starts in (1, 2):
+            page.click("#play")
+            until(page, f"tap.sources.length === {starts} && {stopped}")
+            assert time_of(page) == pytest.approx(fall.duration, abs=1e-3)
+        assert page.evaluate("tap.sources.map((source) => source.loop)") == [False, False]
+        assert page.evaluate("tap.offsets") == pytest.approx([0, 0], abs=1e-3)
+        played = np.array(page.evaluate("[...tap.sources[0].buffer.getChannelData(0)]"))
+    assert len(played) == len(fall.pressure)
+    assert played == pytest.approx(fall.pressure / playback["full_scale_pa"], abs=2**-14)
+
+
 def test_records_of_other_lengths_go_round_in_their_own_time(pages, opened) -> None:
     """At 0.7 s, records of 0.9, 0.45, 0.9 and 0.006 s have their own times."""
     path = pages("one", "fast", "braking", "lap")

@@ -25,12 +25,13 @@ export const heardNow = () => state.context.currentTime - (state.context.outputL
 
 export const position = () => (state.voices ? Math.max(state.at, heardNow() - state.origin) : state.at);
 
-/** Return the length in seconds after which a record goes round. */
+/** Return the length in seconds after which a record goes round, or ends. */
 export const lengthOf = (number) => runs[number].lap.end / RATE;
 
-/** Return the time in seconds within a run's record, which goes round in its own time. */
+/** Return the time in seconds within a run's record, which goes round in its own time or stays at its end. */
 export function ownTime(number, at = position()) {
-  const { begin, overlap } = runs[number].lap, end = lengthOf(number), again = (begin + overlap) / RATE;
+  const { lap: { begin, overlap }, ends } = runs[number], end = lengthOf(number), again = (begin + overlap) / RATE;
+  if (ends) return Math.min(at, end);
   return at < end ? at : again + modulo(at - again, end - again);
 }
 

@@ -1,4 +1,4 @@
-// ---- player: records loop in step, and one of them is heard ----
+// ---- player: records loop in step, but those of what ends, and one of them is heard ----
 
 import { $, $$, lengthOf, ownTime, position, runs, seconds, solvedTime, state } from "./core.js";
 import { RATE } from "../engine/rate.js";
@@ -12,6 +12,9 @@ const STILL_MS = 2000; // without a sound after which the page says so
 const heardRun = () => state.blind ?? state.run;
 const gainOf = (number) => (number === heardRun() ? runs[number].playback[$("#equal")?.checked ? "equal" : "calibrated"] : 0);
 
+/** Tell whether the record of a run does not go round, and is over. */
+const hasEnded = (number) => runs[number].ends && ownTime(number) >= lengthOf(number);
+
 /** Make one run audible; only gains change. */
 export function mix() {
   state.voices?.forEach((voice, number) => voice && glide(voice.gain, gainOf(number)));
@@ -21,10 +24,10 @@ export function mix() {
 function startVoices() {
   const { context } = state, voices = runs.map(() => null);
   Object.assign(state, { voices, origin: context.currentTime - state.at });
-  runs.forEach(async ({ lap: { begin, end, overlap } }, number) => {
+  runs.forEach(async ({ lap: { begin, end, overlap }, ends }, number) => {
     const buffer = await roundOf(number);
-    if (voices !== state.voices) return;
-    const source = new AudioBufferSourceNode(context, { buffer, loop: true, loopStart: (begin + overlap) / RATE, loopEnd: end / RATE });
+    if (voices !== state.voices || hasEnded(number)) return;
+    const source = new AudioBufferSourceNode(context, { buffer, loop: !ends, loopStart: (begin + overlap) / RATE, loopEnd: end / RATE });
     const gain = new GainNode(context, { gain: 0 });
     source.connect(gain).connect(state.master);
     source.start(context.currentTime, ownTime(number, context.currentTime - state.origin));
@@ -53,6 +56,7 @@ export async function play() {
   await starting(() => Promise.all([audioContext().resume(), roundOf(heardRun())]));
   if (!state.wanted || state.voices) return;
   $("#no-sound").hidden = true;
+  if (hasEnded(heardRun())) state.at = 0;
   startVoices();
   tick();
 }
@@ -78,6 +82,7 @@ export function seek(time) {
 
 function tick() {
   if (!state.voices) return;
+  if (hasEnded(heardRun())) return pause();
   render();
   requestAnimationFrame(tick);
 }
