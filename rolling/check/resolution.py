@@ -15,7 +15,7 @@ from acoustics.numbers import micrometres, rounded, rounded_down, rounded_up, si
 from rolling.check.doubt import Doubt, Finding, Severity, sized
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene import grid_error
-from rolling.scene.messages import SceneError
+from rolling.scene.messages import SceneError, plain_number
 from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
 from rolling.scene.surfaces import MadeSurface
@@ -36,6 +36,7 @@ MAX_TRIED = 10_000  # numbers of nodes that a search for a spacing of few digits
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
 
 DOUBTFUL_RADII = 0.25  # step over contact radius, above which a scene gets a warning
+METRES_MM = 0.1  # [mm]; a smaller radius is no ball that rolls, and probably in metres
 MAX_RADII = 4.0  # step over contact radius, above which half of the release is lost
 
 # A smooth elastic sphere, marched at 32 nodes per radius, loses these shares of the release. Rough
@@ -248,10 +249,38 @@ def refuse_long_steps(scene: Scene) -> None:
         radius = contact_radius(run)
         if run.step > MAX_RADII * radius:
             which = f" (in the run {run_name(values)} of the sweep)" if values else ""
-            place = scene.place("numerics.step_nodes")
-            faults.append(f"{place}: numerics.step_nodes: {_fault(run, radius)}{which}")
+            key = "numerics.step_nodes"
+            text = _fault(run, radius)
+            unit = unit_of_radius(run)
+            if unit:
+                key = "sphere.radius_mm"
+                text = _fault_of_radius(run, radius, unit)
+            faults.append(f"{scene.place(key)}: {key}: {text}{which}")
     if faults:
         raise SceneError(faults)
+
+
+def unit_of_radius(scene: Scene) -> str:
+    """Say that a radius is likely in metres, because it makes a sphere of micrometres; or nothing.
+
+    Steps, half-space and memory are at fault in its place.
+    """
+    radius_mm = scene.sphere.radius_mm
+    if radius_mm >= METRES_MM:
+        return ""
+    return (
+        f"this is a sphere of {si(2e-3 * radius_mm, 'm')}, and likely a radius in metres: write"
+        f" {plain_number(float(rounded(1e3 * radius_mm, 6)))}"
+    )
+
+
+def _fault_of_radius(scene: Scene, radius: float, unit: str) -> str:
+    """Write that the contact of a sphere is too small for a step, and the likely unit."""
+    return (
+        f"got {plain_number(scene.sphere.radius_mm)}, whose contact has a radius of"
+        f" {rounded(radius * 1e6, 3)} um; allowed: a contact radius of at least"
+        f" {micrometres(scene.step / MAX_RADII)} um, a quarter of a step; {unit}"
+    )
 
 
 def _fault(scene: Scene, radius: float) -> str:

@@ -8,6 +8,7 @@ from rolling.check import cost, resolution
 from rolling.check.doubt import Doubt, Finding, Severity
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene import library
+from rolling.scene.messages import plain_number
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import (
     BallHeightFile,
@@ -77,12 +78,17 @@ def _half_space(scene: Scene) -> Iterator[Finding | Doubt]:
     share = max(along / scene.radius, across / scene.radius_across)
     yield Finding("contact_radius", "contact radius / radius", rounded(share))
     if share > MAX_CONTACT:
+        advice = "lower rolling.load_n or enlarge sphere.radius_mm"
+        unit = resolution.unit_of_radius(scene)
+        if unit:
+            got = f"sphere.radius_mm is {plain_number(scene.sphere.radius_mm)}"
+            advice = f"{got}; {unit}"
         yield Doubt(
             "contact_radius",
             f"contact radius / radius: the contact radius is {rounded(share)} of the sphere's, a "
             f"half-space holds up to {MAX_CONTACT:g}",
             Severity.DO_NOT_QUOTE,
-            advice="lower rolling.load_n or enlarge sphere.radius_mm",
+            advice=advice,
         )
     if not scene.faults:
         return

@@ -104,6 +104,26 @@ def test_steps_beyond_four_radii_are_refused_with_the_longest_step() -> None:
         resolution.refuse_long_steps(loads(SCENE, ["rolling.load_n=1e-9"]))
 
 
+@pytest.mark.parametrize(("radius", "millimetres"), [(0.005, "5"), (0.0127, "12.7")])
+def test_a_radius_in_metres_is_told_as_such(radius: float, millimetres: str) -> None:
+    """Not the steps are wrong, nor the load: both messages name the radius and its likely unit."""
+    words = ["rolling.load_n=weight", "sphere.density_kg_m3=7850", f"sphere.radius_mm={radius}"]
+    with pytest.raises(SceneError, match=r"sphere\.radius_mm: got 0\.0") as error:
+        resolution.refuse_long_steps(loads(SCENE, words))
+    (text,) = error.value.faults
+    assert "step_nodes" not in text
+    assert f"likely a radius in metres: write {millimetres}" in text
+    (doubt,) = [
+        finding.warning
+        for finding in checked(loads(SCENE, [f"sphere.radius_mm={radius}"]))
+        if finding.key == "contact_radius"
+    ]
+    assert f"sphere.radius_mm is {radius}" in doubt and f"write {millimetres}" in doubt
+    small = loads(SCENE, ["sphere.radius_mm=0.1", "rolling.load_n=1e-9"])
+    with pytest.raises(SceneError, match="step_nodes: got"):  # a small ball of a real bearing
+        resolution.refuse_long_steps(small)
+
+
 def test_warning_gives_the_expected_errors() -> None:
     """A step of a radius loses 6.4 % by the table, and levels up to 3 dB."""
 
