@@ -1,10 +1,6 @@
-"""Run the commands of docs/which-finish-is-quieter.md, and store the picture of their choice.
+"""The choice of docs/which-finish-is-quieter.md, by the Python code and the scene of that page.
 
-    python docs/_hooks/choice_picture.py [FOLDER]
-
-The Python code and the scene of that page are taken from it as they stand, so the picture is that
-of the page. FOLDER gets their files; by default a temporary one. The answer is printed, to compare
-it with the page.
+`docs/_hooks/pictures.py choice` stores its picture, and compares its answer with the page.
 """
 
 from __future__ import annotations
@@ -12,37 +8,36 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
-from PIL import Image
+from build_cache import ROOT
 
-ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "which-finish-is-quieter.md"
-PICTURE = ROOT / "scenarios" / "pictures" / "choice.png"
-COLOURS = 32  # of the picture
+RESULT = Path("outputs") / "finish"
 BLOCK = "^```{language}\n(.*?)^```"
 
 
-def main(words: list[str]) -> int:
-    """Make the scans and the scene of the page, choose, and store the picture."""
-    if words:
-        return _choose(Path(words[0]))
-    with tempfile.TemporaryDirectory() as folder:
-        return _choose(Path(folder))
+def choose(folder: Path) -> str:
+    """Make the scans and the scene of the page in a folder, choose, and return the answer.
 
-
-def _choose(folder: Path) -> int:
-    """Choose between the finishes of the page in a folder; return the exit code."""
+    The answer is what the command prints before the paths of its files.
+    """
+    scans, scene = blocks()
     folder.mkdir(parents=True, exist_ok=True)
-    subprocess.run([sys.executable, "-c", _first("python")], cwd=folder, check=True)
-    (folder / "MyScans.yaml").write_text(_first("yaml"), encoding="utf-8")
-    command = ["-m", "rolling", "choose", "MyScans.yaml", "--out", "outputs/finish"]
-    code = subprocess.run([sys.executable, *command], cwd=folder, check=False).returncode
-    if code == 0:
-        drawn = Image.open(folder / "outputs" / "finish" / "choice.png")
-        drawn.convert("RGB").quantize(COLOURS).save(PICTURE, optimize=True)
-    return code
+    subprocess.run([sys.executable, "-c", scans], cwd=folder, check=True)
+    (folder / "MyScans.yaml").write_text(scene, encoding="utf-8")
+    command = ["-m", "rolling", "choose", "MyScans.yaml", "--out", str(RESULT)]
+    done = subprocess.run(
+        [sys.executable, *command], cwd=folder, check=True, stdout=subprocess.PIPE, text=True
+    )
+    print(done.stdout)
+    answer, _, _ = done.stdout.rstrip().rpartition("\n\n")
+    return answer
+
+
+def blocks() -> tuple[str, str]:
+    """Return the Python code that makes the scans of the page, and its scene."""
+    return _first("python"), _first("yaml")
 
 
 def _first(language: str) -> str:
@@ -51,7 +46,3 @@ def _first(language: str) -> str:
     found = re.search(pattern, PAGE.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
     assert found is not None
     return found[1]
-
-
-if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))

@@ -1,13 +1,12 @@
-"""Run the scenes that come with the program, and make their gallery and its picture.
+"""Run the scenes that come with the program, and make their gallery.
 
     python docs/_hooks/gallery.py [--out outputs/gallery] [--workers N] [SCENE...]
 
 Without scenes it runs those of `rolling scenes` whose estimated cost is moderate. A scene that is
-done is not run again. The gallery is OUT/gallery.html. Chromium (extra `dev`) draws its picture
-into scenarios/pictures, and with the quickstart also the pictures of its page and spectrum.
+done is not run again. The gallery is OUT/gallery.html.
 
 The site runs the scenes that docs/gallery.md lists on shorter tracks, plays them there, and links
-to their gallery.
+to their gallery, of which `docs/_hooks/pictures.py gallery` draws a picture.
 """
 
 from __future__ import annotations
@@ -15,18 +14,15 @@ from __future__ import annotations
 import argparse
 import base64
 import html
-import io
 import json
 import os
 import re
-import shutil
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from build_cache import ROOT, cached_build, compressed
 
-PICTURES = ROOT / "scenarios" / "pictures"
 LEFT_OUT = {
     "vibrating-ball": "it takes as long as the other scenes together; ball-on-plate is like it",
     "left-end-rule": "it sounds like the quickstart",
@@ -36,10 +32,6 @@ LEFT_OUT = {
     "loudness": "it sounds like the quickstart",
     "events": "it sounds like the quickstart",
 }
-GALLERY_SIZE = (1400, 1400)
-PAGE_SIZE = (1100, 1290)
-COLOURS = 128  # of a picture
-SETTLED_MS = 5000  # until scripts have drawn, the spectrogram too
 # Settings with which the site runs its scenes on short tracks, to be built in minutes.
 BRIEF = "sound.listen_s=6"
 SITE = {
@@ -93,9 +85,8 @@ SHOWN = "![Gallery of scenes that come with the program](pictures/gallery.png)"
 
 
 def main(words: list[str]) -> int:
-    """Run the scenes and write the gallery with its picture; return the exit code."""
+    """Run the scenes and write the gallery; return the exit code."""
     sys.path.insert(0, str(ROOT))
-    from rolling.results.run_folder import PAGE
     from rolling.scene import library
     from rolling.scene.bearing_file import is_bearing_file
 
@@ -108,13 +99,7 @@ def main(words: list[str]) -> int:
     if not names:
         titles = library.titles()
         names = [x for x, _ in titles if x not in LEFT_OUT and not is_bearing_file(x)]
-    page = made(dict.fromkeys(names, ()), given.out, given.workers)
-    draw(page, PICTURES / "gallery.png", GALLERY_SIZE)
-    if "quickstart" in names:
-        quickstart = given.out / "quickstart"
-        draw(quickstart / PAGE, PICTURES / "quickstart-report.png", PAGE_SIZE)
-        spectrum = quickstart / "figures" / "spectrum.png"
-        shutil.copyfile(spectrum, PICTURES / "quickstart-spectrum.png")
+    made(dict.fromkeys(names, ()), given.out, given.workers)
     return 0
 
 
@@ -131,27 +116,6 @@ def made(scenes: Mapping[str, Sequence[str]], out: Path, workers: int, report: b
     page.unlink(missing_ok=True)
     print(*stored.gallery([out / name for name in scenes], page))
     return page
-
-
-def draw(page: Path, picture: Path, size: tuple[int, int]) -> None:
-    """Draw the beginning of a page as a small PNG of a size [px]."""
-    sys.path.insert(0, str(ROOT / "tests" / "support"))
-    from PIL import Image
-    from playwright.sync_api import sync_playwright
-    from report_browser import FLAGS, browser_path
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=browser_path(), args=FLAGS)
-        view = browser.new_page(viewport={"width": size[0], "height": size[1]})
-        view.goto(page.resolve().as_uri())
-        view.evaluate(
-            "document.querySelectorAll('img').forEach((image) => { image.loading = 'eager'; })"
-        )
-        view.wait_for_load_state("networkidle")
-        view.wait_for_timeout(SETTLED_MS)
-        content = view.screenshot()
-        browser.close()
-    Image.open(io.BytesIO(content)).convert("RGB").quantize(COLOURS).save(picture, optimize=True)
 
 
 # ---- the site
