@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from bearing_runs import loads_bearing
 from finished import VIBRATING
 from scene_text import PLAIN
 
@@ -21,7 +22,6 @@ from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.piece import Piece
 from rolling.run.executor import RunLoop
 from rolling.run.pools import local_pool
-from rolling.scene.bearing_file import loads_bearing
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.file import loads
 from rolling.terminal import progress
