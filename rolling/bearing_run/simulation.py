@@ -27,6 +27,7 @@ from rolling.contact.processor_time import ProcessorTime
 from rolling.marches import effort
 from rolling.marches.effort import Effort
 from rolling.marches.piece import contact_identity
+from rolling.run import folder as folders
 from rolling.scene import library
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.messages import SceneError
@@ -144,7 +145,10 @@ def refuse(scene: BearingScene, workers: int, folder: Path | None = None) -> Non
     ------
     SceneError : a height file cannot be used, or memory or disk do not suffice.
     """
-    for _, run in scene.runs():
+    for place in folders.bearing_runs_in(folder or Path(), scene):
+        if folder is not None and place.is_done:  # its files need no disk any more
+            continue
+        run = place.scene
         plan = contact_plan(run)
         lines = [need.line for need in needs.excess(run, plan, workers, folder)]
         if lines:

@@ -12,7 +12,7 @@ from rolling.check import cost, resolution
 from rolling.check.doubt import Doubt, Severity
 from rolling.scene.messages import SceneError, plain_number
 from rolling.scene.scene import Scene
-from rolling.terminal import addresses, defaults, system_errors
+from rolling.terminal import addresses, system_errors
 
 OUTPUTS = Path("outputs")  # where runs are written unless another folder is given
 SHARE = 0.8  # of memory or free disk that a run may take; the rest belongs to others
@@ -146,7 +146,8 @@ def lacking_disk(size: float, folder: Path, shorter: str, of: str = "") -> list[
     if size <= SHARE * free:
         return []
     text = f"needs about {byte_size(size)}, allowed: {_share(free)} free where {folder} is"
-    if (folder / defaults.SCENE).is_file():  # another scene would not go on in this folder
+    is_begun = folder != OUTPUTS and any(folder.glob("*"))
+    if is_begun:  # another scene would not go on in this folder
         advice = "free some space, and the same command goes on"
     else:
         advice = f"free some space, {system_errors.ANOTHER_DISK}, or {shorter}"

@@ -20,7 +20,7 @@ from rolling.scene.identity import contains, differences, scene_identity
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import run_name, with_paths
 from rolling.scene.swept import AnyScene
-from rolling.terminal import defaults, files, program
+from rolling.terminal import files, program
 from rolling.terminal.files import FolderError
 
 try:
@@ -28,7 +28,7 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
-SCENE = defaults.SCENE
+SCENE = "scene.yaml"
 PIECES = "pieces"
 KEPT = "heard"  # runs that a command keeps for its end, in the folder of the pieces
 MARK = "# rolling-contact-noise run folder, format 2"  # the first line of scene.yaml begins so

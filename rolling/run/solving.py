@@ -113,7 +113,8 @@ def solve_folder(
     ------
     SceneError, FolderError, OSError, KeyboardInterrupt : as in `rolling.commands.run.run_scene`.
     """
-    unsolved = [run.scene for run in folders.runs_in(folder, scene) if not run.is_done]
+    runs = folders.runs_in(folder, scene)
+    unsolved = [run.scene for run in runs if not run.is_done]
     refusals.refuse(scene, workers, folder, unsolved)
     if part is not None and not scene.sweep:
         raise SceneError(["sweep: a part is a share of the runs of a sweep, the scene has none"])
@@ -122,6 +123,7 @@ def solve_folder(
     if cluster is not None:  # its workers have other working folders
         scene = Scene.from_dict(scene.to_dict(), scene.folder.resolve())
         folder = folder.resolve()
+        runs = folders.runs_in(folder, scene)
     with ExitStack() as stack:
         pool = None
         if cluster is not None:  # refused before anything is written where no scheduler answers
@@ -132,7 +134,6 @@ def solve_folder(
             folders.write_scene(folder, scene)
         if not progress.is_quiet():
             print(f"files: {folder}", flush=True)
-        runs = folders.runs_in(folder, scene)
         own = runs_of_part(runs, part)
         folders.tidy(folder, own, alone=len(own) == len(runs))
         _refuse_edited_heights(own)

@@ -65,15 +65,14 @@ def at_most(more_bytes: float) -> Iterator[None]:
     A library that is asked for more, by a damaged or hostile file, fails within the context in
     place of filling the memory. Linux alone keeps such a limit; elsewhere nothing is done.
     """
-    before = taken()
-    if before is None:
+    if taken() is None:
         yield
         return
     import resource
 
     with _narrowed:
         soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-        wanted = round(before + more_bytes)
+        wanted = round((taken() or 0.0) + more_bytes)
         if soft != resource.RLIM_INFINITY:
             wanted = min(wanted, soft)
         if hard != resource.RLIM_INFINITY:

@@ -1,6 +1,5 @@
 """Numbers that help texts name and commands use, in a module that imports nothing."""
 
-SCENE = "scene.yaml"  # of a run folder, in which it is the first file
 MAX_RUNS_ON_PAGE = 24  # with player, pictures and slow motion each: half a megabyte and more
 MAX_RUNS_COMPARED = 400  # with a curve each in pictures of all runs, and a row on the terminal
 FEW_RUNS = 20  # of more, on the terminal

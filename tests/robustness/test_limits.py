@@ -10,14 +10,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from bearing_runs import WAVY
 from commands import PATIENCE, ROOT, SWEEP
 from large_scenes import FILE, LAPS, scene_of
 from scene_text import MADE, TEXT, TINY
 
 import rolling
 from rolling import cli
+from rolling.bearing_run import simulation
 from rolling.check import cost, findings, refusals
 from rolling.run.executor import RunLoop
+from rolling.scene.bearing_file import loads_bearing
 from rolling.scene.file import loads, read_scene
 from rolling.scene.messages import SceneError
 
@@ -244,3 +247,16 @@ def test_a_disk_that_filled_half_way_is_to_be_freed_and_done_runs_need_none(
     assert "free some space, and the same command goes on" in said and "shorten" not in said
     monkeypatch.setattr(refusals, "free_disk", lambda folder: one_run)
     assert cli.main(words) == 0  # the other run needs no disk
+
+
+def test_a_bearing_that_is_done_needs_no_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = loads_bearing(WAVY.replace("0.5", "0.1"))
+    for name in ("result.h5", "summary.json"):
+        (tmp_path / name).touch()
+    monkeypatch.setattr(refusals, "free_disk", lambda folder: 1e6)
+    simulation.refuse(scene, workers=1, folder=tmp_path)
+    (tmp_path / "summary.json").unlink()
+    with pytest.raises(SceneError, match="free some space, and the same command"):
+        simulation.refuse(scene, workers=1, folder=tmp_path)
