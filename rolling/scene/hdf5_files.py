@@ -256,11 +256,15 @@ def _is_stored_by_this_program(data: h5py.Dataset) -> bool:
     """Return whether an array lies in the file, in chunks no larger than it, by known filters."""
     chunks = data.chunks or data.shape
     return (
-        not data.is_virtual
-        and not data.external
+        not _takes_values_from_elsewhere(data)
         and set(_filters(data)) <= _FILTERS
         and (not data.size or bool(np.less_equal(chunks, data.shape).all()))
     )
+
+
+def _takes_values_from_elsewhere(data: h5py.Dataset) -> bool:
+    """Return whether the values of an array lie in other files, or in other arrays."""
+    return bool(data.is_virtual or data.external)
 
 
 def _filters(data: h5py.Dataset) -> list[int]:
@@ -317,7 +321,7 @@ def _unpacked(packed: bytes, data: h5py.Dataset, filters: list[int], mask: int) 
 def _numbers(raw: bytes, data: h5py.Dataset, shape: tuple[int, ...]) -> NDArray[Any]:
     """Return bytes of a file as numbers of an array."""
     if len(raw) != math.prod(shape) * data.dtype.itemsize:
-        raise ValueError(f"{data.name}: got {len(raw)} bytes of values, which are not whole")
+        raise ValueError(f"{data.name}: a part of its values has another size than it says")
     return np.frombuffer(raw, data.dtype).reshape(shape)
 
 
@@ -400,7 +404,7 @@ def _refuse_strange(path: Path, most_bytes: int) -> None:
                 raise ValueError(f"holds more than {_MAX_OBJECTS} arrays and attributes")
             if not isinstance(inner, h5py.Dataset):
                 continue
-            if inner.is_virtual or inner.external:
+            if _takes_values_from_elsewhere(inner):
                 raise ValueError(f"{inner.name}: takes its values from other files")
             if not set(_filters(inner)) <= _FILTERS_OF_INSTRUMENTS:
                 raise ValueError(f"{inner.name}: is packed by a filter that is not known")

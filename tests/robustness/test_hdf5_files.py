@@ -157,7 +157,7 @@ def hostile(outside: Path) -> dict[str, tuple[str, Spoil]]:
             both(unwritten("inner_place", (10**9,)), unwritten("inner_track", (4, 10**9))),
         ),
         "unwritten": ("not all in the file", unwritten("velocity")),
-        "inflated": ("not whole", inflated("velocity", 200_000_000)),
+        "inflated": ("another size", inflated("velocity", 200_000_000)),
         "balls": ("along ball", unwritten("ball_load", (4800, 9))),
         "text": ("another storage", put("velocity", np.full((4800, 3), b"text"))),
         "nan": ("no finite", put("velocity", np.full((4800, 3), np.nan, "f4"))),
@@ -323,6 +323,18 @@ def test_a_hostile_scan_is_refused_before_a_package_reads_it(
     path.write_bytes(bytes(1024) + path.read_bytes())
     if name != "linked":  # its places count from the user block
         assert hdf5_files.is_hdf5(path)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="no other system limits a process")
+def test_a_scan_with_a_text_that_states_four_gigabytes_is_refused(tmp_path: Path) -> None:
+    pytest.importorskip("SurfaceTopography", reason="the extra `surfaces` is not installed")
+    path = tmp_path / "scan.datx"
+    instrument_file(path, HEIGHTS)
+    path.write_bytes(with_long_text(path.read_bytes(), 4_000_000_000, place="Data"))
+    before = peak_bytes()
+    with pytest.raises(HeightFormatError, match="no readable"):
+        measured.read(path)
+    assert peak_bytes() < before + 300e6
 
 
 def test_a_file_of_many_objects_and_a_circle_of_groups_end(tmp_path: Path) -> None:

@@ -155,7 +155,7 @@ HOSTILE: list[tuple[str, Spoil]] = [
     ("approach", stored_outside),
     ("approach", virtual("approach", Path("/dev/zero"))),
     ("not all in the file", unwritten("approach")),
-    ("not whole", inflated("approach", 100_000_000)),
+    ("another size", inflated("approach", 100_000_000)),
     ("release_energy", without("release_energy")),
     ("not a result", without("snapshot/along")),
     ("distance_m", lambda file: file["snapshot"].attrs.__delitem__("distance_m")),

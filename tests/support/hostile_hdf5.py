@@ -89,13 +89,13 @@ def unwritten(name: str, shape: tuple[int, ...] | None = None) -> Spoil:
     return change
 
 
-def with_long_text(content: bytes, length: int) -> bytes:
+def with_long_text(content: bytes, length: int, place: str = "/") -> bytes:
     """Let a text attribute of a file state another length than that of its bytes.
 
     A text is stored as its length, the place of a heap with texts, and a number in this heap.
     """
     with h5py.File(io.BytesIO(content), "r+") as file:
-        file.attrs["title"] = "x" * 4321
+        file[place].attrs["title"] = "x" * 4321
         file.flush()
         changed = bytearray(file.id.get_file_image())
     at = changed.find(struct.pack("<I", 4321))
