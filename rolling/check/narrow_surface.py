@@ -1,6 +1,6 @@
 """Surfaces that are narrower than the contact: which of them a choice would have to leave out.
 
-Two runs of one law differ: over forty seeds the widest contact of a track has 84 to 136 um. Only
+Surfaces of one law differ: over twelve seeds the widest contact of a track has 84 to 136 um. Only
 where the highest summits that a law may have lie near enough to be loaded, the surfaces are made.
 """
 
