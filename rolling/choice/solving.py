@@ -48,7 +48,12 @@ def solve(
     names = []
     for specimen, name in zip(specimens, labels, strict=True):
         if specimen.is_done and not specimen.is_heard:  # a kill came between the two
-            write_heard(specimen, result_file.read_result(specimen.folder / RESULT, specimen.scene))
+            result = result_file.read_result(specimen.folder / RESULT, specimen.scene)
+            try:
+                write_heard(specimen, result)
+            except ContactError as error:
+                remember(folder, specimen, str(error))
+                continue
         if not specimen.is_heard:
             files.make_below(folder, specimen.folder)
             if not folders.refuse_other(specimen.folder, specimen.scene):
@@ -85,6 +90,7 @@ def solve(
             raise ContactError(f"{names[number]}: {reason}")
         progress.line(f"{names[number]} is left out: {reason}")
         remember(folder, lacking[number], reason)
+        folders.drop_pieces(folder, marches[number])
 
 
 @contextmanager

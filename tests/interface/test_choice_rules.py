@@ -9,7 +9,7 @@ import json
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -17,8 +17,8 @@ import pytest
 import rolling as rc
 from acoustics.pairs import LOOKS
 from rolling import cli
-from rolling.choice import choosing, omissions, picture
-from rolling.choice.candidates import candidates_of
+from rolling.choice import choosing, omissions, picture, solving
+from rolling.choice.candidates import candidate, candidates_of
 from rolling.choice.choosing import choose_scenes, open_choice
 from rolling.choice.command import as_json
 from rolling.choice.heard import Specimen
@@ -166,6 +166,47 @@ def test_a_narrow_surface_is_foreseen_before_a_march(
     assert not any("specimen 3" in label for label in marched)
     # for both scenes alike, of which the smooth one is found first
     assert "surface.width_um: 256" in choice.omitted[0].reason
+
+
+def test_a_march_that_fails_is_remembered(
+    scene: rc.Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where nothing was foreseen; its pieces are removed, and no second march begins."""
+    monkeypatch.setattr(choosing, "foreseen", lambda *_: "")
+    failing = [candidate("narrow", scene.with_(seed=3))]
+    for _ in range(2):
+        with (
+            open_choice(failing, tmp_path / "out", workers=1) as work,
+            pytest.raises(ContactError, match="um wide across the track"),
+        ):
+            work.hear(failing, 1)
+        assert not (tmp_path / "out" / "pieces").exists()
+        monkeypatch.setattr(solving, "RunLoop", None)
+
+
+def test_a_failure_that_is_not_of_the_contact_is_not_remembered(
+    wide: rc.Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Killed:
+        """A loop whose process was killed, as by a lack of memory."""
+
+        failures: ClassVar = {0: "a worker process was killed"}
+        without_solution: ClassVar = set()
+
+        def __init__(self, *_: object) -> None:
+            pass
+
+        def finished_runs(self, pool: object) -> list:
+            return []
+
+    monkeypatch.setattr(solving, "RunLoop", Killed)
+    both = candidates_of(two(wide))
+    with (
+        open_choice(both, tmp_path / "out", workers=1) as work,
+        pytest.raises(ContactError, match="killed"),
+    ):
+        work.hear(both, 4)
+    assert [*(tmp_path / "out").glob("**/failed.json")] == []
 
 
 def test_a_check_foresees_the_surfaces_of_a_choice(
