@@ -20,6 +20,7 @@ from acoustics import wav
 from acoustics.arrays import Array
 from rolling import cli
 from rolling.bearing import lines
+from rolling.bearing.band_uncertainty import BandUncertainty
 from rolling.bearing.motion import move_ring
 from rolling.bearing.tracks import BodyTrack, smooth_tracks
 from rolling.bearing_run import figures, page, simulation
@@ -280,6 +281,44 @@ def test_a_bearing_with_a_fault_is_also_moved_without_it(tmp_path: Path) -> None
     assert opened.without_faults == without
 
 
+@pytest.mark.law("Bearing run: the velocity below the bending of the ring leads.")
+def test_the_velocity_below_the_bending_leads(run: BearingRun) -> None:
+    """A 6204 bends from 5.29 kHz on; tones at 3 and 8 kHz lie on either side of it."""
+    t = np.arange(RATE) / RATE
+    tones = 3 * np.sin(2 * np.pi * 3000 * t) + 20 * np.sin(2 * np.pi * 8000 * t)
+    velocity = 1e-5 * np.repeat(tones[:, None], 3, axis=1)
+    rigid = replace(run, record=replace(run.record, velocity_m_s=velocity))
+    below = 30 / math.sqrt(2)
+    assert rigid.bands_below_bending_um_s["radial"]["high"] == pytest.approx(below, rel=1e-3)
+    assert rigid.bands_um_s["radial"]["high"] == pytest.approx(143, rel=0.01)
+    first, _, bends, *_ = rigid.summary["sentences"]
+    assert "21 um/s (1,800 to 5,289 Hz, where it begins to bend)" in first and "143" not in first
+    assert "bends from 5.29 kHz on" in bends and "140 um/s radially" in bends
+    drawn = [text.get_text() for text in rigid.plot("spectrum").texts]
+    assert "21 µm/s" in drawn
+    plt.close("all")
+    stiff = rigid.scene.with_({"bearing.outside_diameter_mm": 80})
+    stiff_run = replace(rigid, scene=stiff)
+    assert "bend" not in " ".join(stiff_run.summary["sentences"])
+    assert "(1,800 to 10,000 Hz)" in stiff_run.summary["sentences"][0]
+
+
+def test_the_parts_of_the_uncertainty_are_stored(run: BearingRun, folder: Path) -> None:
+    """Waves on smooth raceways have no window; the loss factor is assumed."""
+    stored = numbers(folder)
+    parts = stored["bands_uncertainty_parts_db"]
+    assert set(parts) == {"record", "loss_factor"}
+    for direction, bands in stored["bands_uncertainty_db"].items():
+        for band, total in bands.items():
+            squares = [part[direction][band] ** 2 for part in parts.values()]
+            assert total == pytest.approx(math.sqrt(sum(squares)))
+    window = {name: dict.fromkeys(bands, 0.7) for name, bands in parts["record"].items()}
+    rough = replace(run, contact_uncertainty=BandUncertainty({"window": window}))
+    assert rough.uncertainty.total_db("radial", "high") >= 0.7
+    given = replace(run, scene=run.scene.with_({"bearing.contact_loss_factor": 0.03}))
+    assert set(given.uncertainty.parts_db) == {"record"}
+
+
 def test_a_smooth_bearing_under_an_axial_load_is_silent() -> None:
     scene = loads_bearing(WAVY, ["bearing.surfaces={}"])
     quiet = rolling.simulate_bearing(scene, progress=False)
@@ -358,6 +397,7 @@ def test_a_stored_run_is_the_run(folder: Path, run: BearingRun, tmp_path: Path) 
     """Arrays are stored in single precision."""
     opened = rolling.open_bearing(folder)
     assert opened.bands_um_s["radial"] == pytest.approx(run.bands_um_s["radial"], abs=1e-4)
+    assert set(opened.uncertainty.parts_db) == set(run.uncertainty.parts_db)
     track = opened.tracks.inner.at_loads(run.tracks.inner.loads_n)
     assert track == pytest.approx(run.tracks.inner.approach_m, abs=1e-13)
     tree = opened.to_xarray()
