@@ -1,9 +1,9 @@
 """Forecast of the processor time of the runs of bearings: marches, motions, files and page.
 
 Steps, cold starts and motions are counted from the plans, as `rolling run` does them: a run moves
-its ring once after each stage of its marches, and once more without its single faults. The times of
-each of them were measured on runs of 608, 6204 and 6305 bearings.
-`tests/benchmarks/forecast_study.py` compares forecasts with runs.
+its ring once after each stage of its marches, and once more without its single faults. The time of
+each was measured on runs of 6204 bearings. `tests/benchmarks/forecast_study.py` compares forecasts
+with runs of other bearings.
 """
 
 from __future__ import annotations
