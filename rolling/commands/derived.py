@@ -60,7 +60,7 @@ def write_derived(ending: Ending, runs: Sequence[RunFolder], report: bool) -> No
         folders.drop_all_pieces(folder)
     if not done:
         return
-    write_with_common_gain(runs, ending.kept.read, ending.each)
+    write_with_common_gain(runs, lambda run: ending.kept.only(run).read, ending.each)
     newest = max((run.folder / SUMMARY).stat().st_mtime_ns for run in done)
     report = report and len(runs) <= defaults.MAX_RUNS_COMPARED
     last = folder / TABLE

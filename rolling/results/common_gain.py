@@ -18,6 +18,11 @@ from rolling.terminal.files import write_bytes, write_json
 Read = Callable[[RunFolder, str], Run]  # of a run that is done, under a label
 
 
+def _reader_of_files(run: RunFolder) -> Read:
+    """Return the function that reads a run from its files."""
+    return read_run
+
+
 def each_here(function: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> list[Any]:
     """Call a function with some arguments each, in this process."""
     return [function(*arguments) for arguments in calls]
@@ -25,7 +30,7 @@ def each_here(function: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) ->
 
 def write_with_common_gain(
     runs: Sequence[RunFolder],
-    read: Read = read_run,
+    reader_of: Callable[[RunFolder], Read] = _reader_of_files,
     each: Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], Any] = each_here,
 ) -> None:
     """Write listen.wav of the runs of a sweep that are done with the gain that they share.
@@ -36,7 +41,7 @@ def write_with_common_gain(
     Parameters
     ----------
     runs : sequence of RunFolder
-    read : function. It returns a run from its folder. Default: `read_run`.
+    reader_of : function. It returns the function that reads a run. Default: `read_run` for all.
     each : function. It calls a function of this module with some arguments each, in some process.
 
     Raises
@@ -55,7 +60,7 @@ def write_with_common_gain(
             continue
         common = gains.get(summaries[run]["source"])
         if common is not None and not _is_current(run, label, summaries[run], common):
-            waiting.append((run, label, common, read))
+            waiting.append((run, label, common, reader_of(run)))
     if not waiting:
         return
     with progress.step("writing listen.wav with one gain for the sweep"):

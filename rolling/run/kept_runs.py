@@ -53,6 +53,11 @@ class KeptRuns:
     folder: Path
     digests: dict[Path, str] = field(default_factory=dict)
 
+    def only(self, run: RunFolder) -> KeptRuns:
+        """Return a run alone, for a process that needs no other."""
+        digest = self.digests.get(run.folder, "")
+        return KeptRuns(self.folder, {run.folder: digest})
+
     def read(self, run: RunFolder, label: str) -> Run:
         """Return a run that is done, with its stored numbers, under a label.
 

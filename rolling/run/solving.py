@@ -222,13 +222,14 @@ def _solve_lacking(
     stored: dict[str, RunFolder] = {}  # the first run of each march that is done
     for run in (*sources, *(run for run in runs if run.is_done)):
         stored.setdefault(contact_identity(run.scene), run)
+    is_compared = ending is not None and len(runs) <= defaults.MAX_RUNS_COMPARED
     run_files = RunFiles(
         runs=lacking,
         labels=names,
         pieces=folder / folders.PIECES,
         stored=stored,
         film=len(runs) <= defaults.MAX_RUNS_ON_PAGE,
-        finish=finish_run if ending is None else finish_and_keep_run,
+        finish=finish_and_keep_run if is_compared else finish_run,
     )
     marches = [contact_identity(scene) for scene in scenes]
     unfinished = Counter(marches)  # runs that still need the pieces of a march
