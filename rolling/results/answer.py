@@ -250,17 +250,18 @@ def released_power(summary: Mapping[str, Any]) -> Answer:
         how = "assumed"
         meaning = f"Released power of which the scene takes a share of q = {q:g} as sound."
     reason = ""
-    long = heard_whole(summary) if level_db is not None else {}
+    long = heard_whole(summary)
     if "drop_mm" in summary:
         level_db = None
         reason = "the release is computed for a ball that rolls, and this one falls"
-    elif long and summary["source"] == "vibration" and long["solved_share"] < 1:
-        solved_s = rounded(long["solved_share"] * long["seconds"], 2)
-        level = f"{summary['release_laeq_db']:.1f} dB(A)"
-        reason = f"it is known for the {solved_s} s that are solved, where its LAeq is {level}"
-        level_db = None
     elif level_db is None:
         reason = "the release does not fluctuate within hearing"
+    elif long and summary["source"] == "vibration" and long["solved_share"] < 1:
+        solved_s = rounded(long["solved_share"] * long["seconds"], 2)
+        own_db = level_db - exposure_db(summary)
+        level = f"{own_db:.1f} dB(A)"
+        reason = f"it is known for the {solved_s} s that are solved, where its LAeq is {level}"
+        level_db = None
     if level_db is None:
         how = "none"
         spread = None

@@ -120,6 +120,8 @@ _TEXTS = (
 _NUMBERS = ("q",)  # whose names do not end in a unit
 # Keys of the estimate of the vibration, which a summary has together.
 _ESTIMATE = ("vibration_estimate_force_ratio", "vibration_estimate_bodies")
+# Numbers of the long record of what ends, whose level is read first.
+_WHOLE = ("seconds", "solved_share")
 _VERDICT = ("word", "reason", "decibels", "key")
 _PREPARATION = ("step", "text")  # of each step
 _DOUBT = ("key", "text", "advice", "severity", "decibels")
@@ -175,6 +177,9 @@ def _refuse_other_summary(summary: Any) -> None:
     for key, value in summary.items():
         if not _fits(key, value):
             raise ValueError(f"{key} is of another kind")
+    long = summary.get("listening") or {}
+    if long.get("ends") and any(long.get(key) is None for key in _WHOLE):
+        raise ValueError("listening lacks a number")
 
 
 def _fits(key: str, value: Any) -> bool:

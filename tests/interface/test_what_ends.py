@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,8 +16,10 @@ from acoustics.level import lae_db, laeq_db
 from acoustics.wav import SAMPLE_RATE_HZ
 from rolling.report import records, text
 from rolling.results import answer, listening, run_lines, runs_table
+from rolling.results.run_folder import read_summary
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
+from rolling.terminal.files import FolderError, write_json
 
 BODIES = """\
 name: ends
@@ -145,6 +148,16 @@ def test_what_ends_has_no_seam(name: str) -> None:
     if name == "rests at once":
         assert len(listening.record_in_laps(run)) == len(run.sound.pressure)
         assert listening.describe_laps(run).startswith("the record, ")
+
+
+def test_a_stored_record_that_ends_has_its_numbers(tmp_path: Path) -> None:
+    """A summary that says so without them is refused, as any damaged one."""
+    summary = run_of("rests").summary
+    write_json(tmp_path / "summary.json", summary)
+    assert answer.heard_whole(read_summary(tmp_path / "summary.json"))["seconds"] == 1.0
+    write_json(tmp_path / "summary.json", summary | {"listening": {"ends": True, "seconds": None}})
+    with pytest.raises(FolderError, match="listening lacks a number"):
+        read_summary(tmp_path / "summary.json")
 
 
 def test_runs_stored_without_these_levels_keep_the_solved_one() -> None:
