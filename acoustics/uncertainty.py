@@ -2,7 +2,7 @@
 
 The record counts as a stretch of stationary Gaussian noise. The uncertainty is the standard
 deviation of the level over other stretches of the same length, for example over other seeds of a
-surface. It holds no error of the model.
+surface. It holds no error of the model. `excess_variance` tells how far a record is from Gaussian.
 
 The mean square of N equal lines of Gaussian noise has a gamma distribution. Its level has the
 standard deviation 10/ln(10) sqrt(psi'(N)) dB with the trigamma function psi', which is 5.57 dB for

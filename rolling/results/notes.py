@@ -162,6 +162,8 @@ def _uncertainty(
             f"{parts} of the record, from its scatter between thirds, because impacts are not "
             "Gaussian noise"
         )
+    elif vibrating is not None and vibrating.excess is not None:
+        covered = f"{parts} of the record, taken as stationary noise whose unevenness it shows"
     else:
         covered = f"{parts} of the record, taken as stationary Gaussian noise"
     if vibrating is not None and vibrating.contact_loss_db:
