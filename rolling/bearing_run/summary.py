@@ -280,8 +280,8 @@ def leading_lines(run: BearingRun) -> str:
         if named:
             verdict = ""
             if direction == AXIAL and run.axial_doubt is not None:
-                verdict = f" ({run.axial_doubt.severity.word})"
-            texts.append(f"{direction}{verdict} {', '.join(named)}")
+                verdict = f" ({run.axial_doubt.severity.word} these)"
+            texts.append(f"{direction} {', '.join(named)}{verdict}")
     if not texts:
         return "No line stands out."
     return f"The largest lines are {'; '.join(texts)}."
