@@ -211,13 +211,13 @@ def sentences(run: BearingRun) -> list[str]:
 
 def axial_sentence(run: BearingRun) -> str:
     """Say how fast the ring vibrates along its axis, and whether that is to be quoted."""
-    bands = _three(run.bands_below_bending_um_s[AXIAL])
-    axial = f"Axially it vibrates at {bands} um/s in the same bands"
+    velocities = _three(run.bands_below_bending_um_s[AXIAL])
+    text = f"Axially it vibrates at {velocities} um/s in the same bands"
     if run.axial_doubt is None:
-        return f"{axial}."
+        return f"{text}."
     return (
-        f"{axial}: do not quote these, because the loads would turn the contact angle, which is"
-        " kept here."
+        f"{text}: do not quote these, because the loads would turn the contact angle, which is kept"
+        " here."
     )
 
 
