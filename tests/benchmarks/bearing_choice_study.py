@@ -37,6 +37,7 @@ from rolling.bearing_contacts.solving import solved_stages
 
 CHOICES = 20
 WITHIN_DB = 1.0  # wanted ±
+RECORD_S = 0.3
 SPECIMENS = 4000  # of linear theory, over which the difference in decibels is averaged
 CHANGES = ("inner", "outer", "balls", "length", "load")
 BANDS_HZ = {"low": (50.0, 300.0), "medium": (300.0, 1800.0), "high": (1800.0, 10000.0)}
@@ -95,7 +96,7 @@ def pair_of(number: int) -> tuple[str, dict[str, Any], dict[str, Any]]:
     values: dict[str, Any] = {
         "name": f"pair-{number}",
         "bearing": bearing,
-        "sound": {"duration_s": 0.3},
+        "sound": {"duration_s": RECORD_S},
         "numerics": {"window_mm": drawn(4, 12)},
     }
     changed = CHANGES[number % len(CHANGES)]
@@ -162,6 +163,15 @@ def wave_power(
     shares = [np.sinc(np.hypot(k_x * one.along, k_y * one.across) / math.pi) for one in ellipses]
     one_sided = 2 * np.trapezoid(spectrum * sum(shares) ** 2, k_y[0], axis=1) / (2 * math.pi)
     return 2 * one_sided / (2 * math.pi * radius)
+
+
+def power_below(offset_hz: Array) -> Array:
+    """Return the share of a line's power below an offset from it, in a Hann window's spectrum."""
+    samples = 256
+    spectrum = np.abs(np.fft.fft(np.hanning(samples), 64 * samples)) ** 2
+    cumulative = np.cumsum(np.fft.fftshift(spectrum)) / spectrum.sum()
+    lines = (np.arange(64 * samples) - 32 * samples + 0.5) / 64  # of the window
+    return np.interp(offset_hz * RECORD_S / 2, lines, cumulative)
 
 
 class LinearBearing:
@@ -246,14 +256,15 @@ class LinearBearing:
     def levels(self) -> dict[str, float]:
         """Return the mean over specimens of the level [dB] in each band.
 
-        The power of each wave of a Gaussian surface is exponentially distributed.
+        The power of each wave of a Gaussian surface is exponentially distributed. A record spreads
+        a line by the Hann windows of half its length, so that bands share lines at their edges.
         """
         random = np.random.default_rng(0)
         power = {band: np.zeros(SPECIMENS) for band in BANDS_HZ}
         for frequency, square in self.lines():
             luck = random.exponential(size=(SPECIMENS, len(square)))
             for band, (low, high) in BANDS_HZ.items():
-                inside = (frequency >= low) & (frequency < high)
+                inside = power_below(high - frequency) - power_below(low - frequency)
                 power[band] += luck @ np.sum(square * inside, axis=1)
         return {band: float(np.mean(10 * np.log10(of_band))) for band, of_band in power.items()}
 
