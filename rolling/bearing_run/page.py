@@ -155,10 +155,10 @@ def _band_rows(run: BearingRun) -> list[tuple[str, list[tuple[str, str]]]]:
 
 def _spread(run: BearingRun, direction: str, um_s: float, spread_db: float) -> str:
     """Write the ± of a velocity, or that it is not to be quoted; empty for a ring at rest."""
-    if um_s < NOTHING_UM_S:
-        return ""
     if direction == AXIAL and run.axial_doubt is not None:
         return run.axial_doubt.severity.word
+    if um_s < NOTHING_UM_S:
+        return ""
     return f"± {spread_db:.1f} dB" if spread_db >= 0.05 else "± < 0.1 dB"
 
 
