@@ -209,7 +209,7 @@ class NarrowSpectrum:
     (1.0, True)
     >>> hidden = spectrum.read_line(94.2)  # within the lobe of the tone
     >>> hidden.rms is None, round(hidden.resolving_s, 1)
-    (True, 2.3)
+    (True, 2.5)
     """
 
     __repr__ = short_repr
@@ -248,16 +248,20 @@ class NarrowSpectrum:
         others = list[Tone]()
         if 2 * place < SEPARATED:  # from the image of a tone of a real record, below 0 Hz
             others.append(Tone(place=-place, error=0.0, rms=rms))
+        is_peak = False
         for tone in self._tones_about(place):
             if not tone_is_at(tone, place):
                 others.append(tone)
                 continue
+            is_peak = True
             near = [abs(other - place) for other in rivals if tone_is_at(tone, other)]
             if near:
                 return LineReading(None, None, self._resolving_s(min(near)))
         hidden = sum(tone.rms * self._lobe_at(place, tone.place) for tone in others)
         floor = self._floor(place)
-        if hidden > _LEAK * rms and hidden > floor:
+        # What stands out and is no peak is the flank of others, which may be several tones.
+        is_flank = bool(others) and not is_peak and rms >= _STANDS_OUT * floor
+        if is_flank or (hidden > _LEAK * rms and hidden > floor):
             apart = lines_apart(place, others, rivals)
             return LineReading(None, None, self._resolving_s(apart))
         if rms <= SIDE_LOBES * self._largest:

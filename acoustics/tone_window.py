@@ -16,7 +16,7 @@ from acoustics.arrays import Array
 # F. J. Harris, Proceedings of the IEEE 1978, 66(1), 51-83, table I.
 _TERMS = (0.35875, 0.48829, 0.14128, 0.01168)
 REACH = 4.0  # lines from a tone to the end of its lobe
-SEPARATED = REACH + 0.5  # lines between two tones that are read apart, each at its nearest line
+SEPARATED = REACH + 1.0  # lines between tones that are read apart, however weak one of them is
 SIDE_LOBES = 3e-5  # largest side lobe over its tone, with a margin: -92 dB are 2.5e-5
 # The place of a peak between lines: error of the parabola, and error by noise of a height of one.
 _PLACE_ERROR = 0.05

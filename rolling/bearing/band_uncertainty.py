@@ -34,10 +34,6 @@ class BandUncertainty:
         """Return the uncertainty with one more part, which replaces an earlier one of its name."""
         return BandUncertainty({**self.parts_db, name: decibels})
 
-    def plus(self, other: BandUncertainty) -> BandUncertainty:
-        """Return the uncertainty with the parts of both."""
-        return BandUncertainty({**self.parts_db, **other.parts_db})
-
     def total_db(self, direction: str, band: str) -> float:
         """Return the root of the sum of squares of all parts [dB]."""
         return math.hypot(*(part[direction][band] for part in self.parts_db.values()))

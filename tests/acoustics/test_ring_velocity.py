@@ -125,6 +125,18 @@ def test_the_length_that_is_told_resolves_a_line() -> None:
     assert found.rms == pytest.approx(0.1 / np.sqrt(2), rel=0.05)
 
 
+@pytest.mark.law("Lines: the flank of tones that make one peak is no line.")
+@pytest.mark.parametrize("apart", [1.6, 1.9, 2.2])
+def test_the_flank_of_two_tones_is_no_line(apart: float) -> None:
+    """Two tones in one lobe make a wider flank than a tone would."""
+    for phase in np.arange(0, 6, 0.5):
+        record = short_tone(400.3, 1.0, 0.0) + short_tone(400.3 + apart, 0.7, phase)
+        spectrum = narrow_spectrum(record, SHORT_RATE)
+        for beyond in (1.0, 1.8, 2.5, 3.0, 3.5):
+            reading = spectrum.read_line(400.3 + apart + beyond)
+            assert reading.rms is None or reading.height < 5, (phase, beyond)
+
+
 def test_a_tone_that_may_be_either_of_two_lines_is_none_of_them() -> None:
     """A faint tone in noise, between two lines that are half a line apart."""
     noise = np.random.default_rng(4).standard_normal(SHORT_RATE)

@@ -186,10 +186,10 @@ def test_a_line_that_the_record_does_not_resolve_has_no_level() -> None:
     assert silent["radial_um_s"] is None and silent["radial_height"] is None
     assert rows["outer 9"]["radial_um_s"] == pytest.approx(27.75, rel=0.01)
     said = " ".join(run.summary["sentences"])
-    assert "Not resolved by 0.5 s" in said and "2 x ball spin (1.9 s would)" in said
+    assert "Not resolved by 0.5 s" in said and "2 x ball spin (2.1 s would)" in said
     table = figures.line_table(run)
     of_velocity = table[table["of"] == "velocity"].set_index("name")
-    note = "not resolved by 0.5 s, 1.9 s would"
+    note = "not resolved by 0.5 s, 2.1 s would"
     assert of_velocity.loc["2 x ball spin", "note"] == f"radial: {note}"
     cells = page.line_cells(silent, record.duration_s)
     assert cells[3] == "" and cells[4].replace("\N{NO-BREAK SPACE}", " ") == note

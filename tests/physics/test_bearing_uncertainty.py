@@ -181,6 +181,6 @@ def test_parts_add_as_squares_and_are_stored(tmp_path: Path) -> None:
     uncertainty = BandUncertainty().with_part(RECORD, of_all(3.0)).with_part(WINDOW, of_all(4.0))
     assert uncertainty.total_db(RADIAL, "high") == pytest.approx(5.0)
     assert stored_uncertainty(uncertainty.to_dict()) == uncertainty
-    both = uncertainty.plus(BandUncertainty().with_part(LOSS_FACTOR, of_all(12.0)))
-    assert both.totals_db[AXIAL]["low"] == pytest.approx(13.0)
+    with_third = uncertainty.with_part(LOSS_FACTOR, of_all(12.0))
+    assert with_third.totals_db[AXIAL]["low"] == pytest.approx(13.0)
     assert BandUncertainty().total_db(RADIAL, "low") == 0.0
