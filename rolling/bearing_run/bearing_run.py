@@ -277,11 +277,13 @@ class BearingRun:
     def share_above_bending_db(self) -> float:
         """Part of the radial high band [dB] that lies above the ring's first bending mode.
 
-        The level of the band falls by so much without it.
+        The level of the band falls by so much without it; infinite where all of it lies above.
         """
         whole = self.bands_um_s[RADIAL]["high"]
         below = self.bands_below_bending_um_s[RADIAL]["high"]
-        return 20 * math.log10(whole / max(below, 1e-15 * whole)) if whole > 0 else 0.0
+        if not whole > 0:
+            return 0.0
+        return 20 * math.log10(whole / below) if below > 0 else math.inf
 
     @cached_property
     def peaks(self) -> list[BearingLine]:
@@ -302,7 +304,7 @@ class BearingRun:
                 rms = spectrum.read_line(hz).rms or 0.0
                 largest = max(largest, rms)
                 if rms >= max(LEAST_SHARE * largest, NOTHING_UM_S / UM_S):
-                    line = _simplest(known, hz, spectrum)
+                    line = _simplest(known, hz, spectrum, direction)
                     found.setdefault(line.name, line)
         return list(found.values())
 
@@ -425,10 +427,10 @@ class BearingRun:
         """Write the sentences of a run and its bands for a notebook."""
         said = "".join(f"<p>{html.escape(text)}</p>" for text in self.summary["sentences"])
         rows = ""
-        for name, words in summary.BAND_WORDS.items():
+        for band, words in summary.band_words(self).items():
             cells = ""
             for direction in DIRECTIONS:
-                velocity = summary.velocity(self.bands_um_s[direction][name])
+                velocity = summary.velocity(self.bands_below_bending_um_s[direction][band])
                 verdict = ""
                 if direction == AXIAL and self.axial_doubt is not None:
                     verdict = f", {self.axial_doubt.severity.word}"
@@ -438,11 +440,14 @@ class BearingRun:
         return f"{said}<table><tr><th>band</th>{heads}</tr>{rows}</table>"
 
     def __repr__(self) -> str:
-        numbers = ", ".join(f"{value:.3g}" for value in self.bands_um_s[RADIAL].values())
+        bands = self.bands_below_bending_um_s[RADIAL]
+        numbers = ", ".join(f"{um_s:.3g}" for um_s in bands.values())
         return f"<bearing run {self.scene.name}: radial {numbers} um/s>"
 
 
-def _simplest(known: Sequence[BearingLine], hz: float, spectrum: NarrowSpectrum) -> BearingLine:
+def _simplest(
+    known: Sequence[BearingLine], hz: float, spectrum: NarrowSpectrum, direction: str
+) -> BearingLine:
     """Return the first of known lines that a peak may be, or one that has no other name."""
     for line in known:
         if spectrum.is_at(line.frequency_hz, hz):
@@ -451,4 +456,4 @@ def _simplest(known: Sequence[BearingLine], hz: float, spectrum: NarrowSpectrum)
     meaning = "none of the kinematics"
     if near:
         meaning = f"not told apart from {', '.join(near[:MAX_NEAR])} by this record"
-    return BearingLine(f"{hz:.1f} Hz", meaning, hz)
+    return BearingLine(f"{hz:.1f} Hz", meaning, hz, directions=(direction,))

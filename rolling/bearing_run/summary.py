@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -176,25 +176,31 @@ def answer(run: BearingRun) -> str:
     said = condition(run)
     velocities = run.bands_below_bending_um_s[RADIAL]
     bands = [
-        f"{velocity(um_s)} um/s ({words})"
-        for um_s, words in zip(velocities.values(), band_words(run).values(), strict=True)
+        f"{velocity(velocities[band])} um/s ({words})" for band, words in band_words(run).items()
     ]
-    low, medium, high = bands
+    if not bands:
+        return f"{said[0].upper()}{said[1:]}: the {run.moving} ring bends below all three bands."
     return (
-        f"{said[0].upper()}{said[1:]}: the {run.moving} ring vibrates radially at {low},"
-        f" {medium} and {high}, rms."
+        f"{said[0].upper()}{said[1:]}: the {run.moving} ring vibrates radially at"
+        f" {_listed(bands)}, rms."
     )
 
 
+def _listed(texts: Sequence[str]) -> str:
+    """Join texts: a, b and c."""
+    if len(texts) == 1:
+        return texts[0]
+    return f"{', '.join(texts[:-1])} and {texts[-1]}"
+
+
 def band_words(run: BearingRun) -> dict[str, str]:
-    """Return the three bands in words, each up to the first bending mode of the ring."""
+    """Return the bands in words, each up to the first bending mode of the ring; none above it."""
     words = {}
     for band, (low, high) in run.bands_below_bending_hz.items():
-        words[band] = BAND_WORDS[band]
-        if high < VELOCITY_BANDS_HZ[band][1]:
+        if high >= VELOCITY_BANDS_HZ[band][1]:
+            words[band] = BAND_WORDS[band]
+        elif high > low:
             words[band] = f"{low:,.0f} to {high:,.0f} Hz, where it begins to bend"
-        if high <= low:
-            words[band] = f"nothing of {BAND_WORDS[band]} is below its bending"
     return words
 
 
@@ -211,8 +217,10 @@ def sentences(run: BearingRun) -> list[str]:
 
 def axial_sentence(run: BearingRun) -> str:
     """Say how fast the ring vibrates along its axis, and whether that is to be quoted."""
-    velocities = _three(run.bands_below_bending_um_s[AXIAL])
-    text = f"Axially it vibrates at {velocities} um/s in the same bands"
+    velocities = [velocity(run.bands_below_bending_um_s[AXIAL][band]) for band in band_words(run)]
+    if not velocities:
+        return "Axially, all three bands are above the bending as well."
+    text = f"Axially it vibrates at {_listed(velocities)} um/s in the same bands"
     if run.axial_doubt is None:
         return f"{text}."
     return (
@@ -443,6 +451,9 @@ def _with_share(run: BearingRun, doubt: Doubt) -> Doubt:
     if run.bands_um_s[RADIAL]["high"] < NOTHING_UM_S:
         return doubt
     decibels = run.share_above_bending_db
+    if math.isinf(decibels):
+        text = f"{doubt.text}; all of the high band lies above"
+        return replace(doubt, text=text, severity=Severity.DO_NOT_QUOTE)
     text = f"{doubt.text}; what lies above raises the high band by {decibels:.1f} dB"
     return replace(doubt, text=text, severity=severity_of(decibels), decibels=decibels)
 

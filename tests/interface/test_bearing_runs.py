@@ -301,6 +301,15 @@ def test_the_velocity_below_the_bending_leads(run: BearingRun) -> None:
     stiff_run = replace(rigid, scene=stiff)
     assert "bend" not in " ".join(stiff_run.summary["sentences"])
     assert "(1,800 to 10,000 Hz)" in stiff_run.summary["sentences"][0]
+    thin = rigid.scene.with_({"bearing.outside_diameter_mm": 41.6})
+    thin_run = replace(rigid, scene=thin)
+    first, second, bends, *_ = thin_run.summary["sentences"]
+    assert thin.ring_bending_hz < 1800
+    assert "(1,800" not in first and "where it begins to bend), rms" in first
+    assert second.count("um/s") == 1 and "140 um/s radially" in bends
+    doubts = {doubt["key"]: doubt for doubt in thin_run.summary["doubts"]}
+    assert doubts["ring_bending"]["text"].endswith("all of the high band lies above")
+    assert page.page([thin_run], "")
 
 
 def test_the_parts_of_the_uncertainty_are_stored(run: BearingRun, folder: Path) -> None:
