@@ -33,7 +33,7 @@ SCENES: dict[str, dict[str, Any]] = {
     "as it is": {},
     "yielding, 2 GPa": {"plate.hardness_gpa": 2.0},
     "5 N": {"rolling.load_n": 5},
-    "Ra 0.4 um": {"surface.roughness_ra_um": 0.4},
+    "Ra 0.4 um": {"surface.roughness_ra_um": 0.4, "surface.width_um": 288},
     "plate of 1 mm": {"plate.thickness_mm": 1},
 }
 
