@@ -205,7 +205,8 @@ class NarrowSpectrum:
     >>> import numpy as np, acoustics
     >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 92.2 * np.arange(48000) / 48000)
     >>> spectrum = acoustics.narrow_spectrum(tone, 48000)
-    >>> round(spectrum.line_rms(92.2), 3), spectrum.line_height(92.2) > 1000
+    >>> line = spectrum.read_line(92.2)
+    >>> round(line.rms, 3), line.height > 1000
     (1.0, True)
     >>> hidden = spectrum.read_line(94.2)  # within the lobe of the tone
     >>> hidden.rms is None, round(hidden.resolving_s, 1)
@@ -267,52 +268,6 @@ class NarrowSpectrum:
         if rms <= SIDE_LOBES * self._largest:
             return LineReading(rms=0.0, height=0.0)
         return LineReading(rms=rms, height=rms / floor)
-
-    def line_rms(self, frequency_hz: float) -> float:
-        """Return the rms of a tone at a frequency, between two lines too.
-
-        Parameters
-        ----------
-        frequency_hz : float, Hz
-            Frequency of the tone.
-
-        Returns
-        -------
-        float, unit of the record. Noise in the line of the tone counts with it; 0 outside the
-            spectrum, and NaN where the record does not separate it from a stronger tone.
-        """
-        rms = self.read_line(frequency_hz).rms
-        return math.nan if rms is None else rms
-
-    def line_height(self, frequency_hz: float) -> float:
-        """Return the rms of a tone at a frequency over the median of its surroundings.
-
-        Parameters
-        ----------
-        frequency_hz : float, Hz
-            Frequency of the tone.
-
-        Returns
-        -------
-        float. Ratio of amplitudes [-]; noise has 1 to 3. 0 where there is no line, and NaN where
-            the record does not separate it from a stronger tone.
-        """
-        height = self.read_line(frequency_hz).height
-        return math.nan if height is None else height
-
-    def surroundings_rms(self, frequency_hz: float) -> float:
-        """Return the median of the lines beside a tone, 40 to either side, without the tone.
-
-        Parameters
-        ----------
-        frequency_hz : float, Hz
-            Frequency of the tone.
-
-        Returns
-        -------
-        float, unit of the record
-        """
-        return self._surroundings(frequency_hz / self.line_width_hz)
 
     def peaks_hz(
         self, count: int, low_hz: float, high_hz: float, least_height: float
@@ -530,7 +485,7 @@ def squared_envelope_spectrum(
     >>> t = np.arange(48000) / 48000
     >>> pulses = np.exp(-2000 * (t % (1 / 90))) * np.sin(2 * np.pi * 4000 * t)
     >>> spectrum = squared_envelope_spectrum(pulses, 48000)
-    >>> spectrum.line_height(90.0) > 100, spectrum.line_height(137.0) < 10
+    >>> spectrum.read_line(90.0).height > 100, spectrum.read_line(137.0).height < 10
     (True, True)
     """
     record = checked_record(signal, sample_rate_hz)

@@ -35,10 +35,6 @@ class Kept(Generic[Value]):
             del self._values[next(iter(self._values))]
         return value
 
-    def forget(self) -> None:
-        """Forget all values."""
-        self._values.clear()
-
     def _bytes(self) -> int:
         """Return the bytes of all values that are kept."""
         return sum(map(self._size, self._values.values()))

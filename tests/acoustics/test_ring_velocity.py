@@ -53,10 +53,10 @@ def test_a_line_has_the_rms_of_its_tone(frequency: float) -> None:
     """The lobe of the window says what a line has of a tone beside it."""
     noise = 1e-6 * np.random.default_rng(2).standard_normal(RATE)
     spectrum = narrow_spectrum(3.0 + tone(frequency, 1e-3) + noise, RATE)
-    assert spectrum.line_rms(frequency) == pytest.approx(1e-3, rel=2e-3)
-    assert spectrum.line_height(frequency) > 1000
-    assert spectrum.line_height(frequency + 50) < 4
-    assert spectrum.line_rms(30_000) == 0.0
+    assert spectrum.read_line(frequency).rms == pytest.approx(1e-3, rel=2e-3)
+    assert spectrum.read_line(frequency).height > 1000
+    assert spectrum.read_line(frequency + 50).height < 4
+    assert spectrum.read_line(30_000).rms == 0.0
 
 
 def test_the_lobe_is_the_transform_of_the_window() -> None:
@@ -154,8 +154,8 @@ def test_pulses_of_changing_strength_have_side_bands() -> None:
     noise = 0.05 * np.random.default_rng(3).standard_normal(RATE)
     spectrum = squared_envelope_spectrum(pulses + noise + tone(100, 50), RATE)
     for frequency in (rate - turn, rate, rate + turn, 2 * rate):
-        assert spectrum.line_height(frequency) > 10
-    assert spectrum.line_height(rate + 1.5 * turn) < 5
+        assert spectrum.read_line(frequency).height > 10
+    assert spectrum.read_line(rate + 1.5 * turn).height < 5
     assert spectrum.frequency_hz[-1] == 8200
     with pytest.raises(ValueError, match="band_hz"):
         squared_envelope_spectrum(pulses, RATE, (3000, 2000))
