@@ -20,7 +20,7 @@ from acoustics.tone_window import (
     REACH,
     SEPARATED,
     SIDE_LOBES,
-    Tone,
+    SpectralTone,
     lines_apart,
     lobe,
     place_error,
@@ -246,9 +246,9 @@ class NarrowSpectrum:
         rivals = [other / self.line_width_hz for other in beside_hz]
         rivals = [other for other in rivals if abs(other - place) > _SAME_LINE]
         rms = self._rms_at(place)
-        others = list[Tone]()
+        others = list[SpectralTone]()
         if 2 * place < SEPARATED:  # from the image of a tone of a real record, below 0 Hz
-            others.append(Tone(place=-place, error=0.0, rms=rms))
+            others.append(SpectralTone(place=-place, error=0.0, rms=rms))
         is_peak = False
         for tone in self._tones_about(place):
             if not tone_is_at(tone, place):
@@ -385,7 +385,7 @@ class NarrowSpectrum:
         bend = low - 2 * middle + high
         return top + float((low - high) / (2 * bend)) if bend < 0 else float(top)
 
-    def _tones_about(self, place: float) -> list[Tone]:
+    def _tones_about(self, place: float) -> list[SpectralTone]:
         """Return the tones that stand out and whose lobes may reach the lines about a place."""
         first = max(math.floor(place - REACH - 2), 1)
         last = min(math.ceil(place + REACH + 2), len(self.rms) - 2)
@@ -395,7 +395,7 @@ class NarrowSpectrum:
             rms = self._rms_at(at)
             height = rms / self._floor(at)
             if height >= _STANDS_OUT:
-                tones.append(Tone(place=at, error=place_error(height), rms=rms))
+                tones.append(SpectralTone(place=at, error=place_error(height), rms=rms))
         return [with_pull(tone, tones) for tone in tones]
 
 

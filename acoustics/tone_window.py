@@ -50,7 +50,7 @@ def lobe(lines: ArrayLike) -> Array:
 # ---- tones near each other
 
 
-class Tone(NamedTuple):
+class SpectralTone(NamedTuple):
     """A tone that stands out: its place in lines, the error of this place, and its rms."""
 
     place: float
@@ -63,7 +63,7 @@ def place_error(height: float) -> float:
     return _PLACE_ERROR + _PLACE_ERROR_OF_NOISE / max(height, 1.0)
 
 
-def with_pull(tone: Tone, tones: Sequence[Tone]) -> Tone:
+def with_pull(tone: SpectralTone, tones: Sequence[SpectralTone]) -> SpectralTone:
     """Return a tone whose place is less certain by what the lobes of others do to its peak."""
     pull = 0.0
     for other in tones:
@@ -73,7 +73,7 @@ def with_pull(tone: Tone, tones: Sequence[Tone]) -> Tone:
     return tone._replace(error=tone.error + min(pull, _MOST_PULL))
 
 
-def lines_apart(place: float, tones: Sequence[Tone], rivals: Sequence[float]) -> float:
+def lines_apart(place: float, tones: Sequence[SpectralTone], rivals: Sequence[float]) -> float:
     """Return how many lines the nearest tone is away that hides the line at a place.
 
     A peak between two tones that may be there is both of them, and one that is half a line away or
@@ -95,6 +95,6 @@ def lines_apart(place: float, tones: Sequence[Tone], rivals: Sequence[float]) ->
     return min(away, default=min(abs(tone.place - place) for tone in tones))
 
 
-def tone_is_at(tone: Tone, place: float) -> bool:
+def tone_is_at(tone: SpectralTone, place: float) -> bool:
     """Tell whether a tone may be at a place, as far as noise lets one know."""
     return abs(tone.place - place) <= tone.error
