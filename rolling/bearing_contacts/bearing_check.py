@@ -43,8 +43,8 @@ HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
 _PLACES = 8  # of the cage, over which loads are stated
 _TURNED_DEG = 0.5  # turn of the contact angle by the loads, beyond which axial bands do not hold
 AXIAL_DOUBT = "contact_angle"  # key of the doubt that concerns axial velocities alone
-# Smallest ball bearings that are made: 1.5 x 0.5 mm with six balls (MinebeaMitsumi, 2015), and
-# 2 x 0.6 mm in catalogues of miniature bearings.
+# The smallest ball bearing that a maker announced is 1.5 x 0.5 mm with six balls (MinebeaMitsumi,
+# 2015). Others of that size have like proportions.
 _SMALL_MM = 2.5  # outside diameter below which only miniature bearings are made
 _SMALLEST_MM = 1.4
 _MINIATURE_BALLS = 7
@@ -185,9 +185,8 @@ def _turned(scene: BearingScene) -> str:
 def _size(scene: BearingScene) -> Iterator[Doubt]:
     """Doubt a bearing that is smaller than those that are made, as of sizes in inches.
 
-    The smallest ball bearings that are sold have outside diameters of 1.5 and 2 mm, bores of 0.5
-    and 0.6 mm and six or seven balls. Inches make such diameters of usual bearings, which have more
-    balls or a larger bore.
+    Miniature bearings have few balls and a bore of a third of their outside diameter. Inches make
+    such diameters of usual bearings, which have more balls or a larger bore.
     """
     outside_mm = 1e3 * scene.outside_diameter
     if outside_mm >= _SMALL_MM:
