@@ -21,6 +21,8 @@ from rolling.bearing_contacts.contacts import RoughContact
 from rolling.scene.laws import Roughness
 from rolling.surface import heights
 
+BLOCK = 512  # waves along the track that are summed over those across at once, to save memory
+
 
 @dataclass(frozen=True)
 class RoughBody:
@@ -119,11 +121,15 @@ def linear_covariance(contacts: Sequence[RoughContact]) -> Array:
     # A turned law has another density for waves that lean to the other side.
     both = (density[1 : count + 1] + density[: -count - 1 : -1]) / 2 * heights.wave_counts(shape)
     power = law.rq_m**2 * both * shape[0] / shape[1] / round(scene.step_nodes) ** 2
-    shares = []
-    for contact in contacts:
-        for load in contact.loads_n:
-            axes = waves.semi_axes(contact.contact, load)
-            phase = np.hypot(along[:, None] * axes.along, across * axes.across)
-            shares.append(waves.response(phase))
-    stacked = np.array(shares)
-    return np.asarray(np.einsum("ky,lky,mky->klm", power, stacked, stacked, optimize=True))
+    covariance = []
+    for first in range(0, count, BLOCK):
+        block = slice(first, first + BLOCK)
+        shares = []
+        for contact in contacts:
+            for load in contact.loads_n:
+                axes = waves.semi_axes(contact.contact, load)
+                phase = np.hypot(along[block, None] * axes.along, across * axes.across)
+                shares.append(waves.response(phase))
+        each = np.array(shares)
+        covariance.append(np.einsum("ky,lky,mky->klm", power[block], each, each, optimize=True))
+    return np.concatenate(covariance)
