@@ -16,7 +16,7 @@ from rolling.scene.surfaces import HeightFile
 
 OF_CHOICE = "narrow_specimens"  # key of the doubt that concerns no number of a run
 SPECIMENS = 12  # of a choice that are foreseen
-MAX_NODES = 10_000_000  # of all surfaces that are made for it, which takes a few seconds
+MAX_NODES = 5_000_000  # of all surfaces that are made for it, which takes some seconds
 
 
 def rules(scene: Scene) -> Iterator[Doubt]:
@@ -29,7 +29,8 @@ def rules(scene: Scene) -> Iterator[Doubt]:
     nodes = scene.track.n_along * scene.track.n_across
     if nodes > MAX_NODES:
         return
-    if may_be_too_narrow(scene):
+    is_narrow = may_be_too_narrow(scene)
+    if is_narrow:
         yield Doubt(
             "window",
             "window: at the widest place of the track the contact is probably wider than the"
@@ -41,9 +42,13 @@ def rules(scene: Scene) -> Iterator[Doubt]:
         return
     first = min(seeds.values())
     count = min(SPECIMENS, MAX_NODES // nodes)
-    narrow = [
-        seed for seed in range(first, first + count) if may_be_too_narrow(with_seed(scene, seed))
-    ]
+    known = {first: is_narrow} if set(seeds.values()) == {first} else {}
+    narrow = []
+    for seed in range(first, first + count):
+        if seed not in known:
+            known[seed] = may_be_too_narrow(with_seed(scene, seed))
+        if known[seed]:
+            narrow.append(seed)
     if narrow:
         named = ", ".join(map(str, narrow))
         yield Doubt(

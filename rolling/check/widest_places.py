@@ -119,14 +119,28 @@ def _approach(contact: RollingContact, k: int) -> float:
     radius, _, _ = closed_forms.hertz_ellipse(*contact.radii)
     hertz = closed_forms.hertz_radius(contact.load, radius, contact.contact_modulus)
     stiffness = 4 * contact.contact_modulus / (math.pi * hertz)
-    place = contact.position(k), contact.mid_width
-    row, column = (round(distance / contact.spacing) for distance in place)
-    along, across = contact.heights.shape
-    window = Window(row - along // 2, column - across // 2, along, across)
-    around = contact.overlap(k, hertz**2 / radius)
-    if around is not None and window.covers(around):
-        window = around.room(contact.subcells)
+    window = _foundation_window(contact, k, hertz**2 / radius)
     gap = contact.gap(k, window)
     pressure = solver.foundation(gap, contact.load, contact.spacing, stiffness, contact.hardness)
     loaded = pressure > 0
     return float((pressure[loaded] / stiffness + gap[loaded]).max())
+
+
+def _foundation_window(contact: RollingContact, k: int, approach: float) -> Window:
+    """Return the nodes that a smooth contact may load at position k, within one surface."""
+    place = contact.position(k), contact.mid_width
+    row, column = (round(distance / contact.spacing) for distance in place)
+    along, across = contact.heights.shape
+    whole = Window(row - along // 2, column - across // 2, along, across)
+    around = contact.overlap(k, approach)
+    if around is None:
+        return whole
+    wanted = around.room(contact.subcells)
+    first_row = max(whole.row, wanted.row)
+    first_column = max(whole.column, wanted.column)
+    return Window(
+        row=first_row,
+        column=first_column,
+        rows=min(whole.row + along, wanted.row + wanted.rows) - first_row,
+        columns=min(whole.column + across, wanted.column + wanted.columns) - first_column,
+    )

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bearing_runs import WAVY
+from bearing_runs import WAVY, loads_bearing
 from commands import PATIENCE, ROOT, SWEEP
 from large_scenes import FILE, LAPS, scene_of
 from scene_text import MADE, TEXT, TINY
@@ -20,7 +20,6 @@ from rolling import cli
 from rolling.bearing_run import simulation
 from rolling.check import cost, findings, refusals
 from rolling.run.executor import RunLoop
-from rolling.scene.bearing_file import loads_bearing
 from rolling.scene.file import loads, read_scene
 from rolling.scene.messages import SceneError
 
