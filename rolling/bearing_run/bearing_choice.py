@@ -110,7 +110,7 @@ class BearingChoice:
                 f"The choice ended early, because {self.limit} after {self.pairs} specimens; with"
                 " more --minutes the same command goes on."
             )
-        elif self.limit:
+        elif self.limit and self._has_large_scatter:
             lines.append(
                 f"A ± is above the wanted {self.within_db:g} dB, because {self.limit}; four times"
                 " as many specimens would halve it."
@@ -122,6 +122,16 @@ class BearingChoice:
                 " numerics.window_mm lowers, and more specimens do not."
             )
         return lines
+
+    @property
+    def _has_large_scatter(self) -> bool:
+        """Whether more specimens would help: a ± is above the wanted one, and not by the gains."""
+        return any(
+            apart.uncertainty_db is not None
+            and apart.uncertainty_db > max(self.within_db, math.sqrt(2) * apart.gain_db)
+            for differences in self.differences
+            for apart in differences
+        )
 
     @property
     def in_short(self) -> str:

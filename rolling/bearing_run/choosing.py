@@ -105,8 +105,8 @@ def choose_bearings(
     Raises
     ------
     SceneError
-        There is nothing to choose between, the bearings are not comparable, or one of them does not
-        fit into memory or on the disk.
+        There is nothing to choose between, the bearings are not comparable, so many specimens are
+        not there, or one of the bearings does not fit into memory or on the disk.
     FolderError
         The folder holds something else.
     ContactError
@@ -115,6 +115,7 @@ def choose_bearings(
         As `rolling.commands.run.run_scene`; what was heard is kept.
     """
     candidates = candidates_of(scenes)
+    looks = _looks(candidates, budget)
     target = folder or default_folder(candidates)
     for candidate in candidates:
         simulation.refuse(candidate.scene, workers, target)
@@ -127,7 +128,7 @@ def choose_bearings(
             for one in candidates:
                 one.rough_bands = rough_bands(one.scene.model, one.plan, marches)
         hearing = _Hearing(candidates, marches, target, workers, stack)
-        choice = _until_known(hearing, budget)
+        choice = _until_known(hearing, budget, looks)
         _write_files(choice, candidates)
     return choice
 
@@ -297,12 +298,16 @@ class _Hearing:
         _keep_heard(self.folder, self.candidates)
 
 
-def _until_known(hearing: _Hearing, budget: Budget) -> BearingChoice:
+def _looks(candidates: Sequence[BearingCandidate], budget: Budget) -> list[int]:
+    """Return the numbers of specimens after which the ± is looked at; refuse a wrong --pairs."""
+    most = MOST_PAIRS if any(one.is_random for one in candidates) else 1
+    return budget.looks(most, NOUN)
+
+
+def _until_known(hearing: _Hearing, budget: Budget, looks: Sequence[int]) -> BearingChoice:
     """Hear specimens until each ± is the wanted one, or the time or the specimens end."""
     candidates = hearing.candidates
     folder = hearing.folder
-    most = MOST_PAIRS if any(one.is_random for one in candidates) else 1
-    looks = budget.looks(most, NOUN)
     clock = Clock(budget)
     for count in looks:
         hearing.hear(count)
@@ -395,14 +400,24 @@ def _take_heard(folder: Path, candidates: Sequence[BearingCandidate]) -> None:
         return
     try:
         is_same = kept["identity"] == _identity(candidates)
-        heard = [[dict(rms) for rms in of_one] for of_one in kept["heard"]]
-    except (ValueError, KeyError, TypeError) as error:
+        heard = [_as_heard(of_one) for of_one in kept["heard"]]
+        if is_same and len(heard) != len(candidates):
+            raise ValueError("specimens of other bearings")
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
         path = folder / CHOICE
         raise FolderError(f"{path}: it is damaged; give another folder with --out") from error
     if not is_same:
         raise FolderError(f"{folder}: it holds another choice; give another folder with --out")
     for one, of_one in zip(candidates, heard, strict=True):
         one.heard = of_one
+
+
+def _as_heard(stored: Sequence[dict[str, Any]]) -> list[dict[str, float]]:
+    """Return the root mean squares of specimens as they are stored, a number for each band."""
+    for rms in stored:
+        if not rms.keys() >= VELOCITY_BANDS_HZ.keys():
+            raise ValueError("a specimen lacks a band")
+    return [{band: float(value) for band, value in rms.items()} for rms in stored]
 
 
 def _keep_heard(folder: Path, candidates: Sequence[BearingCandidate]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from concurrent.futures import BrokenExecutor, Future
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -117,6 +118,26 @@ def test_the_number_of_specimens_may_be_given(tmp_path: Path) -> None:
     assert choice.pairs == 2
     stored = json.loads((tmp_path / "out" / "choice.json").read_text())
     assert stored["pairs"] == 2 and stored["sentences"] == choice.sentences
+    assert choice.differences[0][0].uncertainty_db < choice.within_db
+    assert "above the wanted" not in " ".join(choice.sentences)
+    assert "above the wanted 0.001 dB" in replace(choice, within_db=0.001).sentences[-1]
+
+
+def test_a_wrong_number_of_specimens_is_refused_before_marches(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match="allowed: a whole number from 2 to 60"):
+        choosing.choose_bearings([scene(), waves(0.04)], tmp_path / "out", Budget(pairs=61))
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("heard", [[], [[{"low": 1.0}], []], [[1], [1]], [5, 5]])
+def test_damaged_specimens_are_told(tmp_path: Path, heard: list[object]) -> None:
+    scenes = [scene(), waves(0.04)]
+    out = tmp_path / "out"
+    choosing.choose_bearings(scenes, out, Budget(pairs=2), workers=1)
+    stored = json.loads((out / "choice.json").read_text())
+    (out / "choice.json").write_text(json.dumps({**stored, "heard": heard}))
+    with pytest.raises(rc.FolderError, match="damaged"):
+        choosing.choose_bearings(scenes, out, Budget(pairs=2), workers=1)
 
 
 def test_the_limit_of_time_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
