@@ -340,15 +340,19 @@ def _print_runs(folder: Path, done: Sequence[BearingFolder]) -> None:
 def band_table(done: Sequence[BearingFolder]) -> str:
     """Write the radial bands of runs in aligned columns, a row each, [um/s].
 
-    Bands end where the ring bends; the last column has the high band of a ring that stays rigid.
+    Bands end where the ring bends, and those above it have no velocity. Runs of 0.8.0 do not know
+    them. The last column has the high band of a ring that stays rigid.
     """
     heads = [f"{words}, below the bending" for words in summary.BAND_WORDS.values()]
     rows = [["run, radial um/s", *heads, f"{summary.BAND_WORDS['high']}, rigid"]]
     for place in done:
         numbers = stored_run.read_summary(place.folder / SUMMARY)
         whole = numbers["bands_um_s"]["radial"]
-        below = numbers.get("bands_below_bending_um_s", {}).get("radial", whole)
-        velocities = [summary.velocity(below[name]) for name in summary.BAND_WORDS]
+        below = numbers.get("bands_below_bending_um_s", {}).get("radial", {})
+        velocities = []
+        for band, (low, _) in VELOCITY_BANDS_HZ.items():
+            is_known = band in below and place.scene.ring_bending_hz > low
+            velocities.append(summary.velocity(below[band]) if is_known else summary.NO_VELOCITY)
         rows.append([label_of(place), *velocities, summary.velocity(whole["high"])])
     return columns(rows)
 

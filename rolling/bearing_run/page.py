@@ -107,6 +107,7 @@ def _view(run: BearingRun, gains: PageGains) -> dict[str, Any]:
         "what": _on_page(first),
         "sentences": [_on_page(sentence) for sentence in others],
         "rows": _band_rows(run),
+        "bands": _radial_bands(run),
         "src": records.compressed(gains.ring * heard) if heard.any() else None,
         "heard": f"acceleration of the {run.moving} ring along x, {heard.size / 48000:.3g} s;"
         f" full scale is {rounded(1 / gains.ring, 3)} m/s2",
@@ -135,12 +136,7 @@ def _band_rows(run: BearingRun) -> list[tuple[str, list[tuple[str, str]]]]:
     """
     rows = []
     for band, words in summary.band_words(run).items():
-        cells = []
-        for direction in DIRECTIONS:
-            um_s = run.bands_below_bending_um_s[direction][band]
-            spread_db = run.below_bending_uncertainty_db[direction][band]
-            cells.append((summary.velocity(um_s), _spread(run, direction, um_s, spread_db)))
-        rows.append((words, cells))
+        rows.append((words, [_cell_below_bending(run, way, band) for way in DIRECTIONS]))
     for band, (_, high) in VELOCITY_BANDS_HZ.items():
         if run.scene.ring_bending_hz >= high:
             continue
@@ -151,6 +147,25 @@ def _band_rows(run: BearingRun) -> list[tuple[str, list[tuple[str, str]]]]:
             cells.append((summary.velocity(um_s), _spread(run, direction, um_s, spread_db)))
         rows.append((f"{summary.BAND_WORDS[band]}, of a ring that stays rigid", cells))
     return rows
+
+
+def _radial_bands(run: BearingRun) -> list[tuple[str, str]]:
+    """Return the radial velocity of each of the three bands below the bending, with its ±.
+
+    A band that lies above the bending has none.
+    """
+    words = summary.band_words(run)
+    return [
+        _cell_below_bending(run, RADIAL, band) if band in words else (summary.NO_VELOCITY, "")
+        for band in VELOCITY_BANDS_HZ
+    ]
+
+
+def _cell_below_bending(run: BearingRun, direction: str, band: str) -> tuple[str, str]:
+    """Return the velocity of a band below the bending of the ring, and its ±."""
+    um_s = run.bands_below_bending_um_s[direction][band]
+    spread_db = run.below_bending_uncertainty_db[direction][band]
+    return summary.velocity(um_s), _spread(run, direction, um_s, spread_db)
 
 
 def _spread(run: BearingRun, direction: str, um_s: float, spread_db: float) -> str:

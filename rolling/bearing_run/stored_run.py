@@ -57,6 +57,7 @@ _NEEDED = {
     "sentences": list,
     "listen": dict,
 }
+_BELOW_BENDING = "bands_below_bending_um_s"
 _TITLE_LETTERS = 400
 FADE_S = 0.05  # at the ends of a sound
 _MIN_COMPRESSED = 10_000  # bytes of an array
@@ -412,7 +413,10 @@ def read_summary(path: Path) -> dict[str, Any]:
         for key, kind in _NEEDED.items():
             if not isinstance(summary[key], kind):
                 raise ValueError(f"{key} is of another kind")
-        for bands in (summary["bands_um_s"], summary["bands_uncertainty_db"]):
+        bands_of_run = [summary["bands_um_s"], summary["bands_uncertainty_db"]]
+        if _BELOW_BENDING in summary:  # runs of 0.8.0 lack it
+            bands_of_run.append(summary[_BELOW_BENDING])
+        for bands in bands_of_run:
             for direction in DIRECTIONS:
                 for band in VELOCITY_BANDS_HZ:
                     float(bands[direction][band])

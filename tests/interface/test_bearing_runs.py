@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,7 +24,7 @@ from rolling.bearing import lines
 from rolling.bearing.band_uncertainty import BandUncertainty
 from rolling.bearing.motion import move_ring
 from rolling.bearing.tracks import BodyTrack, smooth_tracks
-from rolling.bearing_run import figures, page, simulation
+from rolling.bearing_run import figures, page, simulation, summary
 from rolling.bearing_run.bearing_run import BearingRun
 
 FILES = {"result.h5", "summary.json", "spectrum.csv", "lines.csv", "acceleration.wav", "listen.wav"}
@@ -310,6 +311,31 @@ def test_the_velocity_below_the_bending_leads(run: BearingRun) -> None:
     doubts = {doubt["key"]: doubt for doubt in thin_run.summary["doubts"]}
     assert doubts["ring_bending"]["text"].endswith("all of the high band lies above")
     assert page.page([thin_run], "")
+    # Of two runs each velocity stands in the column of its band, also where a band has none.
+    two = page.page([replace(rigid, label="thick"), replace(thin_run, label="thin")], "").decode()
+    rows = [re.findall(r"<td>(\S+) <small>", row) for row in two.split('<th scope="row">')[1:3]]
+    assert len(rows[0]) == 3 and rows[0][2] == "21"
+    assert len(rows[1]) == 3 and rows[1][2] == "-"
+
+
+def test_velocities_below_the_bending_are_tabulated_where_they_are_known(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Runs of 0.8.0 have none, and a damaged one is told."""
+    older = tmp_path / "older"
+    shutil.copytree(folder, older)
+    stored = numbers(older)
+    whole = summary.velocity(stored["bands_um_s"]["radial"]["low"])
+    assert cli.main(["table", str(older)]) == 0
+    assert capsys.readouterr().out.count(f" {whole} ") == 1
+    below = stored.pop("bands_below_bending_um_s")
+    (older / "summary.json").write_text(json.dumps(stored))
+    assert cli.main(["table", str(older)]) == 0
+    assert f" {whole} " not in capsys.readouterr().out
+    stored["bands_below_bending_um_s"] = {**below, "radial": {"low": "x"}}
+    (older / "summary.json").write_text(json.dumps(stored))
+    assert cli.main(["table", str(older)]) == 2
+    assert "not readable" in capsys.readouterr().err
 
 
 def test_the_parts_of_the_uncertainty_are_stored(run: BearingRun, folder: Path) -> None:
