@@ -208,6 +208,11 @@ def main_level(run: Run) -> float | None:
     return answer.leading(run.summary, level_key(run.summary))
 
 
+def lead_by_whole(runs: Sequence[Run]) -> bool:
+    """Tell whether a run has the level of a long record that ends; those of 0.8.0 have none."""
+    return any(answer.heard_whole(run.summary) for run in runs)
+
+
 def _level_or_zero(run: Run) -> float:
     """Return the level of a run that is read first [dB], by which runs are sorted."""
     return main_level(run) or 0.0

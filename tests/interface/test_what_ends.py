@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -167,3 +168,5 @@ def test_runs_stored_without_these_levels_keep_the_solved_one() -> None:
     heard = answer.vibration(summary)
     assert (heard.level_db, heard.solved_share) == (summary["laeq_db"], 1.0)
     assert answer.released_power(summary).level_db == summary["release_laeq_db"]
+    older = replace(run_of("rests"), summary=summary)
+    assert text.lead_by_whole([run_of("rests"), older]) and not text.lead_by_whole([older])
