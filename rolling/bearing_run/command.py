@@ -20,7 +20,7 @@ from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.texts import printable
 from rolling.bearing.band_uncertainty import stored_uncertainty
 from rolling.bearing.motion import move_ring
-from rolling.bearing.ring_record import DIRECTIONS
+from rolling.bearing.ring_record import DIRECTIONS, RADIAL
 from rolling.bearing_run import page, simulation, stored_run, summary
 from rolling.bearing_run.bearing_run import BearingRun
 from rolling.bearing_run.without_faults import stored_without_faults
@@ -340,21 +340,31 @@ def _print_runs(folder: Path, done: Sequence[BearingFolder]) -> None:
 def band_table(done: Sequence[BearingFolder]) -> str:
     """Write the radial bands of runs in aligned columns, a row each, [um/s].
 
-    Bands end where the ring bends, and those above it have no velocity. Runs of 0.8.0 do not know
-    them. The last column has the high band of a ring that stays rigid.
+    Bands end where the ring bends. The last column has the high band of a ring that stays rigid.
     """
     heads = [f"{words}, below the bending" for words in summary.BAND_WORDS.values()]
     rows = [["run, radial um/s", *heads, f"{summary.BAND_WORDS['high']}, rigid"]]
     for place in done:
         numbers = stored_run.read_summary(place.folder / SUMMARY)
-        whole = numbers["bands_um_s"]["radial"]
-        below = numbers.get("bands_below_bending_um_s", {}).get("radial", {})
-        velocities = []
-        for band, (low, _) in VELOCITY_BANDS_HZ.items():
-            is_known = band in below and place.scene.ring_bending_hz > low
-            velocities.append(summary.velocity(below[band]) if is_known else summary.NO_VELOCITY)
-        rows.append([label_of(place), *velocities, summary.velocity(whole["high"])])
+        rigid = summary.velocity(numbers["bands_um_s"][RADIAL]["high"])
+        velocities = [_below_bending(place, numbers, band) for band in VELOCITY_BANDS_HZ]
+        rows.append([label_of(place), *velocities, rigid])
     return columns(rows)
+
+
+def _below_bending(place: BearingFolder, numbers: dict[str, Any], band: str) -> str:
+    """Write the radial velocity of a band below the bending of the ring.
+
+    A band above it has none, and a band that the bending cuts is not known of a run of 0.8.0.
+    """
+    low, high = VELOCITY_BANDS_HZ[band]
+    bending_hz = place.scene.ring_bending_hz
+    if bending_hz >= high:
+        return summary.velocity(numbers["bands_um_s"][RADIAL][band])
+    below = numbers.get("bands_below_bending_um_s", {}).get(RADIAL, {})
+    if bending_hz <= low or band not in below:
+        return summary.NO_VELOCITY
+    return summary.velocity(below[band])
 
 
 def line_lines(numbers: dict[str, Any]) -> str:
