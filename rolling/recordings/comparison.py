@@ -368,6 +368,5 @@ def _in_words(rows: pd.DataFrame, unit: str) -> pd.DataFrame:
     frame = pd.DataFrame(index=rows.index)
     for name, column in columns.items():
         pairs = zip(rows[f"{name}_db"], rows[f"{name}_uncertainty_db"], strict=True)
-        # A level that rounds to -0.0 is written as 0.0.
-        frame[column] = [uncertain(round(db, 1) + 0.0, u) for db, u in pairs]
+        frame[column] = [uncertain(db, u) for db, u in pairs]
     return frame

@@ -77,10 +77,11 @@ class Answer(NamedTuple):
 def uncertain(level: float, uncertainty: float | None) -> str:
     """Write a level with its standard uncertainty [dB], rounded up to a tenth.
 
-    The uncertainty never prints as 0.0 dB, because no level is known exactly.
+    The uncertainty never prints as 0.0 dB, because no level is known exactly. A level that rounds
+    to -0.0 is written as 0.0.
     """
     spread = "" if uncertainty is None else f" ± {math.ceil(uncertainty * 10) / 10:.1f}"
-    return f"{level:.1f}{spread}"
+    return f"{round(level, 1) + 0.0:.1f}{spread}"
 
 
 # ---- the record that plays

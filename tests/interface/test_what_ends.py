@@ -161,6 +161,10 @@ def test_a_stored_record_that_ends_has_its_numbers(tmp_path: Path) -> None:
         read_summary(tmp_path / "summary.json")
 
 
+def test_a_level_has_no_negative_zero() -> None:
+    assert answer.uncertain(-0.04, 0.01) == "0.0 ± 0.1" and answer.uncertain(-0.06, None) == "-0.1"
+
+
 def test_runs_stored_without_these_levels_keep_the_solved_one() -> None:
     """Folders of version 0.8.0 have a long record that does not say whether it ends."""
     summary = dict(run_of("rests").summary)
