@@ -140,6 +140,22 @@ def test_damaged_specimens_are_told(tmp_path: Path, heard: list[object]) -> None
         choosing.choose_bearings(scenes, out, Budget(pairs=2), workers=1)
 
 
+def test_other_numbers_of_specimens_are_refused_before_a_march(tmp_path: Path) -> None:
+    budget = Budget(pairs=61)
+    with pytest.raises(SceneError, match="allowed: a whole number from 2 to 60"):
+        choosing.choose_bearings([scene(), waves(0.04)], tmp_path / "out", budget, workers=1)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("heard", [[], [[]], [[1], [2]], [[{"low": "much"}], []], {"a": 1}])
+def test_a_choice_that_a_stranger_wrote_is_refused(tmp_path: Path, heard: object) -> None:
+    candidates = choosing.candidates_of([scene(), waves(0.04)])
+    kept = choosing._as_json(candidates) | {"heard": heard}
+    (tmp_path / "choice.json").write_text(json.dumps(kept))
+    with pytest.raises(rc.FolderError, match=r"choice\.json: it is damaged"):
+        choosing._take_heard(tmp_path, candidates)
+
+
 def test_the_limit_of_time_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Clock, "is_over", True)
     monkeypatch.setattr(choosing, "specimens_needed", lambda choice: 60)
