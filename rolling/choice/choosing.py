@@ -64,15 +64,17 @@ def choose_scenes(
 
     Raises
     ------
-    SceneError : the scenes are not comparable, or cannot run.
+    SceneError : the scenes are not comparable, cannot run, or so many pairs are not there.
     FolderError : the folder holds another choice.
     ContactError : a contact has no solution.
     OSError, KeyboardInterrupt : as `rolling.commands.run.run_scene`; finished pieces are kept.
     """
     candidates = candidates_of(scenes)
     target = folder or default_folder("choice", [one.scene for one in candidates])
+    specimens = Specimens(candidates)
+    looks = budget.looks(specimens.count, specimens.noun)  # refused before anything is written
     with open_choice(candidates, target, workers) as work:
-        choice = _until_known(work, candidates, budget)
+        choice = _until_known(work, candidates, budget, looks)
         with progress.step("listening to both in the noise of the room"):
             return replace(choice, audible=_audible(choice))
 
@@ -214,10 +216,11 @@ def _say_how_long(scenes: Sequence[Scene]) -> None:
         progress.line(f"the marches of the first {fewest} of each take {time_in_words}")
 
 
-def _until_known(work: OpenChoice, candidates: Sequence[Candidate], budget: Budget) -> Choice:
+def _until_known(
+    work: OpenChoice, candidates: Sequence[Candidate], budget: Budget, looks: Sequence[int]
+) -> Choice:
     """Hear pairs until each difference is known well enough, or time or specimens end."""
     noun = work.specimens.noun
-    looks = budget.looks(work.specimens.count, noun)
     clock = Clock(budget)
     for count in looks:
         choice = _choice(work, work.hear(candidates, count), budget)

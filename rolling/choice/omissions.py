@@ -25,6 +25,11 @@ def remember(home: Path, specimen: Specimen, reason: str) -> None:
     files.write_json(specimen.folder / FAILED, content)
 
 
+def forget(specimen: Specimen) -> None:
+    """Remove what is remembered of another contact, such as one on a narrower surface."""
+    (specimen.folder / FAILED).unlink(missing_ok=True)
+
+
 def foreseen(home: Path, specimen: Specimen) -> str:
     """Return why a specimen has no solution, as far as its surface tells; empty if it may have one.
 

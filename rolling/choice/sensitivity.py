@@ -25,6 +25,7 @@ from rolling.choice.choosing import OpenChoice, default_folder, open_choice
 from rolling.choice.comparison import Contender, OmittedPair
 from rolling.choice.difference import Difference, difference
 from rolling.choice.drawing import ChangedValue, LeftOut
+from rolling.choice.specimens import Specimens
 from rolling.contact.solver import ContactError
 from rolling.run.budget import Budget, Clock
 from rolling.scene.messages import SceneError
@@ -245,8 +246,10 @@ def improve_scene(
     changes, left_out = drawing.changes_of(scene, base, workers, target)
     if keys is not None:
         changes, left_out = _chosen(scene, keys, changes, left_out)
+    specimens = Specimens([base])
+    looks = budget.looks(specimens.count, specimens.noun)  # refused before anything is written
     with open_choice([base], target, workers) as work:
-        search = _SpecimenLoop(work, base, budget)
+        search = _SpecimenLoop(work, base, budget, looks)
         rows = search.rows(changes)
     rows.sort(key=lambda row: -abs(row.db))
     return Sensitivities(
@@ -298,11 +301,12 @@ def refuse_sweep(scene: Scene) -> None:
 class _SpecimenLoop:
     """Hears changed scenes on the specimens of a scene until their changes are known."""
 
-    def __init__(self, work: OpenChoice, base: Candidate, budget: Budget) -> None:
+    def __init__(
+        self, work: OpenChoice, base: Candidate, budget: Budget, looks: Sequence[int]
+    ) -> None:
         self._work = work
         self._base = base
         self._budget = budget
-        looks = budget.looks(work.specimens.count, work.specimens.noun)
         # The scatter of all pairs is that of the first six.
         self._looks = [count for count in looks if count >= FIRST_PAIRS] or looks[-1:]
         self._clock = Clock(budget)
@@ -448,8 +452,8 @@ def _sentences(result: Sensitivities) -> Iterator[str]:
     for pair in result.omitted:
         yield (
             f"Number {pair.number} of the {result.noun} is left out, because a contact has no"
-            f" solution ({printable(pair.label)}: {pair.reason}); it counts as one that speaks"
-            " against a change."
+            f" solution ({printable(pair.label)}: {printable(pair.reason)}); it counts as one that"
+            " speaks against a change."
         )
     for left in result.left_out:
         yield f"Left out: {left.name} ({printable(left.reason)})."

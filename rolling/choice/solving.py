@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rolling.choice.heard import Specimen, finish_specimen, write_heard
-from rolling.choice.omissions import remember
+from rolling.choice.omissions import forget, remember
 from rolling.contact.solver import ContactError
 from rolling.marches.piece import contact_identity
 from rolling.results import result_file
@@ -56,6 +56,7 @@ def solve(
                 continue
         if not specimen.is_heard:
             files.make_below(folder, specimen.folder)
+            forget(specimen)
             if not folders.refuse_other(specimen.folder, specimen.scene):
                 folders.write_scene(specimen.folder, specimen.scene)
             lacking.append(specimen)

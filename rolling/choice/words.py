@@ -139,8 +139,8 @@ def omission_words(omitted: Sequence[OmittedPair], count: int, noun: str) -> str
     each = "it counts" if len(omitted) == 1 else "each counts"
     return (
         f"Of {count} {noun}, number {numbers} {verb} left out for all, because a contact has no"
-        f" solution ({printable(first.label)}: {first.reason}); {each} as a pair that speaks"
-        " against this answer."
+        f" solution ({printable(first.label)}: {printable(first.reason)}); {each} as a pair that"
+        " speaks against this answer."
     )
 
 

@@ -17,11 +17,13 @@ import pytest
 import rolling as rc
 from acoustics.pairs import LOOKS
 from rolling import cli
+from rolling.check import narrow_surface
 from rolling.choice import choosing, omissions, picture, solving
 from rolling.choice.candidates import candidate, candidates_of
 from rolling.choice.choosing import choose_scenes, open_choice
 from rolling.choice.command import as_json
 from rolling.choice.heard import Specimen
+from rolling.choice.specimens import Specimens
 from rolling.contact.solver import ContactError
 from rolling.run.budget import Budget, Clock
 from rolling.scene.messages import SceneError
@@ -157,6 +159,42 @@ def test_another_contact_is_marched_again(
         assert other.no_solution == ""
 
 
+def test_a_wider_surface_goes_on_in_the_folder_of_the_narrow_one(
+    scene: rc.Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where no specimen had a solution, and each was remembered before a march."""
+
+    class Loop:
+        """A loop over pieces that only begins."""
+
+        def __init__(self, *_: object) -> None:
+            raise KeyboardInterrupt
+
+    with open_choice(candidates_of(two(scene)), tmp_path / "out", workers=1) as work:
+        narrow = work._specimen(candidates_of(two(scene))[0], 0)
+        omissions.remember(tmp_path / "out", narrow, "no solution")
+        wider = scene.with_({"surface.width_um": 256})
+        specimen = Specimen({}, wider, narrow.folder, narrow.loss_factors)
+        monkeypatch.setattr(solving, "RunLoop", Loop)
+        with pytest.raises(KeyboardInterrupt):
+            solving.solve(tmp_path / "out", [specimen], ["wider"], [], work._pool, work._bar)
+    assert (narrow.folder / "scene.yaml").is_file()
+    assert not (narrow.folder / "failed.json").exists()
+
+
+def test_the_reason_of_a_stranger_steers_no_page(
+    wide: rc.Scene, tmp_path: Path, marched: list[str]
+) -> None:
+    out = tmp_path / "out"
+    scenes = two(wide, "rough")
+    with open_choice(candidates_of(scenes), out, workers=1) as work:
+        specimen = work._specimen(candidates_of(scenes)[0], 2)
+        omissions.remember(out, specimen, "none\x1b]0;title\x07\nsurely")
+    choice = choose_scenes(scenes, out, Budget(pairs=6), workers=1)
+    assert choice.omitted[0].number == 3
+    assert all(sentence.isprintable() for sentence in choice.sentences)
+
+
 def test_a_narrow_surface_is_foreseen_before_a_march(
     scene: rc.Scene, tmp_path: Path, marched: list[str]
 ) -> None:
@@ -224,6 +262,20 @@ def test_a_check_foresees_the_surfaces_of_a_choice(
     assert "On 1 of the first 12 surfaces" in capsys.readouterr().out
 
 
+def test_a_check_foresees_the_seeds_that_a_choice_takes(
+    scene: rc.Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A ball with a surface of its own has another seed, which is no first one."""
+    monkeypatch.setattr("rolling.check.widest_places.may_be_too_narrow", lambda _: True)
+    ball = {"kind": "gaussian", "seed": 1, "roughness_ra_um": 0.02, "correlation_length_um": 12}
+    both = scene.with_({"surface.seed": 5, "sphere.surface": ball})
+    one = candidate("both", both)
+    taken = Specimens([one])
+    seeds = [taken.scene(one, number).surface.seed for number in range(3)]
+    (_, doubt) = narrow_surface.rules(both)
+    assert seeds == [5, 6, 7] and "(seed 5, 6, 7," in doubt.text
+
+
 # ---- number of pairs, and time
 
 
@@ -242,7 +294,7 @@ def test_other_numbers_of_pairs_are_refused(
 ) -> None:
     with pytest.raises(SceneError, match=r"pairs: got .*, allowed: a whole number from 2 to 60"):
         choose_scenes(two(wide), tmp_path / "out", Budget(pairs=pairs), workers=1)
-    assert marched == []
+    assert marched == [] and not (tmp_path / "out").exists()
 
 
 def test_the_limit_of_time_ends_a_choice_early_and_says_so(
