@@ -13,7 +13,9 @@ import pytest
 from bearing_runs import WAVY, written
 from commands import started
 
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling import cli
+from rolling.bearing.ring_record import DIRECTIONS
 from rolling.bearing_run import stored_run
 from rolling.terminal import files
 
@@ -28,6 +30,24 @@ bearing:
 sound: {duration_s: 0.1, listen_s: 0.1}
 numerics: {window_mm: 2}
 """
+
+
+@pytest.mark.parametrize("key", ["bands_verdict", "bands_below_bending_um_s", "parts_cpu_s"])
+@pytest.mark.parametrize("damage", [["x"], {"radial": "much"}, {"radial": {"low": "much"}}, "text"])
+def test_a_part_of_a_summary_that_a_stranger_wrote_is_refused(
+    tmp_path: Path, key: str, damage: object
+) -> None:
+    """Parts that a summary of version 0.8.0 lacks may be missing, but of no other kind."""
+    bands = {direction: dict.fromkeys(VELOCITY_BANDS_HZ, 1.0) for direction in DIRECTIONS}
+    lists = {name: [] for name in ("lines", "doubts", "contact_doubts", "sentences")}
+    listen = {"own_full_scale_m_s2": 1.0, "full_scale_m_s2": 1.0}
+    whole = {"bands_um_s": bands, "bands_uncertainty_db": bands, "listen": listen, **lists}
+    path = tmp_path / "summary.json"
+    path.write_text(json.dumps(whole))
+    assert stored_run.read_summary(path) == whole
+    path.write_text(json.dumps(whole | {key: damage}))
+    with pytest.raises(files.FolderError, match="not readable"):
+        stored_run.read_summary(path)
 
 
 @pytest.mark.slow
