@@ -58,6 +58,7 @@ def write_derived(ending: Ending, runs: Sequence[RunFolder], report: bool) -> No
     done = [run for run in runs if run.is_done]
     if len(done) == len(runs):
         folders.drop_all_pieces(folder)
+        ending.kept.remove_others()
     if not done:
         return
     write_with_common_gain(runs, lambda run: ending.kept.only(run).read, ending.each)

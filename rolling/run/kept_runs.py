@@ -75,6 +75,13 @@ class KeptRuns:
                     return replace(kept, label=label, summary=read_summary(run.folder / SUMMARY))
         return read_run(run, label)
 
+    def remove_others(self) -> None:
+        """Remove the runs that killed parts of a sweep kept, where no other command is at work."""
+        for path in (self.folder / folders.PIECES / folders.KEPT).glob("*"):
+            if path.name not in self.digests.values():
+                with suppress(OSError):
+                    path.unlink(missing_ok=True)
+
     def remove(self) -> None:
         """Remove the files of the runs."""
         for digest in self.digests.values():

@@ -75,6 +75,21 @@ def test_runs_that_a_killed_command_kept_are_removed(tmp_path: Path, made: list[
     assert not left.exists()
 
 
+def test_runs_that_a_killed_part_kept_go_with_the_last_part(
+    tmp_path: Path, made: list[str]
+) -> None:
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(TINY + LOADS)
+    out = tmp_path / "out"
+    assert cli.main(words_of(scene, out, "--workers", "1", "--part", "1/2")) == 0
+    left = out / folders.PIECES / folders.KEPT / "of-a-killed-part"
+    left.parent.mkdir(parents=True)
+    left.write_bytes(b"")
+    assert cli.main(words_of(scene, out, "--workers", "1", "--part", "2/2")) == 0
+    assert (out / "runs.csv").is_file()
+    assert not (out / folders.PIECES).exists()
+
+
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     """A run that is done."""
