@@ -21,6 +21,7 @@ TABLE = "choice.csv"
 PICTURE = "choice.png"
 RUNS = "runs"
 MAX_CHOICE = 10_000_000  # bytes of choice.json
+_ENDINGS = (".json", ".html", ".csv", ".png", ".wav")  # of the files beside the runs
 _UNKNOWN = "an older version"  # which did not write its name
 
 
@@ -53,7 +54,7 @@ def take(folder: Path, formats: tuple[str, ...]) -> dict[str, Any] | None:
     if maker == folders.this_program():
         return stored
     is_finished = "sentences" in stored or any(folder.glob("*.csv"))
-    if is_finished or (folder / RUNS).exists():
+    if is_finished or (folder / RUNS).exists() or _has_folder_of_file(folder):
         raise FolderError(
             f"{folder}: holds a choice of {maker}, and this is {folders.this_program()}; numbers"
             f" of two programs are not mixed, so {way_out}, or delete the folder"
@@ -63,6 +64,14 @@ def take(folder: Path, formats: tuple[str, ...]) -> dict[str, Any] | None:
         " numbers of two programs are not mixed, so the choice starts anew, and older runs stay"
     )
     return None
+
+
+def _has_folder_of_file(folder: Path) -> bool:
+    """Tell whether a candidate of an older version has a folder by the name of a file.
+
+    The files of a choice, which are written last, could not be written.
+    """
+    return any(path.suffix in _ENDINGS and path.is_dir() for path in folder.iterdir())
 
 
 def _stored(path: Path) -> dict[str, Any] | None:

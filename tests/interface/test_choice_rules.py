@@ -409,3 +409,15 @@ def test_a_finished_choice_of_an_older_version_is_kept(
     with pytest.raises(FolderError, match=r"version 0\.8\.0"):
         choose_scenes(two(wide), tmp_path / "out", Budget(pairs=4), workers=1)
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["choice.json"]
+
+
+@pytest.mark.parametrize("name", ["choice.html", "choice.png", "smooth.wav"])
+def test_a_folder_by_the_name_of_a_file_is_refused_before_a_march(
+    wide: rc.Scene, tmp_path: Path, marched: list[str], name: str
+) -> None:
+    """Candidates of version 0.8.0 stood beside the files of a choice."""
+    (tmp_path / "out" / name).mkdir(parents=True)
+    write_json(tmp_path / "out" / "choice.json", OLD)
+    with pytest.raises(FolderError, match="take another --out"):
+        choose_scenes(two(wide), tmp_path / "out", Budget(pairs=4), workers=1)
+    assert marched == []
