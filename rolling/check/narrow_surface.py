@@ -16,7 +16,7 @@ from rolling.scene.surfaces import HeightFile
 
 OF_CHOICE = "narrow_specimens"  # key of the doubt that concerns no number of a run
 SPECIMENS = 12  # of a choice that are foreseen
-MAX_NODES = 5_000_000  # of all surfaces that are made for it, which takes some seconds
+MAX_NODES = 2_000_000  # of all surfaces that are made for it, which takes a second or two
 
 
 def rules(scene: Scene) -> Iterator[Doubt]:
