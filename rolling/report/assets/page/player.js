@@ -8,6 +8,7 @@ import { showMap } from "./contact.js";
 import { setPlayhead } from "./chart_touch.js";
 
 const STILL_MS = 2000; // without a sound after which the page says so
+const READY_S = 0.05; // within which a record is ready, and begins whole, although the clock of the audio went on
 
 const heardRun = () => state.blind ?? state.run;
 const gainOf = (number) => (number === heardRun() ? runs[number].playback[$("#equal")?.checked ? "equal" : "calibrated"] : 0);
@@ -23,14 +24,16 @@ export function mix() {
 /** Start the records of all runs in step, each as soon as it is decoded. */
 function startVoices() {
   const { context } = state, voices = runs.map(() => null);
-  Object.assign(state, { voices, origin: context.currentTime - state.at });
+  const first = context.currentTime;
+  Object.assign(state, { voices, origin: first - state.at });
   runs.forEach(async ({ lap: { begin, end, overlap }, ends }, number) => {
     const buffer = await roundOf(number);
     if (voices !== state.voices || hasEnded(number)) return;
     const source = new AudioBufferSourceNode(context, { buffer, loop: !ends, loopStart: (begin + overlap) / RATE, loopEnd: end / RATE });
     const gain = new GainNode(context, { gain: 0 });
     source.connect(gain).connect(state.master);
-    source.start(context.currentTime, ownTime(number, context.currentTime - state.origin));
+    const now = context.currentTime, when = now - first < READY_S ? first : now;
+    source.start(when, ownTime(number, when - state.origin));
     voices[number] = { source, gain };
     glide(gain, gainOf(number));
   });
