@@ -16,7 +16,7 @@ from rolling.scene.surfaces import HeightFile
 
 OF_CHOICE = "narrow_specimens"  # key of the doubt that concerns no number of a run
 SPECIMENS = 12  # of a choice that are foreseen
-MAX_NODES = 2_000_000  # of all surfaces that are made for it, which takes a second or two
+MAX_NODES = 300_000  # of all surfaces that are made for it, so that it takes a part of a second
 
 
 def rules(scene: Scene) -> Iterator[Doubt]:
