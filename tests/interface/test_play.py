@@ -121,9 +121,10 @@ def test_runs_without_dynamics_take_turns(playing) -> None:
 
 def test_a_page_without_worklets_says_so(opened, pages) -> None:
     with opened(pages("three")) as page:
-        page.evaluate(
+        page.add_init_script(
             "Object.defineProperty(BaseAudioContext.prototype, 'audioWorklet', { value: null })"
         )
+        page.reload()  # because an idle page prepares its instrument at once
         page.click("#play-roll")
         until(page, "!document.querySelector('#play-note').hidden")
         assert "AudioWorklet" in page.text_content("#play-note")
