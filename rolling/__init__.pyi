@@ -4,8 +4,7 @@ from rolling import check as check
 from rolling import plot as plot
 from rolling.bearing_run.bearing_choice import BearingChoice as BearingChoice
 from rolling.bearing_run.bearing_run import BearingRun as BearingRun
-from rolling.check.doubt import Doubt as Doubt
-from rolling.check.doubt import Finding as Finding
+from rolling.check.finding import Finding as Finding
 from rolling.check.findings import Findings as Findings
 from rolling.choice.choice import Choice as Choice
 from rolling.choice.difference import Difference as Difference
@@ -32,6 +31,10 @@ from rolling.interface.runs import open_run as open_run
 from rolling.interface.runs import save_run as save_run
 from rolling.interface.runs import simulate as simulate
 from rolling.interface.runs import simulate_sweep as simulate_sweep
+from rolling.numbers.ball_numbers import RunNumbers as RunNumbers
+from rolling.numbers.doubt import Doubt as Doubt
+from rolling.numbers.quantity import BandQuantity as BandQuantity
+from rolling.numbers.quantity import Quantity as Quantity
 from rolling.results.channels import Channel as Channel
 from rolling.results.run_result import Run as Run
 from rolling.run.sweep_runs import Runs as Runs

@@ -30,8 +30,9 @@ from rolling.bearing_contacts.plan import (
     kinds_of_contact,
 )
 from rolling.check import cost, forecast, refusals
-from rolling.check.doubt import TRUSTED_DB, Doubt, Finding, Severity, sized
+from rolling.check.finding import Finding
 from rolling.check.findings import Findings
+from rolling.numbers.doubt import TRUSTED_DB, Doubt, Severity, sized
 from rolling.scene import bearing_rules
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.bearing_sources import assumed_keys, sources, static_load_rating_n

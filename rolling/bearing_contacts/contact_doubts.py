@@ -28,8 +28,8 @@ from rolling.bearing_contacts.plan import (
     radius_of,
 )
 from rolling.bearing_contacts.solving import ContactMarch, Marches
-from rolling.check.doubt import Doubt, Severity, sized
 from rolling.marches.piece import contact_identity
+from rolling.numbers.doubt import Doubt, Severity, sized
 from rolling.scene.laws import AUTOCORRELATIONS, Roughness
 from rolling.scene.surfaces import BallHeightFile
 from rolling.surface.scene_surface import form_heights

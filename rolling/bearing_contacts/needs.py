@@ -13,7 +13,7 @@ from pathlib import Path
 from rolling.bearing_contacts.joined_tracks import points_of_turn
 from rolling.bearing_contacts.plan import ContactPlan
 from rolling.check import cost, refusals
-from rolling.check.doubt import Doubt
+from rolling.numbers.doubt import Doubt
 from rolling.scene.bearing_scene import BearingScene
 
 # Bytes while the files of a run are written. 1,020 and 2,570 per sample were measured for 20 and 60

@@ -42,7 +42,7 @@ from rolling.bearing_contacts.bearing_check import contact_angle_doubt, departur
 from rolling.bearing_run import summary
 from rolling.bearing_run.housing import HousingSound, housing_of_scene
 from rolling.bearing_run.without_faults import WithoutFaults
-from rolling.check.doubt import Doubt
+from rolling.numbers.doubt import Doubt
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.bearing_sources import has_assumed_loss_factor
 from rolling.scene.sweep import Value

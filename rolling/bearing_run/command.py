@@ -24,11 +24,11 @@ from rolling.bearing.ring_record import DIRECTIONS, RADIAL
 from rolling.bearing_run import page, simulation, stored_run, summary
 from rolling.bearing_run.bearing_run import BearingRun
 from rolling.bearing_run.without_faults import stored_without_faults
-from rolling.check.doubt import Severity
 from rolling.contact.processor_time import ProcessorTime
 from rolling.contact.solver import ContactError
 from rolling.figures.picture import csv_bytes
 from rolling.marches import effort
+from rolling.numbers.doubt import Severity
 from rolling.results.run_folder import FAILED, PAGE, RESULT, SUMMARY, TABLE, BearingFolder
 from rolling.run import folder as folders
 from rolling.scene.bearing_scene import BearingScene

@@ -20,11 +20,11 @@ from rolling.bearing_contacts import needs
 from rolling.bearing_contacts.plan import contact_plan
 from rolling.bearing_run import figures
 from rolling.bearing_run.without_faults import stored_without_faults
-from rolling.check.doubt import Severity
 from rolling.contact.processor_time import ProcessorTime
 from rolling.figures.picture import csv_bytes
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.marches import effort
+from rolling.numbers.doubt import Severity
 from rolling.results import result_file
 from rolling.results.run_folder import MAX_SUMMARY, RESULT, SUMMARY
 from rolling.results.summary import program_provenance

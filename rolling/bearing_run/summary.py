@@ -15,8 +15,8 @@ from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.lines import FAULT_LINES
 from rolling.bearing.ring_record import AXIAL, DIRECTIONS, NOTHING_UM_S, RADIAL, UM_S
 from rolling.bearing_contacts.bearing_check import scene_rules
-from rolling.check.doubt import Doubt, Severity, severity_of, sized
 from rolling.marches import effort
+from rolling.numbers.doubt import Doubt, Severity, severity_of, sized
 
 if TYPE_CHECKING:
     from rolling.bearing_run.bearing_run import BearingRun

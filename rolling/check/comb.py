@@ -15,11 +15,12 @@ from acoustics.loss_factors import least_loss_factor
 from acoustics.numbers import rounded, si
 from acoustics.radiation import Body, axis_transfer
 from acoustics.weighting import a_weighting_db
-from rolling.check.doubt import Doubt, Finding, Severity
+from rolling.check.finding import Finding
 from rolling.check.force_estimate import contact_axes, mean_heights
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.comb import BROAD, COMB_MOST_DB, MOST_SPEEDS, speeds_of_comb, spread_db
+from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.scene import Scene
 from rolling.scene.sections import loss_text
 from rolling.scene.surfaces import HeightFile

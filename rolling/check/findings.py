@@ -31,8 +31,9 @@ from rolling.check import (
     validity,
     vibration,
 )
-from rolling.check.doubt import Doubt, Finding, Severity
+from rolling.check.finding import Finding
 from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
+from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.identity import contact_keys, digest
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile

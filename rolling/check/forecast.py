@@ -8,7 +8,7 @@ runs.
 from collections.abc import Sequence
 
 from rolling.check import cost, error_cost
-from rolling.check.doubt import Finding
+from rolling.check.finding import Finding
 from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
 

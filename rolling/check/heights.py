@@ -7,8 +7,9 @@ from typing import Any
 
 from acoustics.numbers import rounded, rounded_down, si
 from rolling.check import cost, resolution
-from rolling.check.doubt import Doubt, Finding, Severity
+from rolling.check.finding import Finding
 from rolling.dynamics.smooth_contact import semi_axes
+from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.height_files import is_instrument
 from rolling.scene.height_grid import read
 from rolling.scene.laws import HeightLaw, SelfAffineLaw

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from acoustics.numbers import byte_size
 from rolling.check import cost, narrow_surface
-from rolling.check.doubt import Doubt, Severity
 from rolling.check.findings import BESIDE_LEVELS, Findings, conclusion
+from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.scene import Scene
 from rolling.terminal.streams import folded
 

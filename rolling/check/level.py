@@ -3,7 +3,8 @@
 from collections.abc import Iterable, Iterator
 
 from rolling.check import error_cost, resolution
-from rolling.check.doubt import Doubt, Severity
+from rolling.numbers.doubt import Doubt, Severity
+from rolling.numbers.quantity import RELEASED_POWER, VIBRATION, worst_of
 from rolling.scene.scene import Scene
 
 # Keys of the doubts that stand beside every level of a release, and are no warnings.
@@ -27,6 +28,7 @@ def of_source(scene: Scene) -> Iterator[Doubt]:
             Severity.INDICATIVE,
             advice=f"every level but the steady one follows from {sound.gain_pa_per_w_m2:g} Pa per "
             "W/m²",
+            about=(RELEASED_POWER,),
         )
     elif sound.q != 1:
         yield Doubt(
@@ -34,6 +36,7 @@ def of_source(scene: Scene) -> Iterator[Doubt]:
             f"the radiated share q = {sound.q:g} is an assumption",
             Severity.INDICATIVE,
             advice=f"levels are those of the released power times {sound.q:g}",
+            about=(RELEASED_POWER,),
         )
     else:
         # 26 to 70 dB: on the 71 runs of docs/limitations.md.
@@ -43,6 +46,7 @@ def of_source(scene: Scene) -> Iterator[Doubt]:
             Severity.NOTE,
             advice="all released energy counts as radiated, 26 to 70 dB above the vibration "
             "(71 runs), and more at low speed",
+            about=(RELEASED_POWER,),
         )
 
 
@@ -62,19 +66,5 @@ def expected(scene: Scene, doubts: Iterable[Doubt]) -> Doubt:
     """Return the worst doubt that is left at best of the doubts about a run before it."""
     if _will_be_measured(scene):
         doubts = [doubt for doubt in doubts if doubt.key not in resolution.GRID_RULES]
-    return worst_of(doubts)
-
-
-def worst_of(doubts: Iterable[Doubt]) -> Doubt:
-    """Return the worst of the doubts about a level, which is its verdict.
-
-    The error of the release from the grid is not counted beside the error of the level from it.
-    """
-    nothing = Doubt("none", "no limit is broken", Severity.TRUST)
-    limiting = [
-        doubt for doubt in doubts if doubt.severity > Severity.NOTE and doubt.key != resolution.KEY
-    ]
-    worst = max(limiting, key=lambda doubt: doubt.rank, default=nothing)
-    if worst.severity is Severity.TRUST and worst.decibels is None:
-        return nothing
-    return worst
+    levels = (VIBRATION, RELEASED_POWER)
+    return worst_of(doubt for doubt in doubts if any(map(doubt.touches, levels)))

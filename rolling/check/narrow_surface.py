@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rolling.check.doubt import Doubt, Severity
 from rolling.check.highest_summit import is_surely_wide_enough
+from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.scene import Scene
 from rolling.scene.seeds import seeds_of, with_seed
 from rolling.scene.surfaces import HeightFile

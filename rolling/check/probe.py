@@ -16,8 +16,8 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.numbers import clock, rounded, si
 from rolling.check import cost
-from rolling.check.doubt import Doubt, Finding, Severity
 from rolling.check.error_cost import COLD_STEPS
+from rolling.check.finding import Finding
 from rolling.check.forecast import surface_time
 from rolling.contact import compiling
 from rolling.contact.half_space import HalfSpace
@@ -26,6 +26,7 @@ from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.subcells import half_space_of
+from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import scene_surface

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from acoustics.numbers import byte_size
 from rolling.check import cost, resolution
-from rolling.check.doubt import Doubt, Severity
+from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.messages import SceneError, plain_number
 from rolling.scene.scene import Scene
 from rolling.terminal import addresses, system_errors

@@ -12,8 +12,10 @@ import numpy as np
 
 from acoustics import bands
 from acoustics.numbers import micrometres, rounded, rounded_down, rounded_up, si
-from rolling.check.doubt import Doubt, Finding, Severity, sized
+from rolling.check.finding import Finding
 from rolling.dynamics.smooth_contact import semi_axes
+from rolling.numbers.doubt import Doubt, Severity, sized
+from rolling.numbers.quantity import SERIES
 from rolling.scene import grid_error
 from rolling.scene.messages import SceneError, plain_number
 from rolling.scene.scene import Scene
@@ -108,6 +110,7 @@ def too_coarse(scene: Scene, error: float, source: str, of_level: Doubt) -> Iter
         of_level.severity,
         of_level.decibels,
         _finer_grid(scene, error + MARGIN_DB),
+        about=(SERIES,),
     )
 
 

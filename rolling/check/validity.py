@@ -5,8 +5,9 @@ from collections.abc import Iterator
 
 from acoustics.numbers import rounded, rounded_up, si
 from rolling.check import cost, resolution
-from rolling.check.doubt import Doubt, Finding, Severity
+from rolling.check.finding import Finding
 from rolling.dynamics.smooth_contact import semi_axes
+from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene import library
 from rolling.scene.messages import plain_number
 from rolling.scene.scene import Scene

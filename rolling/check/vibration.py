@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from acoustics.numbers import rounded, rounded_down, rounded_up, si
 from acoustics.rectangular_plate import MODES_HZ
 from rolling.check import cost, forecast, resolution
-from rolling.check.doubt import Doubt, Finding, Severity
+from rolling.check.finding import Finding
 from rolling.check.force_estimate import force_rms
 from rolling.check.validity import MAX_CONTACT
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.smooth_contact import semi_axes
+from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.quantities import STEEL_DENSITY, STEEL_GPA, STEEL_POISSON, plate_modes
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 from acoustics.traps import ignoring_underflow
 from rolling.contact.processor_time import ProcessorTime
 from rolling.figures.settings import PictureWarning
-from rolling.marches import effort
 from rolling.results import labels, runs_table
 from rolling.results.common_gain import write_with_common_gain
-from rolling.results.run_folder import PAGE, SUMMARY, TABLE, RunFolder, read_summary
+from rolling.results.run_folder import BANDS, PAGE, SUMMARY, TABLE, RunFolder
 from rolling.results.run_result import Run
+from rolling.results.stored_numbers import read_stored, with_page, write_stored
 from rolling.run import folder as folders
 from rolling.run.ending import Ending
 from rolling.run.kept_runs import KeptRuns
@@ -71,14 +71,13 @@ def write_derived(ending: Ending, runs: Sequence[RunFolder], report: bool) -> No
     if last.is_file() and newest <= last.stat().st_mtime_ns <= time.time_ns():
         return
     with progress.step("writing the table"):
-        write_table(runs_table.runs_table(runs), folder / TABLE)
+        write_tables(runs, folder)
     if not report:
         return
     unsolved = [run for run in runs if not run.is_done]
     content, spent = _drawn(ending, done, unsolved)
     for run in done:  # before the page, which must not be older than a summary
-        summary = read_summary(run.folder / SUMMARY)
-        files.write_json(run.folder / SUMMARY, effort.with_page(summary, spent, len(done)))
+        write_stored(run.folder, with_page(read_stored(run.folder), spent, len(done)))
     files.write_bytes(folder / PAGE, content)
 
 
@@ -145,6 +144,12 @@ def _page_file(
     from rolling.report import page
 
     files.write_bytes(path, page.page(open_runs(done, kept.read), unsolved))
+
+
+def write_tables(runs: Sequence[RunFolder], folder: Path) -> None:
+    """Write the numbers of runs that a person reads, and their third octaves, as CSV."""
+    write_table(runs_table.bands_table(runs), folder / BANDS)
+    write_table(runs_table.runs_table(runs, shown=True), folder / TABLE)
 
 
 def write_table(frame: pd.DataFrame, path: Path) -> None:

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 
 from acoustics.texts import printable
 from rolling.commands.answers import print_answers
-from rolling.commands.derived import write_report, write_table
+from rolling.commands.derived import write_report, write_table, write_tables
+from rolling.numbers.quantity import RELEASED_POWER, VIBRATION
 from rolling.results import labels, listening, runs_table
 from rolling.results.long_record import ListeningError
-from rolling.results.run_folder import PAGE, TABLE, RunFolder
+from rolling.results.run_folder import BANDS, PAGE, TABLE, RunFolder
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs
@@ -144,7 +145,7 @@ def listen(
         raise FolderError(f"{folder}: {error}") from error
     path = listening.write_long(run, long)
     progress.line(listening.describe_long_record(run, long))
-    for text in long.numbers["limits"]:
+    for text in long.numbers.limits or ():
         progress.line(f"warning: {text}")
     return [path]
 
@@ -205,7 +206,7 @@ def table(
     if not runs[0].values or not any(run.is_done for run in runs):
         raise FolderError(f"{folder}: no run of a sweep is done, so there is nothing to tabulate")
     frame = runs_table.runs_table(runs)
-    solved = frame[frame["laeq_db"].notna() | frame["steps"].notna()]
+    solved = frame.dropna(how="all")
     swept = list(runs[0].values)
     if over != labels.SEED:
         _refuse_unknown(over, swept, "swept key")
@@ -221,9 +222,9 @@ def table(
         _refuse_unknown(name, list(solved.select_dtypes("number")), "number of runs.csv")
     if not progress.is_quiet():
         print_answers([run for run in runs if run.is_done])
-    paths = [folder / TABLE, folder / "statistics.csv"]
-    write_table(frame, paths[0])
-    write_table(runs_table.seed_statistics(solved, over), paths[1])
+    paths = [folder / TABLE, folder / BANDS, folder / "statistics.csv"]
+    write_tables(runs, folder)
+    write_table(runs_table.seed_statistics(runs, over), paths[2])
     axes = list(against) or keys[:1]
     if not axes:
         return paths
@@ -241,7 +242,7 @@ def table(
 
 def _answers_to_plot(solved: pd.DataFrame) -> list[str]:
     """Return the columns of the two numbers that runs have, the vibration first."""
-    columns = [f"{name}_db" for name in runs_table.ANSWERS]
+    columns = [f"{name}_db" for name in (VIBRATION, RELEASED_POWER)]
     return [column for column in columns if solved[column].notna().any()]
 
 

@@ -74,7 +74,7 @@ def _has_events(run: Run) -> bool:
 
 
 def _has_vibration(run: Run) -> bool:
-    return run.vibration is not None
+    return run.vibration_sound is not None
 
 
 def _has_channels(run: Run) -> bool:
@@ -82,7 +82,7 @@ def _has_channels(run: Run) -> bool:
 
 
 def _vibrates_on_a_rough_surface(run: Run) -> bool:
-    return run.vibration is not None and scene_surface(run.scene).statistics.rq > 0
+    return run.vibration_sound is not None and scene_surface(run.scene).statistics.rq > 0
 
 
 # ---- the figures

@@ -120,7 +120,7 @@ def reading(run: Run) -> str:
         made,
         f"A wave along the track sounds at the {speed} over its length, to first order.",
     ]
-    if run.vibration and run.vibration.motion.flight_share > 0:
+    if run.vibration_sound and run.vibration_sound.motion.flight_share > 0:
         sentences.append(
             "Impacts spread energy over all frequencies, so these shares are doubtful."
         )

@@ -31,9 +31,9 @@ _LINE_STYLES = ("-", "--", "-.", ":")
 def _vibration(run: Run) -> Vibration:
     """Return the vibration of a run; raise TypeError or ValueError if there is none."""
     instance("run", run, Run)
-    if run.vibration is None:
+    if run.vibration_sound is None:
         raise ValueError(f"{run.title}: has no vibration, because its scene has no dynamics")
-    return run.vibration
+    return run.vibration_sound
 
 
 def _draw_columns(ax: Axes, table: pd.DataFrame, labels: dict[str, str]) -> None:

@@ -276,7 +276,7 @@ def live(runs: Run | Sequence[Run]) -> Any:
     for run in shown:
         instance("runs", run, Run)
     path = shown[0].home / PAGE
-    is_stored = "provenance" in shown[0].summary and path.is_file()
+    is_stored = shown[0].stored is not None and path.is_file()
     if len(shown) > 1 or not is_stored:
         path = _temporary_page(shown)
     if terminal.in_notebook():

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from acoustics.arrays import short_repr
 from rolling.contact.processor_time import ProcessorTime
 
-PARTS = "parts_cpu_s"  # key of summary.json
 ARRAY = "effort"  # name of the processor times of a piece, among its arrays
 COMPILATION = "compilation"  # of kernels, and loading of compiled ones
 SURFACE = "surface"  # its making, in each process that marches it
@@ -94,12 +93,8 @@ def with_work(
     }
 
 
-def with_page(summary: Mapping[str, Any], spent: ProcessorTime, runs: int) -> dict[str, Any]:
-    """Return a summary with the share of its run in the time of a page of so many runs.
-
-    A summary without parts, of version 0.8.0, stays as it is.
-    """
-    if PARTS not in summary:
-        return dict(summary)
-    of_page = {PAGE: (spent.work_s + spent.compilation_s) / runs}
-    return dict(summary) | {PARTS: summary[PARTS] | of_page}
+def with_page(
+    parts: Mapping[str, float | None], spent: ProcessorTime, runs: int
+) -> dict[str, float | None]:
+    """Return the processor times [s] of a run with its share in a page of so many runs."""
+    return dict(parts) | {PAGE: (spent.work_s + spent.compilation_s) / runs}

@@ -84,11 +84,11 @@ def run_spread(run: Run, quantity: MeasuredQuantity) -> RunSpread:
     third_octaves: dict[str, Array] = {}
     laeq: dict[str, float] = {}
     excess = np.ones(len(BAND_NAMES))
-    if source == "vibration" and run.vibration is not None:
-        if run.vibration.excess is not None:
-            excess = run.vibration.excess.third_octave
-        third_octaves |= run.vibration.band_spreads
-        laeq |= run.vibration.spreads
+    if source == "vibration" and run.vibration_sound is not None:
+        if run.vibration_sound.excess is not None:
+            excess = run.vibration_sound.excess.third_octave
+        third_octaves |= run.vibration_sound.band_spreads
+        laeq |= run.vibration_sound.spreads
         # The law errs by a share of the fluctuation of the force, whatever its frequency.
         law_db = run.summary.get("force_law_error_db") or 0.0
         third_octaves["force_law"] = np.full(len(BAND_NAMES), law_db)

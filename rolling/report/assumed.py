@@ -63,7 +63,7 @@ def _source(run: Run) -> dict[str, str]:
 
 def _bodies(run: Run) -> dict[str, str]:
     """Return the assumptions about the vibration; none without dynamics."""
-    if run.vibration is None:
+    if run.vibration_sound is None:
         return {}
     scene = run.scene
     plate = scene.plate

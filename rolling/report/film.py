@@ -207,9 +207,9 @@ def _sheet(
 
 def loudest(run: Run, slow: SlowMotion) -> int:
     """Return the map at which the ball presses hardest, or at which most energy is released."""
-    if run.vibration is None:
+    if run.vibration_sound is None:
         return int(np.argmax(slow.release.sum(axis=(1, 2), dtype=np.int64)))
-    motion = run.vibration.motion
+    motion = run.vibration_sound.motion
     times = run.position_time[slow.positions]
     return int(np.argmax(np.interp(times, motion.time_s, motion.force_n)))
 
@@ -228,9 +228,9 @@ def _descriptions(run: Run, slow: SlowMotion, flight_times: Sequence[float]) -> 
         f"{time * 1e3:.3f} ms, {_quantity(power, 'W')}"
         for time, power in zip(times, _power(run, slow), strict=True)
     ]
-    if run.vibration is None:
+    if run.vibration_sound is None:
         return texts
-    motion = run.vibration.motion
+    motion = run.vibration_sound.motion
     heights = np.interp(times, motion.time_s, motion.displacement_m.mean() - motion.displacement_m)
     forces = np.interp(times, motion.time_s, motion.force_n)
     for k, flight_time in enumerate(flight_times):
@@ -252,8 +252,8 @@ def curves(run: Run) -> list[Chart]:
     if slow is None:
         return []
     charts = [_power_chart(run, slow)]
-    if run.vibration is not None:
-        charts.append(_motion_chart(run, slow, run.vibration))
+    if run.vibration_sound is not None:
+        charts.append(_motion_chart(run, slow, run.vibration_sound))
     return charts
 
 
@@ -315,9 +315,9 @@ def _flight_times(run: Run, times: Array) -> list[float]:
 
 def flights(run: Run, times: Array) -> list[tuple[float, float]]:
     """Return begin and end [s] of the flights within the times of a film; none without dynamics."""
-    if run.vibration is None:
+    if run.vibration_sound is None:
         return []
-    motion = run.vibration.motion
+    motion = run.vibration_sound.motion
     edges = np.append(motion.time_s, motion.time_s[-1] + motion.time_step_s)
     edges = np.clip(edges - motion.time_step_s / 2, times[0], times[-1])
     is_free = np.concatenate([[False], motion.force_n == 0, [False]])

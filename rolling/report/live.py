@@ -66,7 +66,7 @@ def live_of(run: Run) -> Data | None:
     scene = run.scene
     if run.result.solved_steps < MIN_ROWS:
         return None
-    vibration = run.vibration if run.sound.source == "vibration" else None
+    vibration = run.vibration_sound if run.sound.source == "vibration" else None
     ends = list[list[float]]()
     plate = of_scene.rectangular_plate(scene) if vibration is not None else None
     modes = None

@@ -239,10 +239,10 @@ def _instead(run: Run, begins: Array) -> list[str | None]:
     Maps belong to the load. The ball flies for most of the time until the next map, or its fall
     ends with a force that the maps do not know.
     """
-    if run.vibration is None:
+    if run.vibration_sound is None:
         return [None] * len(begins)
-    motion = run.vibration.motion
-    load = run.vibration.load
+    motion = run.vibration_sound.motion
+    load = run.vibration_sound.load
     falls = run.scene.rolling.drop_mm is not None
     ends = np.append(begins[1:], run.sound.duration)
     sentences = list[str | None]()

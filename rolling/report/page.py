@@ -16,10 +16,10 @@ from acoustics.bands import BAND_NAMES
 from acoustics.plot_style import PREFIXES
 from acoustics.texts import printable
 from rolling import __version__
-from rolling.check.doubt import Doubt
 from rolling.figures.catalogue import COMPARING, SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture
 from rolling.figures.settings import left_out_if_it_fails
+from rolling.numbers.doubt import Doubt
 from rolling.report import assumed, film, live, maps, records, text
 from rolling.report.charts import Chart, chart_of
 from rolling.report.templates import environment, joined_script

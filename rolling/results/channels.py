@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +16,9 @@ from acoustics.numbers import si
 from acoustics.spectrum import Psd, welch
 from acoustics.traps import ignoring_underflow
 from acoustics.vibration_level import REFERENCES, VibrationLevels, vibration_levels
+from rolling.numbers.ball_numbers import ChannelNumbers
+from rolling.numbers.files import ChannelFile
+from rolling.numbers.quantity import BandQuantity
 from rolling.scene.scene import Scene
 from rolling.sound.channel_signals import channel_signals, contact_place_m
 from rolling.sound.vibration_sound import Vibration
@@ -111,39 +113,39 @@ class Channel:
         return envelope_spectrum(self.samples, self.sample_rate, band, self.closed)
 
     @property
-    def numbers(self) -> dict[str, Any]:
-        """Facts and levels of the channel, as summary.json has them."""
+    def numbers(self) -> ChannelNumbers:
+        """Facts and levels of the channel."""
         levels = self.levels
         place_mm = None
         if self.place_m is not None:
-            place_mm = [round(1e3 * coordinate, 9) for coordinate in self.place_m]
-        return {
-            "name": self.name,
-            "of": self.of,
-            "quantity": self.quantity,
-            "unit": self.unit,
-            "reference": self.reference,
-            "positive": POSITIVE[self.of],
-            "place_mm": place_mm,
-            "level_db": levels.level_db,
-            "rms": levels.rms,
-            "peak": levels.peak,
-            "third_octave_db": levels.third_octave_db,
-            "octave_db": levels.octave_db,
-            "note": self.note,
-        }
+            place_mm = tuple(round(1e3 * coordinate, 9) for coordinate in self.place_m)
+        return ChannelNumbers(
+            name=self.name,
+            of=self.of,
+            quantity=self.quantity,
+            unit=self.unit,
+            reference=self.reference,
+            positive=POSITIVE[self.of],
+            place_mm=place_mm,
+            level_db=levels.level_db,
+            rms=levels.rms,
+            peak=levels.peak,
+            third_octaves=BandQuantity.of(levels.third_octave_db, "dB"),
+            octaves=BandQuantity.of(levels.octave_db, "dB"),
+            note=self.note,
+        )
 
 
-def channel_line(numbers: Mapping[str, Any]) -> str:
-    """Write name, level with its reference, rms and peak of a channel of summary.json in a line."""
-    if numbers["level_db"] is None:
-        return f"{numbers['name']}: nothing moves within hearing"
+def channel_line(numbers: ChannelNumbers) -> str:
+    """Write name, level with its reference, rms and peak of a channel in a line."""
+    if numbers.level_db is None:
+        return f"{numbers.name}: nothing moves within hearing"
     line = (
-        f"{numbers['name']}: {numbers['level_db']:.1f} dB {numbers['reference']}"
-        f" (rms {si(numbers['rms'], numbers['unit'])}, peak {si(numbers['peak'], numbers['unit'])})"
+        f"{numbers.name}: {numbers.level_db:.1f} dB {numbers.reference}"
+        f" (rms {si(numbers.rms, numbers.unit)}, peak {si(numbers.peak, numbers.unit)})"
     )
-    if numbers["note"]:
-        line += f"; {numbers['note']}"
+    if numbers.note:
+        line += f"; {numbers.note}"
     return line
 
 
@@ -190,7 +192,7 @@ def channel_wavs(run: SolvedRun, title: str) -> dict[str, bytes]:
     for quantity, channels in by_quantity(run.channels).items():
         samples = np.stack([channel.samples for channel in channels], axis=1)
         loops = all(channel.closed for channel in channels)
-        comment = wav_facts(channels)["meaning"]
+        comment = wav_facts(channels).meaning
         heading = f"{title}, {quantity.replace('_', ' ')} in {channels[0].unit}"
         content = samples[:, 0] if len(channels) == 1 else samples
         files[wav_name(quantity)] = wav.calibrated(content, comment, heading, loops)
@@ -202,13 +204,13 @@ def wav_name(quantity: str) -> str:
     return f"{quantity}.wav"
 
 
-def wav_facts(channels: list[Channel]) -> dict[str, Any]:
+def wav_facts(channels: list[Channel]) -> ChannelFile:
     """Say what the samples of the WAV of a quantity are, channel by channel."""
     unit = channels[0].unit
     names = "; ".join(f"{number}: {channel.name}" for number, channel in enumerate(channels, 1))
-    return {
-        "meaning": f"1.0 is 1 {unit}; channel {names}",
-        "unit": unit,
-        "unit_per_full_scale": 1.0,
-        "channels": [channel.name for channel in channels],
-    }
+    return ChannelFile(
+        meaning=f"1.0 is 1 {unit}; channel {names}",
+        unit=unit,
+        unit_per_full_scale=1.0,
+        channels=tuple(channel.name for channel in channels),
+    )

@@ -5,15 +5,19 @@ own gain. When the sweep ends or grows, all its listen.wav are written with one 
 depend on the runs alone, and not on the order in which runs, processes or parts ended.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
+from rolling.numbers.files import ListenFacts
+from rolling.numbers.run_file import StoredNumbers
 from rolling.results import labels, listening
 from rolling.results.listening import COMMON_GAIN, SILENCE, Gain
-from rolling.results.run_folder import SUMMARY, RunFolder, read_summary
+from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import LISTEN, Run, read_run
+from rolling.results.stored_numbers import read_stored, write_stored
 from rolling.terminal import progress
-from rolling.terminal.files import write_bytes, write_json
+from rolling.terminal.files import write_bytes
 
 Read = Callable[[RunFolder, str], Run]  # of a run that is done, under a label
 
@@ -49,17 +53,14 @@ def write_with_common_gain(
     FolderError, SceneError : as `read_run`.
     OSError : a file cannot be written. The earlier file is kept, and the next call goes on.
     """
-    summaries = {}
-    for run in runs:
-        if run.is_done and run.values:
-            summaries[run] = read_summary(run.folder / SUMMARY)
-    gains = common_gains(list(summaries.values()))
+    stored = {run: read_stored(run.folder) for run in runs if run.is_done and run.values}
+    gains = common_gains(list(stored.values()))
     waiting = []
     for run, label in zip(runs, labels.labels(runs), strict=True):
-        if run not in summaries:
+        if run not in stored:
             continue
-        common = gains.get(summaries[run]["source"])
-        if common is not None and not _is_current(run, label, summaries[run], common):
+        common = gains.get(stored[run].numbers.record.source)
+        if common is not None and not _is_current(run, label, stored[run].files.listen, common):
             waiting.append((run, label, common, reader_of(run)))
     if not waiting:
         return
@@ -67,41 +68,46 @@ def write_with_common_gain(
         each(_write_again, waiting)
 
 
-def common_gains(summaries: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+def common_gains(runs: Sequence[StoredNumbers]) -> dict[str, float]:
     """Return the common gain [full scale per Pa] of the runs of each source.
 
     It is the minimum of their own gains: the loudest run plays as it would alone, and none clips.
     Vibration and release have gains of their own, because one does not compare the two by ear.
     """
     gains: dict[str, float] = {}
-    for summary in summaries:
-        listen = summary.get("listen", {})
-        own = listen.get("own_gain_full_scale_per_pa")
-        if not own or own < 0.0 or listen.get("rule") == SILENCE:
+    for stored in runs:
+        listen = stored.files.listen
+        own = listen.own_gain_full_scale_per_pa
+        if own <= 0.0 or listen.rule == SILENCE:
             continue
-        source = summary["source"]
+        source = stored.numbers.record.source
         gains[source] = min(own, gains.get(source, own))
     return gains
 
 
-def _is_current(run: RunFolder, label: str, summary: Mapping[str, Any], common: float) -> bool:
-    """Tell whether listen.wav and summary.json of a run have the common gain and its label.
+def _is_current(run: RunFolder, label: str, listen: ListenFacts, common: float) -> bool:
+    """Tell whether listen.wav and the numbers of a run have the common gain and its label.
 
-    The file is asked as well as the summary, because a command may have ended between the two.
+    The file is asked as well as the numbers, because a command may have ended between the two.
     """
-    listen = summary.get("listen", {})
-    if listen.get("rule") == SILENCE:
+    if listen.rule == SILENCE:
         return True
-    if listen.get("common_gain_full_scale_per_pa") != common:
+    if listen.common_gain_full_scale_per_pa != common:
         return False
     gain = Gain(common, COMMON_GAIN)
     return listening.has_gain(run.folder / LISTEN, gain, listening.wav_title(run, label))
 
 
 def _write_again(run: RunFolder, label: str, common: float, read: Read) -> None:
-    """Write listen.wav of a run with a common gain, then its summary, which names the gain."""
+    """Write listen.wav of a run with a common gain, then its numbers, which name the gain."""
     opened = read(run, label)
+    if opened.stored is None:
+        return
     content, facts = listening.listen_wav(opened, common)
     write_bytes(run.folder / LISTEN, content)
-    provenance = opened.summary.get("provenance", {}) | {"label": label}
-    write_json(run.folder / SUMMARY, opened.summary | {"listen": facts, "provenance": provenance})
+    stored = replace(
+        opened.stored,
+        files=replace(opened.stored.files, listen=facts),
+        provenance=replace(opened.stored.provenance, label=label),
+    )
+    write_stored(run.folder, stored)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,8 +12,9 @@ from acoustics.bands import BAND_NAMES, EDGES_HZ
 from acoustics.numbers import rounded
 from acoustics.texts import printable
 from rolling.dynamics import drop
+from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results.labels import named, value_at
-from rolling.results.run_folder import RunFolder, stored_summary
+from rolling.results.run_folder import RunFolder
 from rolling.scene.quantities import STEEL_DENSITY, STEEL_GPA
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
@@ -407,32 +408,31 @@ MOST = 0.5  # share of the sound that is called most
 _HIGH = "Most of its energy lies above 12 kHz, which many ears and loudspeakers do not reproduce."
 
 
-def special(run: RunFolder) -> str:
+def special(scene: Scene, numbers: RunNumbers) -> str:
     """Say in one or two sentences what is special about the sound of a run; empty for nothing."""
-    summary = stored_summary(run)
-    if summary is None or summary.get("laeq_db") is None:
+    if numbers.played.laeq_db is None:
         return ""
     found = [
-        rule(run.scene, summary)
+        rule(scene, numbers)
         for rule in (_fall, _ticks, _rests, _modes, _ringing, _lost_contact, _repeats, _high)
     ]
     return " ".join([sentence for sentence in found if sentence][:MAX_SPECIAL])
 
 
-def _fall(scene: Scene, summary: Mapping[str, Any]) -> str:
+def _fall(scene: Scene, numbers: RunNumbers) -> str:
     """Tell how long a ball that falls bounces, in the long record if there is one."""
-    restitution = summary.get("restitution")
+    restitution = None if numbers.motion is None else numbers.motion.restitution
     if scene.rolling.drop_mm is None or restitution is None:
         return ""
     sentence = f"The first impact leaves the ball {100 * restitution:.0f} % of its speed"
-    long = summary.get("listening") or {}
-    if not long.get("impacts"):
+    long = numbers.listening
+    if long is None or not long.impacts:
         return f"{sentence}."
-    seconds = long["seconds"] * long["flight_share"] - drop.fall_s(scene)
+    seconds = (long.seconds or 0.0) * (long.flight_share or 0.0) - drop.fall_s(scene)
     return f"{sentence}. It bounces for about {rounded(seconds, 1)} s, and then rolls."
 
 
-def _ticks(scene: Scene, summary: Mapping[str, Any]) -> str:
+def _ticks(scene: Scene, numbers: RunNumbers) -> str:
     """Tell how often faults of the ball, which meet the plate once in a turn, tick."""
     surface = scene.sphere.surface
     if surface is None or not surface.faults or not scene.motion.is_constant(scene.duration):
@@ -455,56 +455,57 @@ def _times(rate: float) -> str:
     return f"{rounded(rate)} times"
 
 
-def _rests(scene: Scene, summary: Mapping[str, Any]) -> str:
+def _rests(scene: Scene, numbers: RunNumbers) -> str:
     """Tell when a ball that rolls out rests, if that is heard."""
     rest_s = scene.motion.rest_time
-    heard_s = max(summary["duration_s"], scene.sound.listen_s or 0.0)
+    heard_s = max(numbers.record.duration_s, scene.sound.listen_s or 0.0)
     if not scene.rolling.resistance or not rest_s < heard_s:
         return ""
     return f"The ball rolls out, and rests after {rounded(rest_s)} s."
 
 
-def _lost_contact(scene: Scene, summary: Mapping[str, Any]) -> str:
+def _lost_contact(scene: Scene, numbers: RunNumbers) -> str:
     """Tell of a ball that loses contact with the plate."""
-    share = summary.get("flight_share") or 0.0
-    impacts = summary.get("impacts") or 0
-    if not share or not impacts:
+    motion = numbers.motion
+    if motion is None or not motion.flight_share or not motion.impacts:
         return ""
-    percent = rounded(100 * share)
-    times = _times(impacts / summary["duration_s"])
+    percent = rounded(100 * motion.flight_share)
+    times = _times(motion.impacts / numbers.record.duration_s)
     return (
         f"The ball loses contact for {percent} % of the time, and hits the plate {times} a second."
     )
 
 
-def _repeats(scene: Scene, summary: Mapping[str, Any]) -> str:
+def _repeats(scene: Scene, numbers: RunNumbers) -> str:
     """Tell of a track that is so short that its repetition is heard as a tone."""
-    is_long = bool((summary.get("listening") or {}).get("seconds"))
-    keys = {doubt["key"] for doubt in summary.get("doubts", ())}
+    is_long = numbers.listening is not None and bool(numbers.listening.seconds)
+    keys = {doubt.key for doubt in numbers.doubts}
     if is_long or not keys & {"short_loop", "short_track"}:
         return ""
     return "The track is so short that one hears its repetition as a hum, beside the contact."
 
 
-def _modes(scene: Scene, summary: Mapping[str, Any]) -> str:
+def _modes(scene: Scene, numbers: RunNumbers) -> str:
     """Tell where a plate with edges rings."""
-    if not summary.get("plate_modes") or summary["source"] != "vibration":
+    motion = numbers.motion
+    if motion is None or not motion.plate_modes or numbers.record.source != "vibration":
         return ""
-    loudest_hz = _loudest_band_hz(summary)
+    loudest_hz = _loudest_band_hz(numbers)
     if loudest_hz is None or loudest_hz > HEARD_RING_HZ:
         return ""
     return f"The plate rings at its modes, loudest near {_frequency(loudest_hz)}."
 
 
-def _ringing(scene: Scene, summary: Mapping[str, Any]) -> str:
+def _ringing(scene: Scene, numbers: RunNumbers) -> str:
     """Tell at which frequency the ball rings on its contact, if that is heard."""
-    frequency = summary.get("resonance_hz")
-    quality = summary.get("resonance_q")
-    if frequency is None or frequency > HEARD_RING_HZ or summary["source"] != "vibration":
+    motion = numbers.motion
+    if motion is None or motion.resonance_hz > HEARD_RING_HZ:
         return ""
-    if quality is not None and quality < RINGS:
+    if numbers.record.source != "vibration":
         return ""
-    return f"The ball rings on its contact at {_frequency(frequency)}."
+    if motion.resonance_q is not None and motion.resonance_q < RINGS:
+        return ""
+    return f"The ball rings on its contact at {_frequency(motion.resonance_hz)}."
 
 
 def _frequency(hertz: float) -> str:
@@ -512,23 +513,30 @@ def _frequency(hertz: float) -> str:
     return f"{rounded(hertz)} Hz" if hertz < 995 else f"{rounded(hertz / 1e3)} kHz"
 
 
-def _loudest_band_hz(summary: Mapping[str, Any]) -> float | None:
+def _loudest_band_hz(numbers: RunNumbers) -> float | None:
     """Return the middle of the loudest A-weighted third octave [Hz]; None in silence."""
-    bands = summary.get("third_octave_a_db") or {}
-    levels = {name: level for name, level in bands.items() if level is not None}
+    levels = {name: level for name, level in _a_weighted(numbers).items() if level is not None}
     if not levels:
         return None
     return float(max(levels, key=lambda name: levels[name]))
 
 
-def _high(scene: Scene, summary: Mapping[str, Any]) -> str:
+def _a_weighted(numbers: RunNumbers) -> dict[str, float | None]:
+    """Return the A-weighted third octaves of the sound that plays [dB(A)]."""
+    bands = numbers.bands.vibration_a
+    if numbers.record.source == "release":
+        bands = numbers.bands.released_power_a
+    return {} if bands is None else bands.by_name
+
+
+def _high(scene: Scene, numbers: RunNumbers) -> str:
     """Tell of a sound that many ears and loudspeakers do not reproduce."""
-    return _HIGH if _high_share(summary) > MOST else ""
+    return _HIGH if _high_share(numbers) > MOST else ""
 
 
-def _high_share(summary: Mapping[str, Any]) -> float:
+def _high_share(numbers: RunNumbers) -> float:
     """Return the share of the A-weighted energy above HIGH_HZ."""
-    bands = summary.get("third_octave_a_db") or {}
+    bands = _a_weighted(numbers)
     levels = [bands.get(name) for name in BAND_NAMES]
     power = np.array([0.0 if level is None else 10 ** (level / 10) for level in levels])
     if not power.sum() > 0:

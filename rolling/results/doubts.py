@@ -5,21 +5,25 @@ unknown. The worst of them is the verdict.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from acoustics.bands import BAND_NAMES, MID_HZ, OFF_DB
 from acoustics.numbers import decibels_a, rounded, rounded_up, si
 from rolling.check import findings, resolution
-from rolling.check.doubt import Doubt, Severity, sized
 from rolling.dynamics.comb import COMB_MOST_DB
 from rolling.dynamics.of_scene import BENT, NEAR_SPEEDS
 from rolling.marches.result import MovingRelease
+from rolling.numbers.ball_numbers import RunNumbers, Source
+from rolling.numbers.doubt import Doubt, Severity, sized
+from rolling.numbers.quantity import RELEASED_POWER, VIBRATION, BandQuantity, joined
 from rolling.results import notes
-from rolling.results.instrument_spread import part_db
+from rolling.results.instrument_spread import part_of_instrument
+from rolling.results.quantities import (
+    loses_contact_in_estimate,
+)
 from rolling.results.run_errors import total_errors_db
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, solver_doubt
@@ -33,8 +37,8 @@ _NEAR_HALF_SPACE = (100.0, 13.5), (1e3, 5.2), (5e3, 1.4), (1e4, 0.5)
 _ROUNDING = 1e-6  # share of a variance
 _NEAR = f"{100 * NEAR_SPEEDS:g} %"
 
-# Errors of the level, which the verdict weighs. They have numbers of their own in the summary, so
-# that no list of warnings repeats them.
+# Errors of the level, which the verdict weighs. They are in ± or have numbers of their own, so that
+# no list of warnings repeats them.
 ERRORS = (
     resolution.LEVEL_KEY,
     "record_length",
@@ -47,6 +51,7 @@ ERRORS = (
     "force_law_error",
     "subgrid",
     "instrument",
+    "vibration_estimate",
 )
 # Doubts about a vibration before it is computed, which its own numbers replace.
 _FORECASTS = ("force_ratio", "impacts_yield", "comb")
@@ -55,7 +60,7 @@ _FORECASTS = ("force_ratio", "impacts_yield", "comb")
 def doubts(
     scene: Scene,
     sound: ContactSound,
-    summary: Mapping[str, Any],
+    numbers: RunNumbers,
     vibration: Vibration | None = None,
     moving: MovingRelease | None = None,
 ) -> list[Doubt]:
@@ -63,36 +68,43 @@ def doubts(
 
     scene : Scene. A scene without a sweep.
     sound : ContactSound. The sound of the run.
-    summary : mapping. Numbers of the run, as summary.json has them; those that lack are unknown.
+    numbers : RunNumbers. Its numbers, without doubts.
     vibration : Vibration. Vibration of sphere and plate. Default: the run has none.
     moving : MovingRelease. The release under the moving load, or its fault. Default: none.
     """
+    plays = VIBRATION if numbers.record.source == "vibration" else RELEASED_POWER
     found = [
-        *notes.rules(scene, sound, summary, vibration, moving),
-        *_force(summary, vibration),
-        *_scene(scene, sound, summary, vibration),
-        *_estimate(scene, sound, summary),
-        *_motion(scene, summary, vibration),
+        *notes.rules(scene, sound, numbers, vibration, moving),
+        *_force(numbers, vibration),
+        *_scene(scene, sound, numbers, vibration),
+        *_about(plays, _estimate_of_errors(scene, sound, numbers)),
+        *_motion(scene, numbers, vibration),
         *_comb_mean(sound, vibration),
-        *_solver(scene, sound),
+        *_about(RELEASED_POWER, _solver(scene, sound)),
     ]
-    if summary.get("laeq_db") is not None:
-        found += [*_spread(summary), *_errors(scene, summary)]
+    if numbers.played.laeq_db is not None:
+        found += _about(plays, [*_spread(numbers), *_errors(scene, numbers)])
     # What was measured replaces what a rule for the scene expects.
-    return list({doubt.key: doubt for doubt in found}.values())
+    return [*{doubt.key: doubt for doubt in found}.values(), *estimate_doubts(numbers)]
+
+
+def _about(quantity: str, found: Iterable[Doubt]) -> list[Doubt]:
+    """Return doubts that touch one of the two numbers only, or less."""
+    return [replace(doubt, about=doubt.about or (quantity,)) for doubt in found]
 
 
 # ---- limits of scene and motion
 
 
 def _scene(
-    scene: Scene, sound: ContactSound, summary: Mapping[str, Any], vibration: Vibration | None
+    scene: Scene, sound: ContactSound, numbers: RunNumbers, vibration: Vibration | None
 ) -> Iterator[Doubt]:
     """Yield the doubts of the check that still hold after the run, with what was measured since.
 
     A measured error of the grid, or a computed force, stands for its estimate before the run.
     """
-    is_measured = summary.get("laeq_grid_error_db") is not None
+    is_measured = numbers.errors.grid_db is not None
+    bands = numbers.bands.vibration_a
     for doubt in findings.scene_rules(scene):
         if not isinstance(doubt, Doubt) or doubt.severity is Severity.REFUSED:
             continue
@@ -100,23 +112,24 @@ def _scene(
             continue
         if vibration is not None and doubt.key in _FORECASTS:
             continue
-        band_db = band_error_db(summary)
-        if doubt.key == "nyquist" and band_db is not None:
-            cut_off = band_text(summary, summary["laeq_band_end_hz"])
+        band_db = band_error_db(numbers)
+        end_hz = numbers.errors.band_end_hz
+        if doubt.key == "nyquist" and band_db is not None and end_hz is not None:
+            cut_off = band_text(numbers, end_hz)
             yield sized(doubt.key, cut_off, band_db, doubt.advice)
-        elif doubt.key == "half_space_sound" and "third_octave_a_db" in summary:
-            yield _half_space(doubt, scene, sound, summary["third_octave_a_db"])
+        elif doubt.key == "half_space_sound":
+            yield _half_space(doubt, scene, bands)
+        elif doubt.key == "resonance":
+            yield replace(doubt, about=(RELEASED_POWER,))
         else:
             yield doubt
 
 
-def _half_space(
-    doubt: Doubt, scene: Scene, sound: ContactSound, bands: Mapping[str, float | None]
-) -> Doubt:
-    """Size the doubt about a half-space's sound by its third octaves [dB(A)]; none of a release."""
-    if sound.source != "vibration":
+def _half_space(doubt: Doubt, scene: Scene, bands: BandQuantity | None) -> Doubt:
+    """Size the doubt about a half-space's sound by its third octaves; none of a release."""
+    if bands is None:
         return replace(doubt, severity=Severity.TRUST)
-    error = _half_space_error_db(bands, scene.sound.distance_m)
+    error = _half_space_error_db(bands.by_name, scene.sound.distance_m)
     text = f"the sound of the half-space is up to {rounded(error)} dB too loud so near"
     return sized(doubt.key, text, error, doubt.advice)
 
@@ -130,12 +143,12 @@ def _half_space_error_db(bands: Mapping[str, float | None], distance: float) -> 
     return 10 * math.log10(power.sum() / true.sum()) if true.sum() else 0.0
 
 
-def _force(summary: Mapping[str, Any], vibration: Vibration | None) -> Iterator[Doubt]:
+def _force(numbers: RunNumbers, vibration: Vibration | None) -> Iterator[Doubt]:
     """Yield the limits of the force law: impacts that yield, extrapolated forces, flights."""
     if vibration is None:
         return
     motion = vibration.motion
-    if summary.get("impacts_yield"):
+    if numbers.motion is not None and numbers.motion.impacts_yield:
         text = "impacts would yield, and the force law gives their work back"
         yield Doubt("impacts_yield", text, Severity.DO_NOT_QUOTE)
     if motion.outside_share > 0:
@@ -155,8 +168,10 @@ def _force(summary: Mapping[str, Any], vibration: Vibration | None) -> Iterator[
         text = (
             f"contact is lost for {rounded(100 * motion.flight_share)} % of the time, with {count}"
         )
-        scatter = summary.get("record_scatter_db")
-        if "drop_mm" in summary:  # a fall is one event, whose flights are no fault of its level
+        scatter = numbers.record.scatter_db
+        if (
+            numbers.motion is not None and numbers.motion.drop_mm is not None
+        ):  # a fall is one event, whose flights are no fault of its level
             severity = Severity.NOTE if motion.impacts else Severity.INDICATIVE
             yield Doubt("impacts", text, severity, advice=advice)
         elif scatter is None:
@@ -165,9 +180,7 @@ def _force(summary: Mapping[str, Any], vibration: Vibration | None) -> Iterator[
             yield sized("impacts", text, scatter, advice, least=Severity.INDICATIVE)
 
 
-def _motion(
-    scene: Scene, summary: Mapping[str, Any], vibration: Vibration | None
-) -> Iterator[Doubt]:
+def _motion(scene: Scene, numbers: RunNumbers, vibration: Vibration | None) -> Iterator[Doubt]:
     """Warn of a motion that does not repeat, and of a plate that bends too far."""
     if vibration is None:
         return
@@ -182,7 +195,7 @@ def _motion(
             text += "; the contact moves on the plate"
         elif scene.motion.is_constant(scene.duration):
             text += "; it has not run in, so another record may have another level"
-        scatter = summary.get("record_scatter_db")
+        scatter = numbers.record.scatter_db
         if scatter is None:
             yield Doubt("not_settled", text, Severity.INDICATIVE)
         else:  # another record differs as the parts of this one do
@@ -226,21 +239,21 @@ def _solver(scene: Scene, sound: ContactSound) -> Iterator[Doubt]:
 # ---- errors of the level
 
 
-def _estimate(scene: Scene, sound: ContactSound, summary: Mapping[str, Any]) -> Iterator[Doubt]:
+def _estimate_of_errors(scene: Scene, sound: ContactSound, numbers: RunNumbers) -> Iterator[Doubt]:
     """Warn of the error estimate: of its absence, its reach, and bands that are off."""
-    estimate = summary.get("error_estimate")
-    if estimate is None:
+    errors = numbers.errors
+    if not errors.is_asked:
         return
-    if "reason" in estimate:
-        text = f"error estimate: none, because {estimate['reason']}"
+    if errors.reason is not None:
+        text = f"error estimate: none, because {errors.reason}"
         yield Doubt("no_error_estimate", text, Severity.TRUST)
         return
-    if sound.source == "release" and summary.get("grid_signal_db") is not None:
-        spread = summary["grid_signal_uncertainty_db"]
+    if sound.source == "release" and errors.grid_signal_db is not None:
+        spread = errors.grid_signal_uncertainty_db
         spread = math.nan if spread is None else spread
         source = f"measured within {spread:.0f} dB by the error estimate"
-        of_level = _grid(scene, summary)
-        yield from resolution.too_coarse(scene, summary["grid_signal_db"], source, of_level)
+        of_level = _grid(scene, numbers)
+        yield from resolution.too_coarse(scene, errors.grid_signal_db, source, of_level)
     if scene.height_paths:
         yield Doubt(
             "unknown_detail",
@@ -248,7 +261,7 @@ def _estimate(scene: Scene, sound: ContactSound, summary: Mapping[str, Any]) -> 
             Severity.INDICATIVE,
             advice="the error of the missing heights is in no number",
         )
-    worst = estimate["worst_uncertainty_db"]
+    worst = errors.worst_uncertainty_db
     worst = math.inf if worst is None else worst
     if worst > OFF_DB:
         yield notes.note(
@@ -256,10 +269,11 @@ def _estimate(scene: Scene, sound: ContactSound, summary: Mapping[str, Any]) -> 
             f"error estimate: its standard errors for third octaves reach {worst:.1f} dB between 1 "
             "and 16 kHz",
         )
-    spreads = summary["grid_error_uncertainty_db"]
+    grid = numbers.bands.grid_error
+    spreads = {} if grid is None else grid.uncertainty_by_name
     bands = ", ".join(
         f"{name} Hz ({error:+.1f})"
-        for name, error in total_errors_db(summary).items()
+        for name, error in total_errors_db(numbers).items()
         if error is not None and abs(error) > OFF_DB + (spreads[name] or 0.0)
     )
     if bands:
@@ -271,18 +285,47 @@ def _estimate(scene: Scene, sound: ContactSound, summary: Mapping[str, Any]) -> 
         )
 
 
-def _spread(summary: Mapping[str, Any]) -> Iterator[Doubt]:
+def estimate_doubts(numbers: RunNumbers) -> list[Doubt]:
+    """Return the doubts about a vibration that does not play, and that a linear chain estimates."""
+    if numbers.record.source == "vibration" or numbers.vibration.value is None:
+        return []
+    found = [*_estimate(numbers)]
+    if numbers.surface.instrument is not None:
+        found.append(instrument(numbers, "vibration"))
+    return _about(VIBRATION, found)
+
+
+def _estimate(numbers: RunNumbers) -> Iterator[Doubt]:
+    """Yield the doubt about a vibration that a linear chain estimates."""
+    estimate = numbers.estimate
+    if estimate is None or numbers.vibration.value is None:
+        return
+    if loses_contact_in_estimate(numbers):
+        text = "it is estimated too high, because the ball would lose contact"
+        yield Doubt("vibration_estimate", text, Severity.DO_NOT_QUOTE)
+        return
+    text = f"a linear chain estimates it for {estimate.bodies}"
+    parts = numbers.vibration.parts
+    if not parts:
+        yield Doubt("vibration_estimate", text, Severity.INDICATIVE)
+        return
+    spread = joined(parts, left_out=("instrument",))
+    yield sized("vibration_estimate", text, spread, least=Severity.INDICATIVE)
+
+
+def _spread(numbers: RunNumbers) -> Iterator[Doubt]:
     """Yield the parts of ±: length and comb of the record, time steps, contact loss, baffle."""
     parts = []
-    if summary["source"] == "vibration":  # a release has no comb and no motion
+    if numbers.record.source == "vibration":  # a release has no comb and no motion
         parts = [
-            *_comb_spread(summary),
-            *_time_step(summary),
-            *_contact_loss(summary),
-            *_baffle(summary),
+            *_comb_spread(numbers),
+            *_time_step(numbers),
+            *_contact_loss(numbers),
+            *_baffle(numbers),
         ]
     yield from parts
-    spread = summary["uncertainty_db"]["laeq"]
+    spreads = numbers.played.spreads
+    spread = None if spreads is None else spreads.laeq_db
     if spread is None:
         return
     # Length and comb overlap, so the length counts as what it leaves beyond the comb.
@@ -293,7 +336,7 @@ def _spread(summary: Mapping[str, Any]) -> Iterator[Doubt]:
         parts.append(sized("record_length", text, size))
         yield parts[-1]
     names = "length, comb, time steps and loss of the contact"
-    if summary.get("baffle_db"):
+    if numbers.motion is not None and numbers.motion.baffle_db:
         names = "length, comb, time steps, loss of the contact and the missing baffle"
     text = f"{names} together leave ± {rounded(spread)} dB"
     together = sized("uncertainty_together", text, spread)
@@ -301,9 +344,9 @@ def _spread(summary: Mapping[str, Any]) -> Iterator[Doubt]:
         yield together
 
 
-def _comb_spread(summary: Mapping[str, Any]) -> Iterator[Doubt]:
+def _comb_spread(numbers: RunNumbers) -> Iterator[Doubt]:
     """Yield how far a level depends on the place of a sharp resonance among lines of a lap."""
-    spread = summary.get("comb_spread_db")
+    spread = None if numbers.motion is None else numbers.motion.comb_spread_db
     if spread is None:
         return
     text = (
@@ -318,17 +361,17 @@ def _comb_spread(summary: Mapping[str, Any]) -> Iterator[Doubt]:
     yield sized("comb_spread", text, spread)
 
 
-def _time_step(summary: Mapping[str, Any]) -> Iterator[Doubt]:
+def _time_step(numbers: RunNumbers) -> Iterator[Doubt]:
     """Yield the error of the time steps of a motion."""
-    error = summary.get("motion_step_error_db")
+    error = None if numbers.motion is None else numbers.motion.step_error_db
     if error is not None:
         text = f"the time steps of the motion leave {rounded(abs(error))} dB"
         yield sized("time_step", text, error)
 
 
-def _contact_loss(summary: Mapping[str, Any]) -> Iterator[Doubt]:
+def _contact_loss(numbers: RunNumbers) -> Iterator[Doubt]:
     """Yield how far a loss factor of the contact, which the scene does not state, may matter."""
-    change = summary.get("contact_loss_db")
+    change = numbers.contact_loss_db
     if change:
         size = HALF * abs(change)
         text = (
@@ -339,9 +382,9 @@ def _contact_loss(summary: Mapping[str, Any]) -> Iterator[Doubt]:
         yield sized("contact_loss", text, size, advice=advice)
 
 
-def _baffle(summary: Mapping[str, Any]) -> Iterator[Doubt]:
+def _baffle(numbers: RunNumbers) -> Iterator[Doubt]:
     """Yield what the baffle of the computation leaves on the level of a free plate."""
-    size = summary.get("baffle_db")
+    size = None if numbers.motion is None else numbers.motion.baffle_db
     if size:
         text = (
             "a free plate is computed as in a baffle, which it does not have; this leaves "
@@ -350,39 +393,48 @@ def _baffle(summary: Mapping[str, Any]) -> Iterator[Doubt]:
         yield sized("baffle", text, size)
 
 
-def _errors(scene: Scene, summary: Mapping[str, Any]) -> Iterator[Doubt]:
+def _errors(scene: Scene, numbers: RunNumbers) -> Iterator[Doubt]:
     """Yield the errors of solver, force law, grid and missing detail, known or unknown."""
-    solver = summary.get("laeq_solver_error_db")
+    solver = numbers.errors.solver_db
     if solver is not None:
         yield sized("solver_error", f"the solver leaves {rounded(abs(solver))} dB", solver)
-    law = summary.get("force_law_error_db")
-    if law is not None and summary["source"] == "vibration":
+    law = None if numbers.motion is None else numbers.motion.force_law_error_db
+    if law is not None and numbers.record.source == "vibration":
         yield sized("force_law_error", f"the force law leaves {rounded(abs(law))} dB", law)
-    yield _grid(scene, summary)
-    detail = _whole_error(summary, "laeq_subgrid_error")
+    yield _grid(scene, numbers)
+    errors = numbers.errors
+    detail = _whole_error(errors.subgrid_db, errors.subgrid_uncertainty_db)
     if detail is not None:
         text = f"the surface below its spacing changes LAeq by up to {rounded(detail)} dB"
         yield sized("subgrid", text, detail)
-    if "instrument" in summary:
-        yield instrument(summary, summary["source"])
+    if numbers.surface.instrument is not None:
+        yield instrument(numbers, numbers.record.source)
 
 
-def instrument(summary: Mapping[str, Any], source: str) -> Doubt:
-    """Return what the instrument of a measurement leaves of the level of a source."""
-    numbers = summary["instrument"]
-    cutoff = si(numbers["cutoff_m"], "m")
-    part = part_db(summary, source)
+def instrument(numbers: RunNumbers, source: Source) -> Doubt:
+    """Return what the instrument of a measurement leaves of the level of a source.
+
+    Raises
+    ------
+    ValueError : the run has no instrument.
+    """
+    seen = numbers.surface.instrument
+    if seen is None:
+        raise ValueError("the run has no instrument")
+    cutoff = si(seen.cutoff_m, "m")
+    of_source = part_of_instrument(numbers.surface, source)
+    part = None if of_source is None else of_source.spread_db
     if part is None:
         text = f"what the measuring instrument did not see below {cutoff} leaves an unknown error"
-        if numbers["reason"]:
-            text += f", because {numbers['reason']}"
+        if seen.reason:
+            text += f", because {seen.reason}"
         return Doubt("instrument", text, Severity.INDICATIVE)
     size = rounded_up(part)
-    if numbers["limit"] == "noise":
-        share = rounded(100 * numbers["noise_over_sq"])
+    if seen.limit == "noise":
+        share = rounded(100 * (seen.noise_over_sq or 0.0))
         text = (
-            f"noise of the measuring instrument, {si(numbers['noise_m'], 'm')} rms or {share} % of "
-            f"Sq, and the waves below {cutoff} that it hides change the level by up to {size} dB"
+            f"noise of the measuring instrument, {si(seen.noise_m or 0.0, 'm')} rms or {share} % "
+            f"of Sq, and the waves below {cutoff} that it hides change the level by up to {size} dB"
         )
     else:
         text = (
@@ -392,25 +444,25 @@ def instrument(summary: Mapping[str, Any], source: str) -> Doubt:
     return sized("instrument", text, part)
 
 
-def _grid(scene: Scene, summary: Mapping[str, Any]) -> Doubt:
+def _grid(scene: Scene, numbers: RunNumbers) -> Doubt:
     """Return the error that the grid leaves in the level: measured, by a rule, or unknown."""
-    error = _whole_error(summary, "laeq_grid_error")
+    errors = numbers.errors
+    error = _whole_error(errors.grid_db, errors.grid_uncertainty_db)
     if error is not None:
         text = f"the grid leaves up to {rounded(error)} dB"
         return sized(resolution.LEVEL_KEY, text, error)
-    reason = (summary.get("error_estimate") or {}).get("reason")
-    return resolution.grid_of_level(scene, reason)
+    return resolution.grid_of_level(scene, errors.reason)
 
 
-def band_error_db(summary: Mapping[str, Any]) -> float | None:
+def band_error_db(numbers: RunNumbers) -> float | None:
     """Return what the steps cut off of LAeq, joined with its uncertainty [dB]; None: unknown."""
-    return _whole_error(summary, "laeq_band_error")
+    return _whole_error(numbers.errors.band_db, numbers.errors.band_uncertainty_db)
 
 
-def band_text(summary: Mapping[str, Any], highest_hz: float) -> str:
+def band_text(numbers: RunNumbers, highest_hz: float) -> str:
     """State what the end of the simulated band [Hz] does to LAeq."""
-    error = summary["laeq_band_error_db"]
-    spread = summary["laeq_band_error_uncertainty_db"]
+    error = numbers.errors.band_db or 0.0
+    spread = numbers.errors.band_uncertainty_db or 0.0
     size = f"{rounded(abs(error))} ± {rounded(spread)} dB"
     end = si(highest_hz, "Hz")
     if error > 0:
@@ -418,8 +470,6 @@ def band_text(summary: Mapping[str, Any], highest_hz: float) -> str:
     return f"the steps cut off sound above {end}, and LAeq is about {size} too low"
 
 
-def _whole_error(summary: Mapping[str, Any], name: str) -> float | None:
+def _whole_error(error_db: float | None, spread_db: float | None) -> float | None:
     """Return an error joined with its uncertainty [dB], None where it is unknown."""
-    error = summary.get(f"{name}_db")
-    spread = summary.get(f"{name}_uncertainty_db")
-    return None if error is None else math.hypot(error, spread or 0.0)
+    return None if error_db is None else math.hypot(error_db, spread_db or 0.0)

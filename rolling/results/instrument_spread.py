@@ -8,8 +8,7 @@ as far as the law holds. tests/benchmarks/instrument_study.py compares it with k
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +16,13 @@ from acoustics.arrays import Array
 from rolling.check import error_cost
 from rolling.marches import error_stretches
 from rolling.marches.result import Result
+from rolling.numbers.ball_numbers import (
+    InstrumentNumbers,
+    InstrumentOfSource,
+    Source,
+    SurfaceNumbers,
+)
+from rolling.numbers.quantity import BandQuantity
 from rolling.results.run_errors import known, known_bands, not_linear
 from rolling.results.solved_run import SolvedRun
 from rolling.scene.scene import Scene
@@ -84,8 +90,8 @@ def instrument_spread_db(run: SolvedRun) -> InstrumentSpread | None:
     if reason:
         return InstrumentSpread(vibration=None, released_power=None, reason=reason)
     of_vibration = None
-    if run.vibration is not None:
-        reason = not_linear(run.vibration)
+    if run.vibration_sound is not None:
+        reason = not_linear(run.vibration_sound)
     if not reason:
         of_vibration = _level_spread(scene, run.result, "vibration", own_factor=False)
     own_factor = scene.sound.gain_pa_per_w_m2 is None
@@ -136,57 +142,45 @@ def _reason(scene: Scene, result: Result) -> str:
     return f"a stretch could not be solved: {failed[0]}" if failed else ""
 
 
-# ---- numbers and words
+# ---- numbers
 
 
-def instrument_numbers(run: SolvedRun) -> dict[str, Any]:
-    """Return what an instrument sees and leaves uncertain, for summary.json; empty without one."""
+def instrument_numbers(run: SolvedRun) -> InstrumentNumbers | None:
+    """Return what an instrument sees and leaves uncertain; None without one."""
     spread = instrument_spread_db(run)
     seen = scene_surface(run.scene).seen
     if spread is None or seen is None:
-        return {}
-    numbers: dict[str, Any] = {
-        "cutoff_m": seen.cutoff,
-        "limit": seen.limit,
-        "tip_cutoff_m": seen.tip_cutoff or None,
-        "sampling_cutoff_m": seen.sampling_cutoff,
-        "noise_cutoff_m": seen.noise_cutoff or None,
-        "law": None if seen.law is None else seen.law.words,
-        "noise_m": seen.noise or None,
-        "noise_recognized": seen.noise_is_recognized,
-        "noise_over_sq": seen.noise_share or None,
-        "reason": spread.reason or None,
-    }
-    for name, level in (("vibration", spread.vibration), ("released_power", spread.released_power)):
-        numbers[f"{name}_error_db"] = None
-        numbers[f"{name}_spread_db"] = None
-        numbers[f"{name}_third_octave_spread_db"] = None
-        if level is not None:
-            numbers[f"{name}_error_db"] = known(float(level.error_db[-1]))
-            numbers[f"{name}_spread_db"] = known(float(level.spread_db[-1]))
-            bands = known_bands(level.spread_db[:-1])
-            numbers[f"{name}_third_octave_spread_db"] = bands
-    return {"instrument": numbers}
-
-
-def part_db(numbers: Mapping[str, Any], source: str) -> float | None:
-    """Return the uncertainty [dB] of the LAeq of a source in the numbers of a summary."""
-    part: float | None = _of_source(numbers, source, "spread_db")
-    return part
-
-
-def third_octave_parts_db(
-    numbers: Mapping[str, Any], source: str
-) -> Mapping[str, float | None] | None:
-    """Return the uncertainties [dB] of the third octaves of a source in a summary, by name."""
-    parts: Mapping[str, float | None] | None
-    parts = _of_source(numbers, source, "third_octave_spread_db")
-    return parts
-
-
-def _of_source(numbers: Mapping[str, Any], source: str, key: str) -> Any:
-    """Return a number of the instrument for a source; None where there is none."""
-    if "instrument" not in numbers:
         return None
-    name = "vibration" if source == "vibration" else "released_power"
-    return numbers["instrument"][f"{name}_{key}"]
+    return InstrumentNumbers(
+        cutoff_m=seen.cutoff,
+        limit=seen.limit,
+        tip_cutoff_m=seen.tip_cutoff or None,
+        sampling_cutoff_m=seen.sampling_cutoff,
+        noise_cutoff_m=seen.noise_cutoff or None,
+        law=None if seen.law is None else seen.law.words,
+        noise_m=seen.noise or None,
+        noise_recognized=seen.noise_is_recognized,
+        noise_over_sq=seen.noise_share or None,
+        reason=spread.reason or None,
+        vibration=_of_source(spread.vibration),
+        released_power=_of_source(spread.released_power),
+    )
+
+
+def _of_source(level: LevelSpread | None) -> InstrumentOfSource | None:
+    """Return what an instrument leaves uncertain of a source; None where it is unknown."""
+    if level is None:
+        return None
+    return InstrumentOfSource(
+        error_db=known(float(level.error_db[-1])),
+        spread_db=known(float(level.spread_db[-1])),
+        bands=BandQuantity.of(known_bands(level.spread_db[:-1]), "dB"),
+    )
+
+
+def part_of_instrument(numbers: SurfaceNumbers, source: Source) -> InstrumentOfSource | None:
+    """Return what an instrument leaves uncertain of a source; None without it, or unknown."""
+    instrument = numbers.instrument
+    if instrument is None:
+        return None
+    return instrument.vibration if source == "vibration" else instrument.released_power

@@ -20,8 +20,9 @@ import soundfile
 from acoustics import level, resampling, wav
 from acoustics.arrays import Array
 from acoustics.numbers import decibels_a, rounded
+from rolling.numbers.files import ListenFacts, RaisedEnd, SignalFacts
 from rolling.results.run_folder import RunFolder
-from rolling.results.solved_run import SolvedRun
+from rolling.results.solved_run import NumberedRun
 from rolling.scene.height_files import open_regular, read_regular
 from rolling.sound.contact_sound import FADE_S, ContactSound
 from rolling.sound.long_listening import Listening
@@ -94,7 +95,7 @@ class Gain(NamedTuple):
 # ---- records
 
 
-def record_for_ear(run: SolvedRun) -> EarRecord:
+def record_for_ear(run: NumberedRun) -> EarRecord:
     """Return the long record of a run if its scene asks for it, or its record in laps."""
     long = long_record_of(run)
     if long is not None:
@@ -102,12 +103,12 @@ def record_for_ear(run: SolvedRun) -> EarRecord:
     return record_in_laps_of(run)
 
 
-def long_ear_record(run: SolvedRun, long: Listening) -> EarRecord:
+def long_ear_record(run: NumberedRun, long: Listening) -> EarRecord:
     """Return a long record for the ear."""
     return _with_raised_end(run, EarRecord(long.channels, describe_long_record(run, long)))
 
 
-def _with_raised_end(run: SolvedRun, record: EarRecord) -> EarRecord:
+def _with_raised_end(run: NumberedRun, record: EarRecord) -> EarRecord:
     """Return a record whose end, after impacts that have died away, is raised so that it is heard.
 
     Records that go round stay as they are.
@@ -150,7 +151,7 @@ def _faded(record: Array, samples: int) -> Array:
     return np.stack([resampling.fade(channel, samples) for channel in record.T], 1)
 
 
-def record_in_laps_of(run: SolvedRun) -> EarRecord:
+def record_in_laps_of(run: NumberedRun) -> EarRecord:
     """Return the record of a run in laps for the ear."""
     content = describe_laps(run)
     if run.scene.sound.listen_s is not None:
@@ -158,7 +159,7 @@ def record_in_laps_of(run: SolvedRun) -> EarRecord:
     return _with_raised_end(run, EarRecord(record_in_laps(run), content))
 
 
-def record_in_laps(run: SolvedRun) -> Array:
+def record_in_laps(run: NumberedRun) -> Array:
     """Return the record of all channels [Pa], or as many of its laps as last five seconds.
 
     The record of what ends has no laps.
@@ -173,7 +174,7 @@ def record_in_laps(run: SolvedRun) -> Array:
     return np.concatenate([lap] * count)
 
 
-def describe_laps(run: SolvedRun) -> str:
+def describe_laps(run: NumberedRun) -> str:
     """Describe how listen.wav follows from the record."""
     sound = run.sound
     lap = sound.lap
@@ -192,15 +193,15 @@ def describe_laps(run: SolvedRun) -> str:
     )
 
 
-def long_record_of(run: SolvedRun) -> Listening | None:
+def long_record_of(run: NumberedRun) -> Listening | None:
     """Return the long record of a run, from listen.wav where that holds it; None without one."""
     return _stored_long_record(run) or run.long
 
 
-def _stored_long_record(run: SolvedRun) -> Listening | None:
+def _stored_long_record(run: NumberedRun) -> Listening | None:
     """Return the long record that listen.wav of a stored run holds; None without a whole one."""
-    numbers = run.summary.get("listening", {})
-    if "provenance" not in run.summary or not numbers.get("seconds"):
+    numbers = run.numbers.listening
+    if run.stored is None or numbers is None or numbers.seconds is None:
         return None
     with suppress(OSError, ValueError, soundfile.LibsndfileError):
         content = read_regular(run.folder / "listen.wav", MAX_BYTES)
@@ -211,55 +212,59 @@ def _stored_long_record(run: SolvedRun) -> Listening | None:
             rate = file.samplerate
             gain = gain_of_comment(file.comment)
         channels = np.atleast_2d(samples.T) / gain.full_scale_per_pa
-        is_whole = abs(channels.shape[1] - numbers["seconds"] * rate) < 1
+        is_whole = abs(channels.shape[1] - numbers.seconds * rate) < 1
         if is_whole and np.isfinite(channels).all():
             right = channels[1] if len(channels) > 1 else None
             return Listening(channels[0], rate, numbers, right)
     return None
 
 
-def describe_long_record(run: SolvedRun, long: Listening) -> str:
+def describe_long_record(run: NumberedRun, long: Listening) -> str:
     """Describe length, level, kurtosis, impacts and the solved share of a long record."""
     numbers = long.numbers
+    is_event = run.numbers.record.single_event
     own = decibels_a(run.sound.levels.laeq_db)
-    if run.summary.get("single_event"):
-        own = f"has LAE {decibels_a(run.summary['lae_db'])} re 1 s"
-    if numbers.get("ends"):
+    if is_event:
+        own = f"has LAE {decibels_a(run.numbers.played.lae_db)} re 1 s"
+    if numbers.ends:
         own += " in its solved part"
-    kurtosis = "-" if numbers["kurtosis"] is None else f"{numbers['kurtosis']:.2f}"
+    kurtosis = "-" if numbers.kurtosis is None else f"{numbers.kurtosis:.2f}"
+    seconds = numbers.seconds or 0.0
+    solved_mm = numbers.solved_mm or 0.0
+    rolled_mm = numbers.rolled_mm or 0.0
     track = "all solved"
-    if numbers["solved_mm"] < numbers["rolled_mm"]:
+    if solved_mm < rolled_mm:
         track = (
-            f"of which the first {rounded(numbers['solved_mm'], 3)} mm "
-            f"({rounded(100 * numbers['solved_share'])} % of the time) are solved and the others "
-            f"follow their statistics at random (seed {numbers['seed']})"
+            f"of which the first {rounded(solved_mm, 3)} mm "
+            f"({rounded(100 * (numbers.solved_share or 0.0))} % of the time) are solved and the "
+            f"others follow their statistics at random (seed {numbers.seed})"
         )
-    name = "vibration" if run.summary["source"] == "vibration" else "released power"
-    level_words = f"LAeq of the {name} {decibels_a(numbers['laeq_db'])}"
-    if numbers.get("ends") and run.summary.get("single_event"):
-        level_words = f"LAE of the {name} {decibels_a(numbers['lae_db'])} re 1 s"
+    name = "vibration" if run.numbers.record.source == "vibration" else "released power"
+    level_words = f"LAeq of the {name} {decibels_a(numbers.laeq_db)}"
+    if numbers.ends and is_event:
+        level_words = f"LAE of the {name} {decibels_a(numbers.lae_db)} re 1 s"
     text = (
-        f"{rounded(numbers['seconds'], 4)} s over {rounded(numbers['rolled_mm'], 3)} mm, {track}: "
+        f"{rounded(seconds, 4)} s over {rounded(rolled_mm, 3)} mm, {track}: "
         f"{level_words} (the run {own}), kurtosis {kurtosis}"
     )
-    if "impacts" in numbers:
-        text += f", {rounded(numbers['impacts'] / numbers['seconds'], 3)} impacts per second"
-    if numbers["stretches"]:
-        text += f", {numbers['stretches']} rare stretches inserted as solved"
+    if numbers.impacts is not None:
+        text += f", {rounded(numbers.impacts / seconds, 3)} impacts per second"
+    if numbers.stretches:
+        text += f", {numbers.stretches} rare stretches inserted as solved"
     return text
 
 
 # ---- files
 
 
-def listen_wav(run: SolvedRun, common: float | None = None) -> tuple[bytes, dict[str, Any]]:
+def listen_wav(run: NumberedRun, common: float | None = None) -> tuple[bytes, ListenFacts]:
     """Write listen.wav of a run; return its bytes, and the content and meaning of its samples.
 
     A long record is made anew, so that the bytes do not depend on an earlier file.
 
     Parameters
     ----------
-    run : SolvedRun
+    run : NumberedRun
     common : float, full scale per Pa. The gain that it shares with the other runs of its sweep.
         Default: its own gain.
     """
@@ -270,27 +275,30 @@ def listen_wav(run: SolvedRun, common: float | None = None) -> tuple[bytes, dict
     if common is not None and own.rule != SILENCE:
         used = Gain(common, COMMON_GAIN)
     scale = used.full_scale_per_pa
-    facts: dict[str, Any] = {
-        "content": record.content,
-        "duration_s": len(record.pressure) / run.sound.sample_rate,
-        "meaning": _meaning(run.summary["source"], own, used),
-        "pascal_per_full_scale": 1.0 / scale,
-        "gain_full_scale_per_pa": scale,
-        "gain_db_re_1_per_pa": 20.0 * math.log10(scale),
-        "own_gain_full_scale_per_pa": own.full_scale_per_pa,
-        "common_gain_full_scale_per_pa": common,
-        "rule": used.rule,
-    }
+    meaning = _meaning(run.numbers.record.source, own, used)
+    raised = None
     if record.raised is not None:
-        facts["meaning"] += (
+        meaning += (
             " From raised.begin_s on, the factor is raised.pascal_per_full_scale: what follows the"
             " impacts has a gain of its own, so that it is heard."
         )
-        facts["raised"] = {
-            "begin_s": record.raised.begin / run.sound.sample_rate,
-            "raised_db": record.raised.decibels,
-            "pascal_per_full_scale": 1.0 / (scale * record.raised.factor),
-        }
+        raised = RaisedEnd(
+            begin_s=record.raised.begin / run.sound.sample_rate,
+            raised_db=record.raised.decibels,
+            pascal_per_full_scale=1.0 / (scale * record.raised.factor),
+        )
+    facts = ListenFacts(
+        content=record.content,
+        meaning=meaning,
+        duration_s=len(record.pressure) / run.sound.sample_rate,
+        rule=used.rule,
+        pascal_per_full_scale=1.0 / scale,
+        gain_full_scale_per_pa=scale,
+        gain_db_re_1_per_pa=20.0 * math.log10(scale),
+        own_gain_full_scale_per_pa=own.full_scale_per_pa,
+        common_gain_full_scale_per_pa=common,
+        raised=raised,
+    )
     return _wav(run, record, used, loops=repeats and run.long is None), facts
 
 
@@ -324,16 +332,16 @@ def _meaning(source: str, own: Gain, used: Gain) -> str:
     return text
 
 
-def signal_facts(sound: ContactSound) -> dict[str, Any]:
+def signal_facts(sound: ContactSound) -> SignalFacts:
     """Say what the samples of signal.wav are, and whether a player clips them."""
     peak_pa = float(np.abs(sound.channels).max())
     meaning = "Samples are sound pressure in Pa at the listener, for calculations, not for playing"
     if peak_pa > 1.0:
         meaning += f": the peak of {peak_pa:.3g} Pa lies above full scale, and a player clips it"
-    return {"meaning": f"{meaning}; listen.wav is for the ear.", "peak_pa": peak_pa}
+    return SignalFacts(meaning=f"{meaning}; listen.wav is for the ear.", peak_pa=peak_pa)
 
 
-def write_long(run: SolvedRun, long: Listening) -> Path:
+def write_long(run: NumberedRun, long: Listening) -> Path:
     """Write long.wav, a long record for the ear, and return its path.
 
     A run of a sweep keeps the common gain of listen.wav, unless the record would clip.
@@ -345,7 +353,9 @@ def write_long(run: SolvedRun, long: Listening) -> Path:
     path = run.folder / "long.wav"
     record = long_ear_record(run, long)
     gain = own_gain(record)
-    common = run.summary.get("listen", {}).get("common_gain_full_scale_per_pa")
+    common = None
+    if run.stored is not None:
+        common = run.stored.files.listen.common_gain_full_scale_per_pa
     if common is not None and common < gain.full_scale_per_pa:
         gain = Gain(common, COMMON_GAIN)
     make_below(run.home, run.folder)
@@ -353,7 +363,7 @@ def write_long(run: SolvedRun, long: Listening) -> Path:
     return path
 
 
-def _wav(run: SolvedRun, record: EarRecord, gain: Gain, loops: bool) -> bytes:
+def _wav(run: NumberedRun, record: EarRecord, gain: Gain, loops: bool) -> bytes:
     """Return a record as a WAV, with a loop where it repeats."""
     comment = f"{comment_of_gain(gain)}; {record.content}; {wav_comment(run)}"
     return wav.listening(
@@ -385,7 +395,7 @@ def gain_of_comment(comment: str) -> Gain:
     return Gain(gain, rule)
 
 
-def passes_wav(run: SolvedRun, bits: Literal[16, 24] = 24) -> tuple[bytes, str]:
+def passes_wav(run: NumberedRun, bits: Literal[16, 24] = 24) -> tuple[bytes, str]:
     """Return a WAV of the passes of a run in sequence, and a description of its content."""
     count = len(run.pass_sounds)
     numbers = np.arange(1, count + 1)
@@ -415,12 +425,12 @@ def wav_title(run: RunFolder, label: str) -> str:
     return f"{run.scene.name}, {label}"
 
 
-def wav_comment(run: SolvedRun) -> str:
+def wav_comment(run: NumberedRun) -> str:
     """Write the facts that the comment of a sound file holds: place, source and ends."""
     return f"{wav_title(run, run.label)}; {_place(run)}, {_source(run)}; {run.sound.ends}"
 
 
-def _place(run: SolvedRun) -> str:
+def _place(run: NumberedRun) -> str:
     """Name the place of the listeners."""
     scene = run.scene
     if run.sound.source != "vibration" or scene.sound.listener_mm is None:
@@ -431,7 +441,7 @@ def _place(run: SolvedRun) -> str:
     return f"listeners left and right at {list(left)} and {list(right)} mm"
 
 
-def _source(run: SolvedRun) -> str:
+def _source(run: NumberedRun) -> str:
     """Name the source of the sound, a release with its factor."""
     scene = run.scene
     if run.sound.factor is not None:
@@ -444,7 +454,7 @@ def _source(run: SolvedRun) -> str:
 # ---- players
 
 
-def play(run: SolvedRun) -> Any:
+def play(run: NumberedRun) -> Any:
     """Return a player in a notebook; in a script, name listen.wav and open a player for it."""
     record = record_for_ear(run)
     if progress.in_notebook():
@@ -453,7 +463,7 @@ def play(run: SolvedRun) -> Any:
         samples = record.pressure * wav.listening_gain(record.pressure)
         return Audio(samples.T, rate=run.sound.sample_rate, normalize=False)
     path = run.folder / "listen.wav"
-    is_stored = "provenance" in run.summary and path.is_file()
+    is_stored = run.stored is not None and path.is_file()
     if not is_stored:
         content, _ = listen_wav(run)
         path = write_temporary(f"{run.scene.name}-listen-", ".wav", content)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
 from acoustics import level
 from acoustics.numbers import micrometres, rounded, rounded_up
 from rolling.marches.result import Result, released_energy
+from rolling.numbers.ball_numbers import ListeningNumbers
 from rolling.scene.scene import Scene
 from rolling.scene.track import Motion
 from rolling.sound import long_listening
@@ -82,12 +83,18 @@ def make_long_record(
         record = long_listening.listen_to_release(
             moved, energy[:lap], result.step, is_closed, seconds, seed
         )
-    record.numbers["seed"] = seed
-    record.numbers["ends"] = ends_within(sound, moved.motion, seconds)
-    if record.numbers["ends"]:
-        record.numbers.update(_levels_of_whole(record))
-    record.numbers["limits"] = _limits(record.numbers)
-    return record
+    ends = ends_within(sound, moved.motion, seconds)
+    numbers = replace(record.numbers, seed=seed, ends=ends)
+    if ends:
+        levels = level.sound_levels(record.pressure, record.sample_rate)
+        numbers = replace(
+            numbers,
+            lae_db=level.lae_db(record.pressure, record.sample_rate),
+            laf_max_db=levels.laf_max_db,
+            las_max_db=levels.las_max_db,
+            lz_peak_db=levels.lz_peak_db,
+        )
+    return replace(record, numbers=replace(numbers, limits=_limits(numbers)))
 
 
 def ends_within(sound: ContactSound, motion: Motion, seconds: float) -> bool:
@@ -97,17 +104,6 @@ def ends_within(sound: ContactSound, motion: Motion, seconds: float) -> bool:
     the record. Such a record does not go round.
     """
     return sound.once or motion.rest_time <= seconds + FADE_S
-
-
-def _levels_of_whole(record: Listening) -> dict[str, float | None]:
-    """Return the levels of a record that holds the whole of a sound [dB], by their keys."""
-    levels = level.sound_levels(record.pressure, record.sample_rate)
-    return {
-        "lae_db": level.lae_db(record.pressure, record.sample_rate),
-        "laf_max_db": levels.laf_max_db,
-        "las_max_db": levels.las_max_db,
-        "lz_peak_db": levels.lz_peak_db,
-    }
 
 
 def _refuse_slow(scene: Scene, fastest: float) -> None:
@@ -145,19 +141,20 @@ def refuse_long_record(seconds: float, speed: Speed | None, seed: int) -> None:
         raise ListeningError(f"speed: got {got}, allowed: at least 0 m/s, and not only 0")
 
 
-def _limits(numbers: dict[str, Any]) -> list[str]:
+def _limits(numbers: ListeningNumbers) -> tuple[str, ...]:
     """List the limits of a long record."""
-    lowest_hz = numbers["lowest_frequency_hz"]
-    highest_hz = numbers["highest_frequency_hz"]
-    turn_mm = numbers["turn_mm"]
-    outside = numbers.get("force_outside_share", 0.0)
+    lowest_hz = numbers.lowest_frequency_hz or 0.0
+    highest_hz = numbers.highest_frequency_hz or math.inf
+    solved_mm = numbers.solved_mm or 0.0
+    turn_mm = numbers.turn_mm
+    outside = numbers.force_outside_share or 0.0
     found = []
     if highest_hz < COARSE_HZ:
         found.append(
             f"the steps of the track resolve sound up to {rounded(highest_hz)} Hz at this speed; "
             "the rest is missing"
         )
-    if turn_mm is not None and numbers["solved_mm"] < turn_mm:
+    if turn_mm is not None and solved_mm < turn_mm:
         found.append(
             f"the solved track is shorter than a turn of the ball ({rounded(turn_mm, 3)} mm): it "
             "is put in as solved once per turn, and the rest of the turn is random"
@@ -171,4 +168,4 @@ def _limits(numbers: dict[str, Any]) -> list[str]:
             f"waves longer than the solved track sound below {rounded(lowest_hz)} Hz, where the "
             "density is that of the longest solved wave"
         )
-    return found
+    return tuple(found)

@@ -3,15 +3,17 @@
 They say what a level is, what its uncertainty covers, and how record and load are meant.
 """
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
-from acoustics.numbers import rounded, rounded_up
+from acoustics.numbers import rounded
 from acoustics.plate_modes import FREE
 from rolling.check import level
-from rolling.check.doubt import Doubt, Severity
 from rolling.dynamics.of_scene import NEAR_SPEEDS
 from rolling.marches.result import MovingRelease
+from rolling.numbers.ball_numbers import RunNumbers
+from rolling.numbers.doubt import Doubt, Severity
+from rolling.numbers.quantity import PART_WORDS, RELEASED_POWER
+from rolling.results.description import listed
 from rolling.results.long_record import ends_within
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound
@@ -37,16 +39,16 @@ TURNS = "turns_unknown"
 def rules(
     scene: Scene,
     sound: ContactSound,
-    summary: Mapping[str, Any],
+    numbers: RunNumbers,
     vibration: Vibration | None,
     moving: MovingRelease | None,
 ) -> Iterator[Doubt]:
     """Yield the notes on a run, and the bound or the assumption that its level is."""
-    yield from _level(scene, sound, summary, vibration)
+    yield from _level(scene, sound, numbers, vibration)
     yield from _record(scene, sound)
     yield from _load(scene, moving)
     yield from _passes(scene)
-    yield from _turns(sound, summary)
+    yield from _turns(sound, numbers)
 
 
 def note(key: str, text: str) -> Doubt:
@@ -55,7 +57,7 @@ def note(key: str, text: str) -> Doubt:
 
 
 def _level(
-    scene: Scene, sound: ContactSound, summary: Mapping[str, Any], vibration: Vibration | None
+    scene: Scene, sound: ContactSound, numbers: RunNumbers, vibration: Vibration | None
 ) -> Iterator[Doubt]:
     """Say what the levels are, and what their uncertainty covers; a silent run has none."""
     if sound.steady_level is None and sound.levels.level_db is None:
@@ -63,13 +65,13 @@ def _level(
     if sound.source == "vibration":
         yield from _radiation(scene)
     else:
-        yield from _release(scene, sound, summary)
+        yield from _release(scene, sound)
     yield note("unvalidated", UNVALIDATED)
     if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
-        yield _uncertainty(sound, summary, vibration)
+        yield _uncertainty(numbers, vibration)
 
 
-def _release(scene: Scene, sound: ContactSound, summary: Mapping[str, Any]) -> Iterator[Doubt]:
+def _release(scene: Scene, sound: ContactSound) -> Iterator[Doubt]:
     """Say which bound the levels of a release are; of silence, or a gain, the steady level is."""
     gain = scene.sound.gain_pa_per_w_m2
     q = scene.sound.q
@@ -142,48 +144,28 @@ def _held(scene: Scene) -> str:
     return text
 
 
-def _uncertainty(
-    sound: ContactSound, summary: Mapping[str, Any], vibration: Vibration | None
-) -> Doubt:
-    """Say what the uncertainty of a level covers."""
-    vibrating = vibration if sound.source == "vibration" else None
-    parts = "the length" if sound.source == "release" else "length, comb and time steps"
+def _uncertainty(numbers: RunNumbers, vibration: Vibration | None) -> Doubt:
+    """Say what the uncertainty of the level that plays covers."""
+    is_vibration = numbers.record.source == "vibration"
+    vibrating = vibration if is_vibration else None
+    quantity = numbers.vibration if is_vibration else numbers.released_power
+    covered = [PART_WORDS[source] for source, part in quantity.parts.items() if part]
     if vibrating is not None and vibrating.is_mean_of_comb:
-        covered = (
-            f"the spread of LAeq over speeds within {100 * NEAR_SPEEDS:g} %, and the time steps"
-        )
-    elif sound.once:
-        covered = (
-            "the time steps; the record is one fall, whose LAE (re 1 s) holds what sounds within "
-            "the record"
-        )
+        rule = f"Its comb is the spread of LAeq over speeds within {100 * NEAR_SPEEDS:g} %."
+    elif vibrating is not None and vibrating.once:
+        rule = "The record is one fall, whose LAE (re 1 s) holds what sounds within the record."
     elif vibrating is not None and vibrating.motion.flight_share:
-        covered = (
-            f"{parts} of the record, from its scatter between thirds, because impacts are not "
-            "Gaussian noise"
+        rule = (
+            "The length counts by the scatter between thirds of the record, because impacts are "
+            "not Gaussian noise."
         )
     elif vibrating is not None and vibrating.excess is not None:
-        covered = f"{parts} of the record, taken as stationary noise whose unevenness it shows"
+        rule = "The record is taken as stationary noise whose unevenness it shows."
     else:
-        covered = f"{parts} of the record, taken as stationary Gaussian noise"
-    if vibrating is not None and vibrating.contact_loss_db:
-        covered += ", and the damping of the contact, which is unknown"
-    outside = "no error of model, grid or solver"
-    if summary.get("baffle_db"):
-        outside = "no other error of model, and none of grid or solver"
-        covered += (
-            f", and {rounded_up(summary['baffle_db'])} dB because the free plate has no baffle "
-            "around it, at a listener above it"
-        )
-    text = f"± covers {covered}; it holds {outside}."
-    if summary.get("laeq_uncertainty_db") is not None:
-        estimated = "grid and solver"
-        if sound.source == "vibration":
-            estimated = "grid, solver and force law"
-        text += (
-            f" Errors of {estimated} are estimated beside the levels, which are not corrected for "
-            "them."
-        )
+        rule = "The record is taken as stationary Gaussian noise."
+    text = f"± covers {listed(covered)}; it holds no error of the model. {rule}"
+    if numbers.errors.is_asked and numbers.errors.reason is None:
+        text += " Levels are not corrected for their errors of grid and solver."
     return note("uncertainty", text)
 
 
@@ -241,6 +223,7 @@ def _load(scene: Scene, moving: MovingRelease | None) -> Iterator[Doubt]:
             "release: of the constant load, because there is none under the moving load",
             Severity.INDICATIVE,
             advice=moving.fault,
+            about=(RELEASED_POWER,),
         )
     elif moving is not None:
         yield note(
@@ -272,9 +255,9 @@ def _passes(scene: Scene) -> Iterator[Doubt]:
         )
 
 
-def _turns(sound: ContactSound, summary: Mapping[str, Any]) -> Iterator[Doubt]:
+def _turns(sound: ContactSound, numbers: RunNumbers) -> Iterator[Doubt]:
     """Tell why a record cannot say whether the turns of the sphere are heard."""
-    reason = summary.get("turn_reason")
+    reason = None if numbers.turns is None else numbers.turns.reason
     if reason and sound.levels.laeq_db is not None and not sound.once:
         text = "turns of the sphere: the record cannot tell whether they are heard, because "
         yield note(TURNS, text + reason)

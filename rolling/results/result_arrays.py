@@ -253,8 +253,8 @@ def groups_of(run: SolvedRun) -> dict[str, FileGroup]:
         groups["moving_release"] = _moving_group(result.moving, run)
     if result.passes is not None:
         groups["passes"] = _passes_group(result.passes)
-    if run.vibration is not None:
-        groups["contact_force"] = _force_group(run.vibration)
+    if run.vibration_sound is not None:
+        groups["contact_force"] = _force_group(run.vibration_sound)
     if run.channels:
         groups["channels"] = _channels_group(run.channels)
     groups["sound"] = _sound_group(run)

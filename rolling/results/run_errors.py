@@ -1,4 +1,4 @@
-"""Errors that grid and solver leave in the levels of a run, as numbers of summary.json.
+"""Errors that grid and solver leave in the levels of a run.
 
 An error is the reported value less the estimated true value: too loud is positive. The sound and
 its levels stay as they were computed.
@@ -7,8 +7,8 @@ its levels stay as they were computed.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,10 +18,13 @@ from acoustics.numbers import rounded
 from rolling.check import error_cost
 from rolling.marches import error_stretches
 from rolling.marches.result import Result
+from rolling.numbers.ball_numbers import BandNumbers, ErrorNumbers, RunNumbers
+from rolling.numbers.quantity import BandQuantity
 from rolling.results.solved_run import SolvedRun
 from rolling.scene.scene import Scene
 from rolling.sound import error_estimate
 from rolling.sound.contact_sound import ContactSound
+from rolling.sound.missing_band import MissingBand
 from rolling.sound.vibration_sound import Vibration
 
 LINEAR = 0.3  # rms of the contact force over the load up to which sphere and plate are linear
@@ -35,13 +38,25 @@ class RunErrors(NamedTuple):
     detail_db : (2, bands + 1) array, dB. Error of missing detail, and its standard uncertainty,
         over the bands with LAeq at their end.
     plastic : pair of float. Error of the plastic area over its size, and its standard uncertainty.
-    facts : dict. How the errors were estimated, or the reason why they were not.
+    facts : EstimateFacts. How the errors were estimated.
+    reason : str. Why they were not; empty where they were.
     """
 
     levels: error_estimate.LevelErrors
     detail_db: Array
     plastic: tuple[float, float]
-    facts: dict[str, Any]
+    facts: EstimateFacts
+    reason: str = ""
+
+
+class EstimateFacts(NamedTuple):
+    """How errors were estimated: stretches, their steps, and the order of convergence."""
+
+    stretches: int | None = None
+    steps: int | None = None
+    order: float | None = None
+    order_measured: bool | None = None
+    worst_uncertainty_db: float | None = None
 
 
 def _unknown(reason: str) -> RunErrors:
@@ -57,56 +72,98 @@ def _unknown(reason: str) -> RunErrors:
         solver_signal_db=math.nan,
     )
     detail = np.stack([_NAN, _NAN])
-    return RunErrors(levels, detail, (math.nan, math.nan), {"reason": reason})
+    return RunErrors(levels, detail, (math.nan, math.nan), EstimateFacts(), reason)
 
 
-def error_numbers(run: SolvedRun, spreads: Mapping[str, float | None]) -> dict[str, Any]:
-    """Return the errors of a run for summary.json; none unless the scene asks for them.
-
-    `spreads` are uncertainties of LAeq [dB] by their origin: the record and, of a vibration, more.
-    """
+def run_errors(run: SolvedRun) -> RunErrors | None:
+    """Estimate the errors of a run; None unless the scene asks for them."""
     if not run.scene.numerics.error_estimate:
-        return {}
+        return None
     reason = _reason_against(run)
-    errors = _unknown(reason) if reason else _estimate(run)
+    return _unknown(reason) if reason else _estimate(run)
+
+
+def error_parts(errors: RunErrors | None) -> dict[str, float | None]:
+    """Return the parts of the uncertainty of LAeq [dB] that grid and solver leave.
+
+    The level is not corrected for the error of the grid, which therefore counts whole.
+    """
+    if errors is None:
+        return {}
+    levels = errors.levels
+    parts = {
+        "grid": known(math.hypot(levels.grid_db[-1], levels.grid_uncertainty_db[-1])),
+        "solver": known(abs(levels.solver_db[-1])),
+    }
+    if np.nan_to_num(errors.detail_db).any():
+        parts["subgrid"] = known(math.hypot(*errors.detail_db[:, -1]))
+    return parts
+
+
+def error_numbers(errors: RunErrors | None, band: MissingBand | None) -> ErrorNumbers:
+    """Return the errors of LAeq of a run: of the missing band, and as far as it estimates them."""
+    numbers = ErrorNumbers(
+        band_db=None if band is None else band.error_db,
+        band_uncertainty_db=None if band is None else band.uncertainty_db,
+        band_end_hz=None if band is None else band.highest_hz,
+    )
+    if errors is None:
+        return numbers
     levels = errors.levels
     detail = errors.detail_db
-    # The level is not corrected for the error of the grid, which therefore counts whole.
-    parts = dict.fromkeys(("record", "grid", "solver")) | dict(spreads)
-    parts["grid"] = known(math.hypot(levels.grid_db[-1], levels.grid_uncertainty_db[-1]))
-    parts["solver"] = known(abs(levels.solver_db[-1]))
-    if np.nan_to_num(detail).any():
-        parts["subgrid"] = known(math.hypot(*detail[:, -1]))
-    total = math.sqrt(sum(part**2 for part in parts.values() if part is not None))
-    arrays = {
-        "grid_error_db": levels.grid_db,
-        "grid_error_uncertainty_db": levels.grid_uncertainty_db,
-        "solver_error_db": levels.solver_db,
-        "subgrid_error_db": detail[0],
-        "subgrid_error_uncertainty_db": detail[1],
-    }
-    return {
-        **{name: known_bands(values[:-1]) for name, values in arrays.items()},
-        **{f"laeq_{name}": known(float(values[-1])) for name, values in arrays.items()},
-        "plastic_ratio_grid_error": known(errors.plastic[0]),
-        "plastic_ratio_grid_error_uncertainty": known(errors.plastic[1]),
-        "grid_signal_db": known(levels.grid_signal_db),
-        "grid_signal_uncertainty_db": known(levels.grid_signal_uncertainty_db),
-        "solver_signal_db": known(levels.solver_signal_db),
-        "laeq_uncertainty_db": None if reason else total,
-        "laeq_uncertainty_parts_db": parts,
-        "error_estimate": errors.facts,
-    }
+    facts = errors.facts
+    return replace(
+        numbers,
+        grid_db=known(float(levels.grid_db[-1])),
+        grid_uncertainty_db=known(float(levels.grid_uncertainty_db[-1])),
+        solver_db=known(float(levels.solver_db[-1])),
+        subgrid_db=known(float(detail[0, -1])),
+        subgrid_uncertainty_db=known(float(detail[1, -1])),
+        plastic_ratio_grid=known(errors.plastic[0]),
+        plastic_ratio_grid_uncertainty=known(errors.plastic[1]),
+        grid_signal_db=known(levels.grid_signal_db),
+        grid_signal_uncertainty_db=known(levels.grid_signal_uncertainty_db),
+        solver_signal_db=known(levels.solver_signal_db),
+        is_asked=True,
+        reason=errors.reason or None,
+        stretches=facts.stretches,
+        stretch_steps=facts.steps,
+        order=facts.order,
+        order_measured=facts.order_measured,
+        worst_uncertainty_db=facts.worst_uncertainty_db,
+    )
 
 
-def total_errors_db(summary: Mapping[str, Any]) -> dict[str, float | None]:
+def error_bands(errors: RunErrors | None, bands: BandNumbers) -> BandNumbers:
+    """Return third octaves with their errors from grid, solver and missing detail."""
+    if errors is None:
+        return bands
+    levels = errors.levels
+    detail = errors.detail_db
+    return replace(
+        bands,
+        grid_error=_band_errors(levels.grid_db, levels.grid_uncertainty_db),
+        solver_error=BandQuantity.of(known_bands(levels.solver_db[:-1]), "dB"),
+        subgrid_error=_band_errors(detail[0], detail[1]),
+    )
+
+
+def _band_errors(errors_db: Array, uncertainty_db: Array) -> BandQuantity:
+    """Return errors of the third octaves, before that of LAeq at the end, as a quantity."""
+    spreads = known_bands(uncertainty_db[:-1])
+    return BandQuantity.of(known_bands(errors_db[:-1]), "dB", spreads)
+
+
+def total_errors_db(numbers: RunNumbers) -> dict[str, float | None]:
     """Return the errors of the third octaves [dB] from grid and solver; empty without estimate."""
-    if "stretches" not in summary.get("error_estimate", {}):
+    grid = numbers.bands.grid_error
+    solver = numbers.bands.solver_error
+    if numbers.errors.stretches is None or grid is None or solver is None:
         return {}
-    solver = summary["solver_error_db"]
+    of_solver = solver.by_name
     return {
-        name: None if grid is None else grid + (solver[name] or 0.0)
-        for name, grid in summary["grid_error_db"].items()
+        name: None if error is None else error + (of_solver[name] or 0.0)
+        for name, error in grid.by_name.items()
     }
 
 
@@ -133,20 +190,20 @@ def _estimate(run: SolvedRun) -> RunErrors:
         error_stretches.plastic_areas(scene, result, "tight"),
         error_stretches.plastic_areas(scene, result, "fine"),
     )
-    facts = {
-        "stretches": len(error_stretches.stretch_firsts(scene, result)),
-        "steps": result.stretches.steps if result.stretches else 0,
-        "order": levels.order,
-        "order_measured": levels.order_measured,
-        "worst_uncertainty_db": known(error_estimate.worst_uncertainty_db(powers)),
-    }
+    facts = EstimateFacts(
+        stretches=len(error_stretches.stretch_firsts(scene, result)),
+        steps=result.stretches.steps if result.stretches else 0,
+        order=levels.order,
+        order_measured=levels.order_measured,
+        worst_uncertainty_db=known(error_estimate.worst_uncertainty_db(powers)),
+    )
     return RunErrors(levels, detail, plastic, facts)
 
 
 def _reason_against(run: SolvedRun) -> str:
     """Explain why a run has no estimate; empty where it has one."""
-    if run.vibration is not None and run.sound.source == "vibration":
-        reason = not_linear(run.vibration)
+    if run.vibration_sound is not None and run.sound.source == "vibration":
+        reason = not_linear(run.vibration_sound)
         if reason:
             return reason
     return _reason(run.scene, run.result, run.sound)

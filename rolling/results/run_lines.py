@@ -3,32 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from html import escape
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from acoustics.numbers import bracketed, decibels_a, micrometres, rounded, rounded_up, si
 from rolling.check import resolution
-from rolling.check.doubt import Severity
+from rolling.numbers.ball_numbers import RunNumbers
+from rolling.numbers.doubt import Severity
+from rolling.numbers.quantity import BOUND, Judged, Quantity, uncertain
 from rolling.results import verdict
-from rolling.results.answer import (
-    Answer,
-    follows,
-    gap,
-    level_beside,
-    listener_level,
-    released_power,
-    uncertain,
-    vibration,
-)
+from rolling.results.answer import follows, gap
 from rolling.results.channels import channel_line
 from rolling.results.description import runs_sentence
 from rolling.results.doubts import band_error_db, band_text
 from rolling.results.labels import labels
 from rolling.results.notes import REPEATS, TURNS
-from rolling.results.run_folder import RunFolder, stored_summary
-from rolling.results.runs_table import MEANS, level_text
-from rolling.results.verdict import Verdict
+from rolling.results.quantities import LAE, heard_levels, level_beside, measure
+from rolling.results.run_folder import RunFolder
+from rolling.results.stored_numbers import numbers_of
 from rolling.scene.messages import TABLES
 from rolling.terminal.streams import columns, folded, line_width
 
@@ -37,7 +30,7 @@ MAX_BAND_DB = 0.3  # what the steps may cut off of a level that is corrected for
 UPPER_BOUND = "released power: what one would hear if all of it were sound (q = 1)"
 LEAST_DB = 0.01  # smallest error that the line of grid and solver names
 
-Solved = Sequence[tuple[str, Mapping[str, Any]]]  # label and summary of each run
+Solved = Sequence[tuple[str, RunNumbers]]  # label and numbers of each run
 
 
 def answer_lines(runs: Sequence[RunFolder]) -> list[str]:
@@ -53,9 +46,9 @@ def channel_lines(runs: Sequence[RunFolder]) -> list[str]:
     """Return a line for each channel that runs ask for, with a level and its reference."""
     lines = []
     solved = _solved(runs)
-    for label, summary in solved:
+    for label, numbers in solved:
         before = f"{label}, " if len(solved) > 1 else ""
-        lines += [f"{before}{channel_line(channel)}" for channel in summary.get("channels", [])]
+        lines += [f"{before}{channel_line(channel)}" for channel in numbers.channels or ()]
     return [folded(line) for line in lines]
 
 
@@ -74,22 +67,22 @@ def further_lines(runs: Sequence[RunFolder]) -> list[str]:
     solved = _solved(runs)
     if not solved:
         return []
-    summaries = [summary for _, summary in solved]
-    lines = [gap(summaries), *_beside(solved)]
-    lines += [error_line(label, summary) for label, summary in solved]
+    every = [numbers for _, numbers in solved]
+    lines = [gap(every), *_beside(solved)]
+    lines += [error_line(label, numbers) for label, numbers in solved]
     lines.append(verdict.headline(solved))
-    lines += dict.fromkeys(surface_text(summary) for summary in summaries)
-    lines += _preparation(summaries)
+    lines += dict.fromkeys(surface_text(numbers) for numbers in every)
+    lines += _preparation(every)
     noted = (*REPEATS, TURNS)
     lines += [f"note: {doubt.text}" for doubt in verdict.notes(solved) if doubt.key in noted]
     lines += [f"warning: {doubt.text}" for doubt in verdict.warnings(solved)]
     return [folded(line) for line in lines if line]
 
 
-def _solved(runs: Sequence[RunFolder]) -> list[tuple[str, dict[str, Any]]]:
-    """Return labels and summaries of the runs that are solved."""
-    stored = zip(labels(runs), map(stored_summary, runs), strict=True)
-    return [(label, summary) for label, summary in stored if summary is not None]
+def _solved(runs: Sequence[RunFolder]) -> list[tuple[str, RunNumbers]]:
+    """Return labels and numbers of the runs that are solved."""
+    stored = zip(labels(runs), map(numbers_of, runs), strict=True)
+    return [(label, numbers) for label, numbers in stored if numbers is not None]
 
 
 # ---- table
@@ -104,7 +97,7 @@ class Head(NamedTuple):
 
 def levels_table(runs: Sequence[RunFolder]) -> str:
     """Write the two numbers of runs in columns, with the verdict on the number to its left."""
-    by_run = {label: _cells(summary) for label, summary in _solved(runs)}
+    by_run = {label: _cells(numbers) for label, numbers in _solved(runs)}
     heads = list(dict.fromkeys(head for cells in by_run.values() for head in cells))
     rows = [["run", *(head.name for head in heads)]]
     if heads:
@@ -119,43 +112,42 @@ def levels_table(runs: Sequence[RunFolder]) -> str:
     return text
 
 
-def _cells(summary: Mapping[str, Any]) -> dict[Head, str]:
+def _cells(numbers: RunNumbers) -> dict[Head, str]:
     """Return the cells of a run in the table of levels by their heads."""
-    heard = vibration(summary)
-    released = released_power(summary)
-    of_vibration = verdict.of_vibration(summary)
-    of_release = verdict.of_released_power(summary)
+    heard = numbers.vibration
+    released = numbers.released_power
     cells = {_head("vibration", heard): heard.number}
-    if of_vibration is not None:
-        cells[Head("verdict")] = of_vibration.short
-    if summary.get("single_event") and summary["source"] == "vibration":
-        cells[Head("LAFmax", "dB(A)")] = level_text(summary, "laf_max_db")
-    if released.how != "none":
+    if numbers.leading.judged is not None:
+        cells[Head("verdict")] = numbers.leading.judged.short
+    if numbers.record.single_event and numbers.record.source == "vibration":
+        levels = heard_levels(numbers)
+        spread = None if levels.spreads is None else levels.spreads.laf_max_db
+        text = "-" if levels.laf_max_db is None else uncertain(levels.laf_max_db, spread)
+        cells[Head("LAFmax", "dB(A)")] = text
+    if released.value is not None:
         cells[_head("released power", released)] = released.number
-    if of_vibration is None and of_release is not None:
-        cells[Head("verdict")] = of_release.short
-    cells[Head("plastic", "ratio")] = f"{summary['plastic_ratio']:.3f}"
+    cells[Head("plastic", "ratio")] = f"{numbers.contact.plastic_ratio:.3f}"
     return cells
 
 
-def _head(name: str, answer: Answer) -> Head:
+def _head(name: str, quantity: Quantity) -> Head:
     """Return the head of one of the two numbers: what it is, and how it was found."""
-    unit = "dB(A)" if answer.quantity == "LAeq" else "LAE, dB(A)"
-    return Head(name, unit if answer.how == "none" else f"{answer.how}, {unit}")
+    unit = "dB(A)" if quantity.measure != LAE else "LAE, dB(A)"
+    return Head(name, unit if quantity.value is None else f"{quantity.how}, {unit}")
 
 
 def html_table(runs: Sequence[RunFolder]) -> str:
     """Write sentence, table and conclusion of runs as HTML for a notebook."""
     if not runs:
         return "<p>no run</p>"
-    rows = "<tr><th>run</th><th>vibration</th><th>verdict on it</th><th>released power</th></tr>"
-    for label, summary in _solved(runs):
-        judged = verdict.of_vibration(summary)
+    rows = "<tr><th>run</th><th>vibration</th><th>verdict</th><th>released power</th></tr>"
+    for label, numbers in _solved(runs):
+        judged = numbers.leading.judged
         cells = [
             label,
-            vibration(summary).text,
+            str(numbers.vibration),
             "-" if judged is None else judged.short,
-            released_power(summary).text,
+            str(numbers.released_power),
         ]
         rows += f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
     first = escape(runs_sentence(runs))
@@ -169,22 +161,25 @@ def html_table(runs: Sequence[RunFolder]) -> str:
 def _missing(runs: Solved) -> list[str]:
     """Say why a number is missing, each reason once."""
     lines = dict[str, None]()
-    for name, number in (("vibration", vibration), ("released power", released_power)):
-        for _, summary in runs:
-            answer = number(summary)
-            if answer.level_db is None:
-                lines[f"{name}: {answer.text}"] = None
+    for _, numbers in runs:
+        if numbers.vibration.value is None:
+            lines[f"vibration: {numbers.vibration}"] = None
+    for _, numbers in runs:
+        if numbers.released_power.value is None:
+            lines[f"released power: {numbers.released_power}"] = None
     return [*lines]
 
 
 def _largest_doubts(runs: Solved) -> list[str]:
     """Write the largest doubt about each of the two numbers, and how many others there are."""
+    of_vibration = [(label, numbers.vibration.judged) for label, numbers in runs]
+    of_release = [
+        (label, numbers.released_power.judged)
+        for label, numbers in runs
+        if numbers.released_power.is_solved
+    ]
     lines = []
-    for name, judge in (
-        ("vibration", verdict.of_vibration),
-        ("released power", verdict.of_released_power),
-    ):
-        judged = [(label, judge(summary)) for label, summary in runs]
+    for name, judged in (("vibration", of_vibration), ("released power", of_release)):
         known = [(label, of_run) for label, of_run in judged if of_run is not None]
         if not known:
             continue
@@ -198,12 +193,13 @@ def _largest_doubts(runs: Solved) -> list[str]:
     others = len(verdict.warnings(runs)) - len(lines)
     if lines and others > 0:
         lines[-1] += f" ({_count(others, 'more doubt')} with -v)"
-    if any(released_power(summary).how == "upper bound" for _, summary in runs):
+    bounds = [numbers.released_power for _, numbers in runs]
+    if any(one.verdict == BOUND for one in bounds):
         lines.append(UPPER_BOUND)
     return lines
 
 
-def _differ(judged: Sequence[tuple[str, Verdict]]) -> bool:
+def _differ(judged: Sequence[tuple[str, Judged]]) -> bool:
     """Tell whether runs have different verdicts, in other things than their decibels."""
     return len({(of_run.word, of_run.worst.key) for _, of_run in judged}) > 1
 
@@ -215,46 +211,47 @@ def _count(number: int, noun: str) -> str:
 
 def _grid_and_solver(runs: Solved) -> str:
     """Write in one line what grid and solver leave of the level of the sound files."""
-    errors = []
-    for _, summary in runs:
-        if summary.get("laeq_grid_error_db") is None:
+    largest = []
+    for _, numbers in runs:
+        errors = numbers.errors
+        if errors.grid_db is None:
             continue
-        parts = [summary.get("laeq_solver_error_db") or 0.0]
-        for name in ("laeq_grid_error", "laeq_subgrid_error"):
-            error = summary.get(f"{name}_db") or 0.0
-            parts.append(math.hypot(error, summary.get(f"{name}_uncertainty_db") or 0.0))
-        errors.append(max(map(abs, parts)))
-    if not errors:
-        reasons = {(summary.get("error_estimate") or {}).get("reason") for _, summary in runs}
-        known = [reason for reason in reasons if reason]
+        grid = math.hypot(errors.grid_db, errors.grid_uncertainty_db or 0.0)
+        detail = math.hypot(errors.subgrid_db or 0.0, errors.subgrid_uncertainty_db or 0.0)
+        largest.append(max(grid, detail, abs(errors.solver_db or 0.0)))
+    if not largest:
+        known = [numbers.errors.reason for _, numbers in runs if numbers.errors.reason]
         why = known[0] if known else "numerics.error_estimate: true does it"
         return f"grid and solver: errors not measured ({why})"
-    size = max(LEAST_DB, math.ceil(100 * max(errors)) / 100)  # no error prints as 0.00 dB
+    size = max(LEAST_DB, math.ceil(100 * max(largest)) / 100)  # no error prints as 0.00 dB
     return f"grid and solver: errors below {size:g} dB"
 
 
 def _instrument(runs: Solved) -> list[str]:
     """Write in one line what the instruments of measurements leave of both numbers of runs."""
     lines = dict[str, None]()
-    for _, summary in runs:
-        numbers = summary.get("instrument")
-        if numbers is None:
+    for _, numbers in runs:
+        seen = numbers.surface.instrument
+        if seen is None:
             continue
-        text = f"measuring instrument: sees waves above {si(numbers['cutoff_m'], 'm')}"
-        if numbers["noise_m"]:
-            share = rounded(100 * numbers["noise_over_sq"])
-            text += f", noise {si(numbers['noise_m'], 'm')} rms ({share} % of Sq)"
-        for name in ("vibration", "released_power"):
-            spread = numbers[f"{name}_spread_db"]
+        text = f"measuring instrument: sees waves above {si(seen.cutoff_m, 'm')}"
+        if seen.noise_m:
+            share = rounded(100 * (seen.noise_over_sq or 0.0))
+            text += f", noise {si(seen.noise_m, 'm')} rms ({share} % of Sq)"
+        for name, of_source in (
+            ("vibration", seen.vibration),
+            ("released power", seen.released_power),
+        ):
+            spread = None if of_source is None else of_source.spread_db
             words = "unknown" if spread is None else f"± {rounded_up(spread)} dB"
-            text += f"; {name.replace('_', ' ')} {words}"
+            text += f"; {name} {words}"
         lines[text] = None
     return [*lines]
 
 
 def _surface(runs: Solved) -> str:
     """Write the surface in one line, with the name of its run where runs differ."""
-    texts = [(label, _short_surface(summary)) for label, summary in runs]
+    texts = [(label, _short_surface(numbers)) for label, numbers in runs]
     label, text = texts[0]
     others = len({text for _, text in texts}) - 1
     if not others:
@@ -262,14 +259,14 @@ def _surface(runs: Solved) -> str:
     return f"surface of {label}: {text} ({_count(others, 'other')} with -v)"
 
 
-def _short_surface(summary: Mapping[str, Any]) -> str:
+def _short_surface(numbers: RunNumbers) -> str:
     """Write the roughness of a surface in a few numbers."""
-    surface = summary["surface"]
+    surface = numbers.surface
     text = (
-        f"Ra {rounded(surface['ra'] * 1e6, 3)} µm, Rq {rounded(surface['rq'] * 1e6, 3)} µm, "
-        f"rms slope {rounded(surface['rms_slope'], 3)}"
+        f"Ra {rounded(surface.ra_m * 1e6, 3)} µm, Rq {rounded(surface.rq_m * 1e6, 3)} µm, "
+        f"rms slope {rounded(surface.rms_slope, 3)}"
     )
-    if "ball_ra_m" in summary:
+    if surface.ball_ra_m is not None:
         text += ", of plate and ball together"
     return text
 
@@ -277,75 +274,80 @@ def _short_surface(summary: Mapping[str, Any]) -> str:
 # ---- with --verbose
 
 
-def error_line(label: str, summary: Mapping[str, Any]) -> str:
+def error_line(label: str, numbers: RunNumbers) -> str:
     """Write the error estimate of a run, or an empty text without one."""
-    estimate = summary.get("error_estimate", {})
-    grid = summary.get("laeq_grid_error_db")
-    if "stretches" not in estimate or grid is None:
+    errors = numbers.errors
+    own = numbers.played
+    if errors.stretches is None or errors.grid_db is None or own.laeq_db is None:
         return ""
-    solver = summary["laeq_solver_error_db"] or 0.0
-    spread = summary["uncertainty_db"]["laeq"]
-    grid_spread = summary["laeq_grid_error_uncertainty_db"] or 0.0
-    signals = {name: summary[f"{name}_signal_db"] for name in ("grid", "solver")}
+    grid = errors.grid_db
+    grid_spread = errors.grid_uncertainty_db or 0.0
+    solver = errors.solver_db or 0.0
+    signals = {"grid": errors.grid_signal_db, "solver": errors.solver_signal_db}
     signal = [f"{db:.0f} dB from the {name}" for name, db in signals.items() if db is not None]
-    errors = [f"LAeq {grid:+.2f} ± {grid_spread:.2f} dB from the grid"]
-    if subgrid := summary.get("laeq_subgrid_error_db"):
-        of_detail = summary["laeq_subgrid_error_uncertainty_db"] or 0.0
-        errors.append(f"{subgrid:+.2f} ± {of_detail:.2f} dB from missing detail below the spacing")
-    errors.append(f"{solver:+.2f} dB from the solver")
+    texts = [f"LAeq {grid:+.2f} ± {grid_spread:.2f} dB from the grid"]
+    if errors.subgrid_db:
+        of_detail = errors.subgrid_uncertainty_db or 0.0
+        detail = f"{errors.subgrid_db:+.2f} ± {of_detail:.2f} dB"
+        texts.append(f"{detail} from missing detail below the spacing")
+    texts.append(f"{solver:+.2f} dB from the solver")
+    spread = None if own.spreads is None else own.spreads.laeq_db
     whole = spread and math.hypot(spread, grid_spread)
-    corrected = f"corrected LAeq {uncertain(summary['laeq_db'] - grid - solver, whole)} dB(A)"
-    if (band_error_db(summary) or 0.0) > MAX_BAND_DB:
-        cut = band_text(summary, summary["laeq_band_end_hz"])
-        corrected = f"no corrected level, because {cut}"
+    corrected = f"corrected LAeq {uncertain(own.laeq_db - grid - solver, whole)} dB(A)"
+    band_db = band_error_db(numbers)
+    if band_db is not None and band_db > MAX_BAND_DB and errors.band_end_hz is not None:
+        corrected = f"no corrected level, because {band_text(numbers, errors.band_end_hz)}"
     return (
-        f"errors of {label}: {', '.join(errors)}, {corrected}; rms error of the "
-        f"{summary['source']} over its fluctuation {', '.join(signal)}; {estimate['stretches']} "
-        f"stretches of {estimate['steps']} steps, order {estimate['order']:.1f}"
+        f"errors of {label}: {', '.join(texts)}, {corrected}; rms error of the "
+        f"{numbers.record.source} over its fluctuation {', '.join(signal)}; {errors.stretches} "
+        f"stretches of {errors.stretch_steps} steps, order {errors.order:.1f}"
     )
 
 
 def _beside(runs: Solved) -> list[str]:
     """Write other levels of the vibration of runs: of an even source, and at other listeners."""
     lines = []
-    for label, summary in runs:
-        texts = other_levels(summary)
+    for label, numbers in runs:
+        texts = other_levels(numbers)
         if texts:
             lines.append(f"other levels of {label}: {'; '.join(texts)}")
     return lines
 
 
-def other_levels(summary: Mapping[str, Any]) -> list[str]:
+def other_levels(numbers: RunNumbers) -> list[str]:
     """Return levels beside that of a vibration: mean over directions, power, other listeners."""
-    if summary["source"] != "vibration":
+    if numbers.record.source != "vibration":
         return []
-    quantity = "LAE" if summary.get("single_event") else "LAeq"
+    levels = numbers.levels
+    name = measure(numbers)
     texts = []
-    for key, name in MEANS.items():
-        if key in summary:
-            level = level_beside(summary, key)
-            text = "not available" if level is None else f"{level:.1f} dB(A)"
-            texts.append(f"{quantity} of {name}: {text}")
-    power = summary.get("plate_power_level_db")
-    if summary.get("listeners") and power is not None:
-        texts.append(f"sound power of the plate: {power:.1f} dB re 1 pW")
-    for listener in summary.get("listeners", ())[1:]:
-        text = decibels_a(listener_level(summary, listener))
-        texts.append(f"{quantity} at {bracketed(listener['at_mm'])} mm: {text}")
+    for level, words in (
+        (levels.compact_source_level_db, "a compact source of the same power"),
+        (levels.hemisphere_mean_level_db, "the mean over the half sphere"),
+    ):
+        shown = level_beside(numbers, level)
+        if shown is not None:
+            texts.append(f"{name} of {words}: {shown:.1f} dB(A)")
+    listeners = levels.listeners or ()
+    if listeners and levels.plate_power_level_db is not None:
+        texts.append(f"sound power of the plate: {levels.plate_power_level_db:.1f} dB re 1 pW")
+    for listener in listeners[1:]:
+        text = decibels_a(level_beside(numbers, listener.laeq_db))
+        texts.append(f"{name} at {bracketed(listener.at_mm)} mm: {text}")
     return texts
 
 
-def _preparation(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
+def _preparation(every: Sequence[RunNumbers]) -> list[str]:
     """Write the steps that prepared height files, each once, and the tilts that were removed."""
     steps = dict[str, None]()
     tilts = dict[str, None]()
-    for summary in summaries:
-        for step in summary.get("preparation", ()):
-            name = TABLES["steps"].get(str(step["step"]), step["step"])
-            steps[f"{name}: {step['text']}"] = None
-        levelling = summary["levelling"]
-        if levelling and (levelling["slope_along"] or levelling["slope_across"]):
-            tilts[f"tilt: {levelling['text']}"] = None
+    for numbers in every:
+        for step in numbers.surface.preparation or ():
+            name = TABLES["steps"].get(step.step, step.step)
+            steps[f"{name}: {step.text}"] = None
+        levelling = numbers.surface.levelling
+        if levelling is not None and (levelling.slope_along or levelling.slope_across):
+            tilts[f"tilt: {levelling.text}"] = None
     lines = [*steps][:MAX_STEPS]
     more = len(steps) - MAX_STEPS
     if more > 0:
@@ -353,21 +355,22 @@ def _preparation(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
     return [*lines, *tilts]
 
 
-def surface_text(summary: Mapping[str, Any]) -> str:
+def surface_text(numbers: RunNumbers) -> str:
     """Write the statistics of the surface of a run."""
-    surface = summary["surface"]
+    surface = numbers.surface
     return (
-        f"surface: Ra {micrometres(surface['ra'])} µm, Rq {micrometres(surface['rq'])} µm, "
-        f"skewness {surface['skewness']:.2f}, kurtosis {surface['kurtosis']:.2f}, rms slope "
-        f"{rounded(surface['rms_slope'], 3)}{surface_parts(summary)}"
+        f"surface: Ra {micrometres(surface.ra_m)} µm, Rq {micrometres(surface.rq_m)} µm, "
+        f"skewness {surface.skewness:.2f}, kurtosis {surface.kurtosis:.2f}, rms slope "
+        f"{rounded(surface.rms_slope, 3)}{surface_parts(numbers)}"
     )
 
 
-def surface_parts(summary: Mapping[str, Any]) -> str:
+def surface_parts(numbers: RunNumbers) -> str:
     """Write the roughness of plate and sphere, whose sum a sphere with a surface rolls over."""
-    if "ball_ra_m" not in summary:
+    surface = numbers.surface
+    if surface.plate_ra_m is None or surface.ball_ra_m is None:
         return ""
     return (
-        f"; plate Ra {micrometres(summary['plate_ra_m'])} µm and sphere Ra "
-        f"{micrometres(summary['ball_ra_m'])} µm, added up over the turns"
+        f"; plate Ra {micrometres(surface.plate_ra_m)} µm and sphere Ra "
+        f"{micrometres(surface.ball_ra_m)} µm, added up over the turns"
     )

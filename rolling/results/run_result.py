@@ -7,8 +7,8 @@ channels as a WAV.
 from __future__ import annotations
 
 import html
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -17,17 +17,23 @@ from acoustics.uncertainty import widened
 from rolling.contact.processor_time import ProcessorTime
 from rolling.marches import effort, force_law
 from rolling.marches.result import Result, released_energy
-from rolling.results import answer, listening, result_arrays, result_file, runs_table, verdict
+from rolling.numbers.ball_numbers import RunNumbers
+from rolling.numbers.files import FileFacts
+from rolling.numbers.run_file import StoredNumbers
+from rolling.results import listening, result_arrays, result_file, verdict
 from rolling.results.channels import by_quantity, channel_wavs, wav_facts
-from rolling.results.description import runs_sentence
-from rolling.results.run_folder import RESULT, SUMMARY, RunFolder, read_summary
-from rolling.results.solved_run import SolvedRun
-from rolling.results.summary import provenance, record_scatter, summarize
+from rolling.results.former_numbers import former_names
+from rolling.results.level_words import level_rows
+from rolling.results.numbers import record_scatter, run_numbers
+from rolling.results.provenance import provenance
+from rolling.results.run_folder import RESULT, RunFolder
+from rolling.results.solved_run import NumberedRun, SolvedRun
+from rolling.results.stored_numbers import read_stored, write_stored
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, contact_sound
 from rolling.sound.vibration_sound import Vibration, sound_of_vibration, vibrate
 from rolling.surface.scene_surface import scene_surface
-from rolling.terminal.files import make_below, write_bytes, write_json
+from rolling.terminal.files import make_below, write_bytes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,7 +46,7 @@ PASSES = "passes.wav"  # of a plate that remembers
 
 @ignoring_underflow
 @dataclass(frozen=True, eq=False, repr=False)
-class Run(SolvedRun):
+class Run(NumberedRun):
     """A run with its sound. It equals no other run, so it can be the key of a dictionary.
 
     Attributes
@@ -57,10 +63,14 @@ class Run(SolvedRun):
         Series of the solved lap, pressure maps, snapshot and recovery events.
     sound : ContactSound
         Sound pressure, levels and their uncertainty.
-    summary : dict
-        Numbers of summary.json; a run that was opened has the stored ones.
-    vibration : Vibration or None
-        Vibration of sphere and plate; None unless the scene has dynamics.
+    numbers : RunNumbers
+        All numbers by subject; a run that was opened has the stored ones.
+    vibration, released_power : Quantity
+        The two numbers of the run.
+    vibration_sound : Vibration or None
+        Motion and sound of sphere and plate; None unless the scene has dynamics.
+    stored : StoredNumbers or None
+        What the run folder holds beside the result; None for a run that was not opened.
     channels : tuple of Channel
         Signals of plate, ball and contact that `sound.channels` asks for.
 
@@ -121,52 +131,30 @@ class Run(SolvedRun):
         """
         return result_file.result_tree(self)
 
+    @property
+    def summary(self) -> Mapping[str, Any]:
+        """Numbers by the names of version 0.8; read `numbers` instead."""
+        return former_names(self.numbers)
+
     def __repr__(self) -> str:
-        heard = answer.vibration(self.summary).text
-        released = answer.released_power(self.summary).text
-        numbers = f"vibration {heard}; released power {released}"
+        numbers = f"vibration {self.vibration}; released power {self.released_power}"
         return f"<run {self.title}: {numbers}; {self.result.steps} steps>"
 
     def _repr_html_(self) -> str:
         """Write what rolls, the two numbers, other levels and doubts for a notebook."""
         table = ""
-        for name, text in _levels_in_words(self.summary).items():
+        for name, text in level_rows(self.numbers).items():
             table += f"<tr><td>{name}</td><td>{html.escape(text)}</td></tr>"
         doubts = ""
-        for doubt in verdict.listed(self.summary):
+        for doubt in verdict.listed(self.numbers):
             doubts += f"<li>{html.escape(doubt.line)}</li>"
         title = html.escape(self.title)
-        sentence = html.escape(runs_sentence([self]))
+        sentence = html.escape(self.numbers.sentence)
         return f"<h4>{title}</h4><p>{sentence}</p><table>{table}</table><ul>{doubts}</ul>"
 
 
-def _levels_in_words(summary: dict[str, Any]) -> dict[str, str]:
-    """Return the two numbers of a run in words, the verdicts on them, and the other levels."""
-    heard = answer.vibration(summary)
-    released = answer.released_power(summary)
-    rows = {"vibration": heard.text}
-    of_vibration = verdict.of_vibration(summary)
-    if of_vibration is not None:
-        rows["verdict on it"] = of_vibration.sentence
-    rows["released power"] = released.text
-    of_release = verdict.of_released_power(summary)
-    if of_release is not None:
-        rows["verdict on the released power"] = of_release.sentence
-    first = answer.level_key(summary)
-    source = "vibration" if summary["source"] == "vibration" else "released power"
-    for key in runs_table.shown_levels(summary):
-        name, unit = runs_table.LEVELS[key]
-        text = runs_table.level_text(summary, key)
-        if key != first and text != "-":
-            rows[f"{name} of the {source}"] = f"{text} {unit}"
-    part = answer.of_solved_part([summary])
-    if part:
-        rows["record"] = part
-    return rows
-
-
 def make_run(
-    place: RunFolder, label: str, result: Result, summary: dict[str, Any] | None = None
+    place: RunFolder, label: str, result: Result, stored: StoredNumbers | None = None
 ) -> Run:
     """Make the sound of a whole result, and its numbers unless they are stored already.
 
@@ -183,27 +171,34 @@ def make_run(
     sound = release
     if vibration is not None and scene.sound.source == "vibration":
         sound = sound_of_vibration(release, vibration)
-    run = Run(
+    solved = SolvedRun(
         values=place.values,
         scene=scene,
         folder=place.folder,
         label=label,
         result=result,
         sound=sound,
-        summary=summary or {},
-        vibration=vibration,
+        vibration_sound=vibration,
     )
-    if summary is None:
-        run.summary.update(summarize(run, release))
-        _count_sound(run.summary, began)
+    if stored is not None:
+        return _numbered(solved, stored.numbers, stored)
+    numbers = run_numbers(solved, release)
+    return _numbered(solved, _with_sound(numbers, began))
+
+
+def _numbered(solved: SolvedRun, numbers: RunNumbers, stored: StoredNumbers | None = None) -> Run:
+    """Return a solved run with its numbers; what followed from it already is kept."""
+    known = {field.name: getattr(solved, field.name) for field in fields(solved)}
+    run = Run(**known, numbers=numbers, stored=stored)
+    vars(run).update(vars(solved))
     return run
 
 
-def _count_sound(summary: dict[str, Any], began: ProcessorTime) -> None:
-    """Add the processor time from a moment on to the sound of a run, where a summary counts it."""
-    if effort.PARTS in summary:
-        spent = ProcessorTime.now().since(began)
-        summary[effort.PARTS] = effort.with_work(summary[effort.PARTS], effort.SOUND, spent)
+def _with_sound(numbers: RunNumbers, began: ProcessorTime) -> RunNumbers:
+    """Return numbers with the processor time from a moment on added to the sound of the run."""
+    spent = ProcessorTime.now().since(began)
+    parts = effort.with_work(numbers.effort.parts_cpu_s or {}, effort.SOUND, spent)
+    return replace(numbers, effort=replace(numbers.effort, parts_cpu_s=parts))
 
 
 def _vibration(scene: Scene, result: Result, release: ContactSound) -> Vibration | None:
@@ -244,17 +239,18 @@ def write_run(run: Run) -> None:
     run.sound.write_wav(run.folder / SIGNAL, listening.wav_comment(run), title)
     for name, content in contents.items():
         write_bytes(run.folder / name, content)
-    facts = {
-        "signal": listening.signal_facts(run.sound),
-        "listen": listen_facts,
-        "provenance": provenance(run.scene, run.label),
-    }
-    if run.channels:
-        groups = by_quantity(run.channels)
-        facts["channel_wavs"] = {name: wav_facts(channels) for name, channels in groups.items()}
-    summary = run.summary | facts
-    _count_sound(summary, began)
-    write_json(run.folder / SUMMARY, summary)
+    groups = by_quantity(run.channels)
+    facts = FileFacts(
+        signal=listening.signal_facts(run.sound),
+        listen=listen_facts,
+        channel_wavs={name: wav_facts(channels) for name, channels in groups.items()} or None,
+    )
+    stored = StoredNumbers(
+        numbers=_with_sound(run.numbers, began),
+        files=facts,
+        provenance=provenance(run.scene, run.label),
+    )
+    write_stored(run.folder, stored)
 
 
 def read_run(run: RunFolder, label: str) -> Run:
@@ -265,6 +261,6 @@ def read_run(run: RunFolder, label: str) -> Run:
     FolderError : a file is missing or damaged, or the result is that of another scene or surface.
     SceneError : the heights of the scene cannot be read.
     """
-    summary = read_summary(run.folder / SUMMARY)
+    stored = read_stored(run.folder)
     result = result_file.read_result(run.folder / RESULT, run.scene)
-    return make_run(run, label, result, summary)
+    return make_run(run, label, result, stored)

@@ -11,38 +11,18 @@ from numpy.typing import NDArray
 
 import rolling
 from acoustics.arrays import Array
-from acoustics.bands import BAND_NAMES, MID_HZ, NOMINAL_HZ
-from rolling.results import answer
-from rolling.results.answer import Answer
+from acoustics.bands import MID_HZ, NOMINAL_HZ
+from rolling.numbers import views
+from rolling.numbers.fields import leaves
+from rolling.numbers.quantity import BandQuantity
 from rolling.results.labels import named
 from rolling.results.result_arrays import DEFINITION
 from rolling.results.run_result import Run
-from rolling.results.runs_table import numbers
 from rolling.scene.sweep import Value
 
 if TYPE_CHECKING:
     import xarray
 
-# Units by the end of a name of summary.json; the first that fits counts.
-_UNITS = {
-    "_pa_per_w_m2": "Pa/(W/m2)",
-    "_db": "dB",
-    "_m2": "m2",
-    "_pa": "Pa",
-    "_hz": "Hz",
-    "_ms": "ms",
-    "_mm": "mm",
-    "_um": "um",
-    "_w": "W",
-    "_s": "s",
-    "_m": "m",
-    "_n": "N",
-}
-_BANDS = {
-    "third_octave_db": "third octaves of the sound pressure",
-    "third_octave_a_db": "A-weighted third octaves of the sound pressure",
-    "third_octave_uncertainty_db": "standard uncertainty of the third octaves",
-}
 _PLACES = ("position", "step")  # dimensions of the series
 _TIMES = ("position_time", "time")
 
@@ -78,12 +58,9 @@ def runs_dataset(runs: Sequence[Run], sweep: Mapping[str, Iterable[Value]]) -> x
             "program": f"rolling-contact-noise {rolling.__version__}",
         },
     )
-    for name, values in _two_numbers(places, shape).items():
-        dataset[name] = (dimensions, *values)
-        taken.add(name)
-    for name, array in _other_numbers(places, shape).items():
+    for name, (values, attributes) in _numbers(places, shape).items():
         if name not in taken:
-            dataset[name] = (dimensions, array, {"units": _unit(name), "long_name": _words(name)})
+            dataset[name] = (dimensions, values, attributes)
     _add_bands(dataset, places, dimensions, shape)
     _add_series(dataset, places, dimensions, shape)
     return dataset
@@ -138,55 +115,23 @@ Places = Mapping[tuple[int, ...], Run]
 Values = tuple[NDArray[Any], dict[str, str]]
 
 
-def _two_numbers(places: Places, shape: tuple[int, ...]) -> dict[str, Values]:
-    """Return vibration and released power with their uncertainties, and how they were found."""
+def _numbers(places: Places, shape: tuple[int, ...]) -> dict[str, Values]:
+    """Return the single numbers of runs, and the texts of the two quantities, by their columns."""
     arrays: dict[str, Values] = {}
-    for name, words, find in (
-        ("vibration", "vibration, what a listener would hear", answer.vibration),
-        ("released_power", "released power", answer.released_power),
-    ):
-        answers = {place: find(run.summary) for place, run in places.items()}
-        levels = np.full(shape, np.nan)
-        spreads = np.full(shape, np.nan)
-        hows = np.full(shape, "", dtype=object)
-        for place, found in answers.items():
-            levels[place] = math.nan if found.level_db is None else found.level_db
-            spreads[place] = math.nan if found.uncertainty_db is None else found.uncertainty_db
-            hows[place] = found.how
-        quantity = _quantities(answers.values())
-        of_level = {"units": "dB(A) re 20 uPa", "long_name": f"{words}: {quantity}"}
-        of_spread = {"units": "dB", "long_name": f"standard uncertainty of the {words}"}
-        arrays[f"{name}_db"] = levels, of_level
-        arrays[f"{name}_uncertainty_db"] = spreads, of_spread
-        arrays[f"{name}_how"] = hows, {"long_name": f"way in which the {words}, was found"}
-    return arrays
-
-
-def _quantities(answers: Iterable[Answer]) -> str:
-    """Name the quantity of levels, or both where runs are events and others are not."""
-    return " or ".join(dict.fromkeys(found.quantity for found in answers))
-
-
-def _other_numbers(places: Places, shape: tuple[int, ...]) -> dict[str, Array]:
-    """Return the single numbers of summary.json by their names in runs.csv."""
-    arrays: dict[str, Array] = {}
     for place, run in places.items():
-        for name, value in numbers(run.summary).items():
-            is_number = isinstance(value, int | float) and not isinstance(value, bool)
-            if is_number and not name.startswith("third_octave"):
-                arrays.setdefault(name, np.full(shape, np.nan))[place] = value
+        for name, cell in views.columns(run.numbers).items():
+            is_number = isinstance(cell.value, int | float) and not isinstance(cell.value, bool)
+            is_text = isinstance(cell.value, str) and cell.said.in_table
+            if not is_number and not is_text:
+                continue
+            if name not in arrays:
+                empty = np.full(shape, np.nan) if is_number else np.full(shape, "", dtype=object)
+                attributes = {"long_name": cell.said.meaning}
+                if is_number:
+                    attributes["units"] = cell.said.unit
+                arrays[name] = empty, attributes
+            arrays[name][0][place] = cell.value
     return arrays
-
-
-def _unit(name: str) -> str:
-    """Return the unit with which a name ends; 1 without any."""
-    return next((unit for end, unit in _UNITS.items() if name.endswith(end)), "1")
-
-
-def _words(name: str) -> str:
-    """Return a name without its unit as words."""
-    end = next((end for end in _UNITS if name.endswith(end)), "")
-    return name.removesuffix(end).replace("_", " ")
 
 
 def _add_bands(
@@ -197,14 +142,25 @@ def _add_bands(
     of_exact = {"units": "Hz", "long_name": "exact mid frequency of the third octave"}
     dataset.coords["band"] = ("band", np.array(NOMINAL_HZ, dtype=float), of_band)
     dataset.coords["band_exact"] = ("band", MID_HZ.copy(), of_exact)
-    for key, words in _BANDS.items():
-        levels = np.full((*shape, len(BAND_NAMES)), np.nan)
-        for place, run in places.items():
-            for number, name in enumerate(BAND_NAMES):
-                level = run.summary.get(key, {}).get(name)
-                levels[(*place, number)] = math.nan if level is None else level
-        unit = "dB" if "uncertainty" in key else "dB re 20 uPa"
-        dataset[key] = ((*dimensions, "band"), levels, {"units": unit, "long_name": words})
+    arrays: dict[str, Values] = {}
+    for place, run in places.items():
+        for path, said, bands in leaves(run.numbers.bands):
+            if not isinstance(bands, BandQuantity):
+                continue
+            name = f"bands_{'_'.join(path)}"
+            values = {name: (bands.value, bands.unit, said.meaning)}
+            if bands.uncertainty is not None:
+                words = f"standard uncertainty: {said.meaning}"
+                values[f"{name}_uncertainty"] = (bands.uncertainty, "dB", words)
+            for column, (numbers, unit, words) in values.items():
+                if column not in arrays:
+                    empty = np.full((*shape, len(NOMINAL_HZ)), np.nan)
+                    arrays[column] = empty, {"units": unit, "long_name": words}
+                arrays[column][0][place] = [
+                    math.nan if number is None else number for number in numbers
+                ]
+    for column, (array, attributes) in arrays.items():
+        dataset[column] = ((*dimensions, "band"), array, attributes)
 
 
 # ---- series

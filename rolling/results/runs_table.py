@@ -1,66 +1,103 @@
-"""Tables of runs: numbers as a data frame, statistics over seeds, and levels in words."""
+"""Tables of runs: numbers and third octaves as data frames, and statistics over seeds."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.texts import cell
+from rolling.numbers import views
+from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results import verdict
-from rolling.results.answer import leading, released_power, uncertain, vibration
 from rolling.results.labels import SEED, labels
-from rolling.results.run_folder import RunFolder, stored_summary
-from rolling.scene.messages import table
+from rolling.results.run_folder import RunFolder
+from rolling.results.stored_numbers import numbers_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
-LEVELS, MEANS = table("rolling.results", "levels").values()  # keys of the summary with their words
-ANSWERS = ("vibration", "released_power")  # the two numbers of a run, in the order of reading
-BANDS = ("third_octave_db", "third_octave_a_db", "third_octave_uncertainty_db")
-MAXIMA = ("laf_max_db", "las_max_db")  # with a time weighting that a short record may not reach
-_METRES = ("ra", "rq", "highest", "lowest")  # statistics of a surface that are lengths
+BAND = "band_hz"  # nominal mid frequency
+EXACT = "mid_frequency_hz"
 
 
-def runs_table(runs: Sequence[RunFolder]) -> pd.DataFrame:
+def runs_table(runs: Sequence[RunFolder], shown: bool = False) -> pd.DataFrame:
     """Return the numbers of runs, one row per run.
 
     The index holds label, folder and the swept keys. The first columns are the two numbers,
-    vibration and released power. The others are all single numbers of summary.json, the keys of
-    the doubts, and the third octaves, such as `third_octave_db_1000`. A run without a summary has
-    empty cells.
+    vibration and released power, with their uncertainties and verdicts. The others are all single
+    numbers, and the keys of the doubts. A run without numbers has empty cells.
+
+    Parameters
+    ----------
+    runs : sequence of RunFolder
+    shown : bool
+        If true, only the columns that a person reads, as runs.csv has them. Default: all.
     """
     import pandas as pd  # slow to import, for tables only
 
-    swept = list(dict.fromkeys(key for run in runs for key in run.values))
+    swept = _swept(runs)
     rows = []
     for run, label in zip(runs, labels(runs), strict=True):
-        names = {"run": label, "folder": run.folder.name}
-        places = names | {key: run.values.get(key) for key in swept}
-        summary = stored_summary(run)
-        if summary is not None:
-            places |= _two_numbers(summary) | numbers(summary)
-        rows.append(places)
+        row: dict[str, Any] = {"run": label, "folder": run.folder.name}
+        row |= {key: run.values.get(key) for key in swept}
+        numbers = numbers_of(run)
+        if numbers is not None:
+            row |= _cells(numbers, shown)
+        rows.append(row)
     return pd.DataFrame(rows).convert_dtypes().set_index(["run", "folder", *swept])
 
 
-def _two_numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Return vibration and released power with uncertainty and origin, by their columns."""
-    cells: dict[str, Any] = {}
-    for name, answer in (
-        ("vibration", vibration(summary)),
-        ("released_power", released_power(summary)),
-    ):
-        cells[f"{name}_db"] = answer.level_db
-        cells[f"{name}_uncertainty_db"] = answer.uncertainty_db
-        cells[f"{name}_how"] = answer.how
-        cells["quantity"] = answer.quantity
-        if answer.solved_share < 1:
-            cells[f"{name}_solved_share"] = answer.solved_share
+def _swept(runs: Sequence[RunFolder]) -> list[str]:
+    """Return the swept keys of runs."""
+    return list(dict.fromkeys(key for run in runs for key in run.values))
+
+
+def _cells(numbers: RunNumbers, shown: bool) -> dict[str, Any]:
+    """Return the single numbers of a run by the names of their columns."""
+    cells = {
+        name: one.value
+        for name, one in views.columns(numbers).items()
+        if one.said.in_table or not shown
+    }
+    cells["doubts"] = " ".join(doubt.key for doubt in verdict.listed(numbers))
     return cells
+
+
+def bands_table(runs: Sequence[RunFolder]) -> pd.DataFrame:
+    """Return the third octaves of runs in long form: a row for each run, quantity and band.
+
+    The index holds label, folder and the swept keys. Columns are the quantity, the nominal and the
+    exact mid frequency of the band [Hz], the value, its standard uncertainty and the unit.
+    """
+    import pandas as pd
+
+    swept = _swept(runs)
+    exact_hz = dict(zip(BAND_NAMES, MID_HZ.tolist(), strict=True))
+    rows = []
+    for run, label in zip(runs, labels(runs), strict=True):
+        place: dict[str, Any] = {"run": label, "folder": run.folder.name}
+        place |= {key: run.values.get(key) for key in swept}
+        numbers = numbers_of(run)
+        if numbers is None:
+            continue
+        for name, bands in views.bands_of(numbers.bands).items():
+            spreads = bands.uncertainty_by_name
+            for band, value in bands.by_name.items():
+                row = {
+                    "quantity": name,
+                    BAND: float(band),
+                    EXACT: exact_hz[band],
+                    "value": value,
+                    "uncertainty": spreads[band],
+                    "unit": bands.unit,
+                }
+                rows.append(place | row)
+    names = ["run", "folder", *swept, "quantity", BAND, EXACT, "value", "uncertainty", "unit"]
+    frame = pd.DataFrame(rows, columns=names)
+    return frame.convert_dtypes().set_index(["run", "folder", *swept])
 
 
 def without_formulas(table: pd.DataFrame) -> pd.DataFrame:
@@ -79,121 +116,46 @@ def without_formulas(table: pd.DataFrame) -> pd.DataFrame:
     return named
 
 
-def numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the numbers of a summary by the names of their columns.
-
-    The uncertainty of LAeq from the length of the record has the column `laeq_uncertainty_db`, like
-    that of any other level; the one with grid and solver has `laeq_total_uncertainty_db`.
-    """
-    cells: dict[str, Any] = {}
-    for key, value in summary.items():
-        if key == "doubts":
-            cells[key] = " ".join(doubt.key for doubt in verdict.listed(summary))
-        elif key == "uncertainty_db":
-            cells |= {f"{name}_uncertainty_db": spread for name, spread in value.items()}
-        elif key == "surface":
-            for name, number in value.items():
-                unit = "_m" if name in _METRES else ""
-                cells[f"surface_{name}{unit}"] = number
-        elif key == "levelling" and value:
-            cells |= {f"levelling_{name}": inner for name, inner in value.items()}
-        elif key == "verdict" and value:
-            cells |= {"verdict": value["word"], "verdict_reason": value["reason"]}
-        elif key == "laeq_uncertainty_db":
-            cells["laeq_total_uncertainty_db"] = value
-        elif key not in ("name", "levelling", "preparation") and not isinstance(value, Mapping):
-            cells[key] = value
-    for key in BANDS:
-        cells |= {f"{key}_{name}": level for name, level in summary.get(key, {}).items()}
-    return cells
-
-
-def seed_statistics(table: pd.DataFrame, over: str = SEED) -> pd.DataFrame:
+def seed_statistics(runs: Sequence[RunFolder], over: str = SEED) -> pd.DataFrame:
     """Return statistics of levels and third octaves over runs that differ in one key alone.
 
     A sweep of seeds repeats an experiment: `deviation_over_stated` near 1 confirms the uncertainty
     that a record states.
 
-    table : DataFrame. A table of runs, as `runs_table` returns it.
+    runs : sequence of RunFolder. Runs of a sweep.
     over : str. The swept key over which the statistics are made. Default: the seed.
     """
     import pandas as pd
 
-    keys = [name for name in table.index.names if name not in ("run", "folder", over)]
-    uncertainties = {f"{name}_db": f"{name}_uncertainty_db" for name in ANSWERS}
-    uncertainties |= {name: f"{_spread(name)}_uncertainty_db" for name in LEVELS}
-    for kind in ("third_octave_db", "third_octave_a_db"):
-        for band in BAND_NAMES:
-            uncertainties[f"{kind}_{band}"] = f"third_octave_uncertainty_db_{band}"
-    stated = {name: spread for name, spread in uncertainties.items() if name in table}
-    values = table[[*stated]].astype(float)
-    spreads = table[[*stated.values()]].astype(float).set_axis([*stated], axis=1)
-    groups = [table.index.get_level_values(key) for key in keys] or [np.zeros(len(table), int)]
-    of_levels = values.groupby(groups, sort=False, dropna=False)
-    square = np.square(spreads.where(values.notna()))
-    parts = {
-        "runs": of_levels.count(),
-        "mean": of_levels.mean(),
-        "standard_deviation": of_levels.std(),
-        "standard_error": of_levels.sem(),
-        "stated_uncertainty": np.sqrt(square.groupby(groups, sort=False, dropna=False).mean()),
-    }
-    parts["deviation_over_stated"] = parts["standard_deviation"] / parts["stated_uncertainty"]
-    statistics = pd.concat(parts, axis=1).stack(level=1, future_stack=True)
-    statistics = statistics.rename_axis([*(keys or ["all"]), "level"]).reset_index()
-    names = statistics["level"].str.extract(r"^(third_octave(?:_a)?_db)_(.+)$")
-    statistics["level"] = names[0].fillna(statistics["level"])
-    statistics.insert(len(keys or ["all"]) + 1, "band_hz", names[1])
-    exact_hz = dict(zip(BAND_NAMES, MID_HZ, strict=True))
-    statistics.insert(len(keys or ["all"]) + 2, "mid_frequency_hz", names[1].map(exact_hz))
-    statistics = statistics[statistics["runs"] > 0].astype({"runs": int})
-    return statistics if keys else statistics.drop(columns="all")
-
-
-# ---- texts
-
-
-def level_text(summary: Mapping[str, Any], key: str) -> str:
-    """Write a level of a summary, or of the whole of what ends, with its uncertainty [dB]."""
-    if (level := leading(summary, key)) is None:
-        no_level = key == "steady_level_db" and summary["source"] == "vibration"
-        too_short = key in MAXIMA and summary["laeq_db"] is not None
-        return "-" if no_level or too_short else "silent"
-    return uncertain(level, summary["uncertainty_db"][_spread(key)])
-
-
-def shown_levels(summary: Mapping[str, Any]) -> list[str]:
-    """Return the keys of the levels of a run that tables show, the first read first."""
-    levels = [key for key in LEVELS if key in summary]
-    if summary.get("single_event"):
-        first = ["lae_db", "laf_max_db"]
-        return first + [key for key in levels if key not in (*first, "laeq_db", "level_db")]
-    return [key for key in levels if key != "lae_db"]
-
-
-def level_name(summary: Mapping[str, Any]) -> str:
-    """Name the level of a run: LAeq of the vibration, or of the released power with its q.
-
-    A single event has the sound exposure level LAE.
-    """
-    event = summary.get("single_event")
-    quantity, reference = ("LAE", " (re 1 s)") if event else ("LAeq", "")
-    if summary["source"] == "vibration":
-        place = "at the listener" if summary.get("listeners") else "on the axis"
-        return f"{quantity} {place}{reference}"
-    if _fixed_gain(summary):
-        return f"{quantity} under the fixed gain{reference}"
-    q = f"q = {summary.get('q') or 1:g}"
-    if event:
-        return f"LAE of the released power (re 1 s, {q})"
-    return f"level of the released power ({q})"
-
-
-def _fixed_gain(summary: Mapping[str, Any]) -> bool:
-    """Tell whether the gain of the scene decides the level of a release."""
-    return summary["source"] == "release" and summary.get("q", 1) is None
-
-
-def _spread(key: str) -> str:
-    """Return the name of a level in `uncertainty_db`."""
-    return "steady" if key.startswith("steady") else key.removesuffix("_db")
+    keys = [key for key in _swept(runs) if key != over]
+    rows = []
+    for run in runs:
+        numbers = numbers_of(run)
+        if numbers is None:
+            continue
+        place = {key: run.values.get(key) for key in keys}
+        cells = views.columns(numbers)
+        for name, spread in views.spread_columns(numbers).items():
+            row = {
+                "level": name,
+                BAND: None,
+                EXACT: None,
+                "value": cells[name].value,
+                "uncertainty": cells[spread].value,
+            }
+            rows.append(place | row)
+    bands = bands_table(runs).reset_index().rename(columns={"quantity": "level"})
+    names = [*keys, "level", BAND, EXACT, "value", "uncertainty"]
+    table = pd.concat([pd.DataFrame(rows, columns=names), bands[names]], ignore_index=True)
+    table = table.astype({"value": float, "uncertainty": float})
+    known = table[table["value"].notna()].assign(
+        square=lambda frame: np.square(frame["uncertainty"])
+    )
+    groups = known.groupby(names[:-2], sort=False, dropna=False)
+    statistics = groups["value"].agg(["count", "mean", "std", "sem"])
+    statistics.columns = pd.Index(["runs", "mean", "standard_deviation", "standard_error"])
+    statistics["stated_uncertainty"] = np.sqrt(groups["square"].mean())
+    statistics["deviation_over_stated"] = (
+        statistics["standard_deviation"] / statistics["stated_uncertainty"]
+    )
+    return statistics.reset_index()

@@ -1,4 +1,4 @@
-"""A solved run: its marches and its sound, and what follows from them without being stored."""
+"""A solved run: its marches and its sound, what follows from them, and its numbers."""
 
 from __future__ import annotations
 
@@ -16,6 +16,9 @@ from acoustics.traps import ignoring_underflow
 from rolling.contact.recovery import EventStatistics, event_statistics
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result, released_energy
+from rolling.numbers.ball_numbers import RunNumbers
+from rolling.numbers.quantity import Quantity
+from rolling.numbers.run_file import StoredNumbers
 from rolling.results import labels, long_record
 from rolling.results.channels import Channel, channels_of
 from rolling.results.long_record import ListeningError
@@ -31,17 +34,15 @@ from rolling.surface.scene_surface import scene_surface
 @ignoring_underflow
 @dataclass(frozen=True, eq=False, repr=False)
 class SolvedRun(RunFolder):
-    """Data of a run with its sound. It equals no other run, so it can be the key of a dictionary.
+    """Data of a run with its sound, from which its numbers are made.
 
-    Its fields are described at `Run`, which adds player, tables and texts. Modules that write or
-    tabulate a run read it by this class.
+    It equals no other run, so it can be the key of a dictionary. Its fields are described at `Run`.
     """
 
     label: str
     result: Result
     sound: ContactSound
-    summary: dict[str, Any]
-    vibration: Vibration | None = None
+    vibration_sound: Vibration | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the fields alone, for pickle and copies; what follows from them is made again."""
@@ -81,7 +82,7 @@ class SolvedRun(RunFolder):
 
         They are made again from the marches of a run that is opened, as its sound is.
         """
-        return channels_of(self.scene, self.vibration)
+        return channels_of(self.scene, self.vibration_sound)
 
     @property
     def title(self) -> str:
@@ -92,7 +93,7 @@ class SolvedRun(RunFolder):
     def wavelength_octaves(self) -> list[WavelengthOctave]:
         """Octaves of roughness wavelength with their parts of the sound; none for a silent run."""
         heights = None
-        if self.vibration:
+        if self.vibration_sound:
             heights = self.result.heights_after_passes(scene_surface(self.scene).heights)
         approach = self.result.series["approach"]
         return wavelength_octaves(self.scene, self.sound, heights, approach)
@@ -104,7 +105,7 @@ class SolvedRun(RunFolder):
         Its `position` [m] counts along the surface, and its `level_db` is LAeq while the ball
         crosses a patch. By energy the levels add up to LAeq of the record.
         """
-        return sound_by_place(self.scene, self.sound, self.vibration)
+        return sound_by_place(self.scene, self.sound, self.vibration_sound)
 
     @property
     def laps(self) -> float:
@@ -117,8 +118,8 @@ class SolvedRun(RunFolder):
 
         It differs from the LAeq that is stated where this is the mean over a comb.
         """
-        if self.vibration is not None and self.sound.source == "vibration":
-            return self.vibration.levels.laeq_db
+        if self.vibration_sound is not None and self.sound.source == "vibration":
+            return self.vibration_sound.levels.laeq_db
         return self.sound.levels.laeq_db
 
     def ends_within(self, seconds: float) -> bool:
@@ -174,7 +175,7 @@ class SolvedRun(RunFolder):
         >>> words = ["rolling.load_n=1", "rolling.duration_s=0.01"]
         >>> scene = rolling.read_scene("quickstart", words)
         >>> long = rolling.simulate(scene, workers=1, progress=False).listen(2, speed=(0.05, 0.1))
-        >>> f"{long.numbers['seconds']:g} s, {long.numbers['solved_share']:.1%} of it solved"
+        >>> f"{long.numbers.seconds:g} s, {long.numbers.solved_share:.1%} of it solved"
         '2 s, 1.0% of it solved'
         """
         long_record.refuse_long_record(seconds, speed, seed)
@@ -184,7 +185,7 @@ class SolvedRun(RunFolder):
             self.scene,
             self.result,
             self.sound,
-            self.vibration,
+            self.vibration_sound,
             seconds=seconds,
             speed=speed,
             seed=seed,
@@ -237,3 +238,25 @@ class SolvedRun(RunFolder):
         motion = self.scene.motion
         ends = np.arange(self.result.steps + 1) * self.result.step
         return np.asarray(motion.time(np.minimum(ends, motion.final_distance)), dtype=float)
+
+
+@ignoring_underflow
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class NumberedRun(SolvedRun):
+    """A solved run with its numbers. Modules that write or tabulate a run read it by this class.
+
+    `Run` adds player, tables and texts.
+    """
+
+    numbers: RunNumbers
+    stored: StoredNumbers | None = None
+
+    @property
+    def vibration(self) -> Quantity:
+        """The vibration: what a listener would hear."""
+        return self.numbers.vibration
+
+    @property
+    def released_power(self) -> Quantity:
+        """What one would hear if all elastic energy that is released became sound."""
+        return self.numbers.released_power

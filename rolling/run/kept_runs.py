@@ -15,8 +15,9 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from rolling.results.run_folder import SUMMARY, RunFolder, read_summary
+from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run, read_run
+from rolling.results.stored_numbers import read_stored
 from rolling.run import folder as folders
 from rolling.scene.height_files import read_regular
 from rolling.terminal.files import FolderError, make_below, write_bytes
@@ -72,7 +73,8 @@ class KeptRuns:
                 content = read_regular(path, MAX_BYTES)
                 if hashlib.sha256(content).hexdigest() == digest:
                     kept: Run = pickle.loads(content)
-                    return replace(kept, label=label, summary=read_summary(run.folder / SUMMARY))
+                    stored = read_stored(run.folder)
+                    return replace(kept, label=label, numbers=stored.numbers, stored=stored)
         return read_run(run, label)
 
     def remove_others(self) -> None:

@@ -274,6 +274,9 @@ def open_runs(
     """Read runs that are done, with labels that tell them apart; a single run keeps its own."""
     opened = [read(run, label) for run, label in zip(runs, labels.labels(runs), strict=True)]
     if len(opened) == 1:  # perhaps of a sweep, and saved alone
-        label = opened[0].summary.get("provenance", {}).get("label") or opened[0].label
+        stored = opened[0].stored
+        label = opened[0].label
+        if stored is not None and stored.provenance.label:
+            label = stored.provenance.label
         opened[0] = replace(opened[0], label=printable(label))
     return opened

@@ -70,7 +70,7 @@ class Runs(dict[Values, Run]):
         Returns
         -------
         table : pandas.DataFrame
-            Numbers of summary.json by label, folder and swept keys. Names end in their units.
+            All single numbers by label, folder and swept keys. Names end in their units.
         """
         return runs_table([*self.values()])
 

@@ -21,6 +21,7 @@ from acoustics.bands import AUDIBLE_HZ, NOMINAL_HZ
 from acoustics.laps import Lap, crossfaded_lap
 from acoustics.numbers import decibels_a, rounded
 from acoustics.traps import ignoring_underflow
+from rolling.numbers.ball_numbers import Source
 from rolling.scene.scene import Scene
 from rolling.scene.track import Motion
 from rolling.terminal.files import write_bytes
@@ -117,7 +118,7 @@ class ContactSound:
     audible_rms: float
     resolved_rms: float
     has_seam: bool = False
-    source: str = "release"
+    source: Source = "release"
     right: Array | None = None
     once: bool = False
 

@@ -1,7 +1,6 @@
 """Sound of a run that goes on beyond its solved track."""
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from acoustics.traps import ignoring_underflow
 from acoustics.uncertainty import kurtosis
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.long_motion import LongMotion, turn_m
+from rolling.numbers.ball_numbers import ListeningNumbers
 from rolling.scene.scene import Scene
 from rolling.sound import contact_sound, vibration_sound
 from rolling.terminal import progress
@@ -31,8 +31,8 @@ class Listening:
         Sound pressure at the first listener.
     sample_rate : int, Hz
         Sample rate.
-    numbers : dict
-        Facts and levels, as `listening` in summary.json has them.
+    numbers : ListeningNumbers
+        Facts and levels.
     right : (samples,) array, Pa, or None
         Sound pressure at a second listener.
 
@@ -49,7 +49,7 @@ class Listening:
 
     pressure: Array
     sample_rate: int
-    numbers: dict[str, Any]
+    numbers: ListeningNumbers
     right: Array | None = None
 
     @property
@@ -94,10 +94,13 @@ def listen_to_vibration(scene: Scene, law: ForceLaw, seconds: float, seed: int) 
     fluctuation = fade(np.concatenate(samples), seconds)
     _, pressures = vibration_sound.radiated(scene, fluctuation, rate, closed=False, listeners=2)
     numbers = _numbers(scene, pressures[0], seconds, law.spacing_m, motion.law.rows)
-    numbers["impacts"] = motion.impacts
-    numbers["flight_share"] = motion.apart / motion.taken
-    numbers["force_outside_share"] = motion.outside / motion.taken
-    numbers["limited_share"] = motion.law.limited / max(motion.law.continued, 1)
+    numbers = replace(
+        numbers,
+        impacts=motion.impacts,
+        flight_share=motion.apart / motion.taken,
+        force_outside_share=motion.outside / motion.taken,
+        limited_share=motion.law.limited / max(motion.law.continued, 1),
+    )
     right = None
     if len(pressures) > 1:
         right = pressures[1]
@@ -157,7 +160,7 @@ def _in_time(scene: Scene, rows: ContinuedRows, spacing: float, seconds: float) 
 
 def _numbers(
     scene: Scene, pressure: Array, seconds: float, step: float, rows: ContinuedRows, finer: int = 1
-) -> dict[str, Any]:
+) -> ListeningNumbers:
     """Return facts and levels of a record; `rows` are `finer` to a step [m]."""
     motion = scene.motion
     turn = turn_m(scene)
@@ -165,16 +168,16 @@ def _numbers(
     rolled = float(motion.distance(seconds))
     solved = rows.solved / finer * step
     solved_s = seconds if solved >= rolled else float(motion.time(solved))
-    return {
-        "seconds": seconds,
-        "laeq_db": level.laeq_db(pressure, wav.SAMPLE_RATE_HZ),
-        "level_db": level.level_db(float(np.mean(np.square(pressure)))),
-        "solved_mm": 1e3 * min(solved, rolled),
-        "rolled_mm": 1e3 * rolled,
-        "solved_share": solved_s / seconds,
-        "kurtosis": kurtosis(pressure) if pressure.any() else None,
-        "stretches": rows.inserted,
-        "turn_mm": turn and 1e3 * turn,
-        "highest_frequency_hz": fastest / (2 * step),
-        "lowest_frequency_hz": fastest / solved,
-    }
+    return ListeningNumbers(
+        seconds=seconds,
+        laeq_db=level.laeq_db(pressure, wav.SAMPLE_RATE_HZ),
+        level_db=level.level_db(float(np.mean(np.square(pressure)))),
+        solved_mm=1e3 * min(solved, rolled),
+        rolled_mm=1e3 * rolled,
+        solved_share=solved_s / seconds,
+        kurtosis=kurtosis(pressure) if pressure.any() else None,
+        stretches=rows.inserted,
+        turn_mm=turn and 1e3 * turn,
+        highest_frequency_hz=fastest / (2 * step),
+        lowest_frequency_hz=fastest / solved,
+    )

@@ -278,16 +278,21 @@ class VibrationEstimate(NamedTuple):
     """Level of the vibration that a run without dynamics leaves out, by a linear chain.
 
     laeq_db : float or None, dB. LAeq; None where the approach does not fluctuate within hearing.
-    uncertainty_db : float or None, dB. Standard uncertainty of LAeq, as far as contact holds.
+    parts_db : dict, dB. Parts of the standard uncertainty of LAeq by source, while contact holds.
     force_ratio : float. Rms of the contact force over the load.
     contact_loss_db : float, dB. Change of LAeq by a loss factor UNKNOWN_LOSS of the contact, half
         of which is in the uncertainty; 0 where the scene states a loss factor.
     """
 
     laeq_db: float | None
-    uncertainty_db: float | None
+    parts_db: dict[str, float]
     force_ratio: float
     contact_loss_db: float
+
+    @property
+    def uncertainty_db(self) -> float | None:
+        """Standard uncertainty of LAeq [dB], as far as contact holds; None without a level."""
+        return None if self.laeq_db is None else math.hypot(*self.parts_db.values())
 
 
 def vibration_estimate(
@@ -314,9 +319,7 @@ def vibration_estimate(
     motion = scene.motion
     steps = len(approach) - 1
     duration = motion.duration(steps * step)
-    silence = VibrationEstimate(
-        laeq_db=None, uncertainty_db=None, force_ratio=0.0, contact_loss_db=0.0
-    )
+    silence = VibrationEstimate(laeq_db=None, parts_db={}, force_ratio=0.0, contact_loss_db=0.0)
     if scene.is_smooth or steps < 4:
         return silence
     looped = closed and motion.is_constant(duration)
@@ -367,18 +370,18 @@ def vibration_estimate(
         damped = replace(chain, contact_loss_factor=UNKNOWN_LOSS)
         with_loss = (gain * force_gain(damped, points)).sum(axis=0).mean()
         contact_loss_db = 10 * math.log10(float(with_loss) / mean)
-    parts_db = [
-        LINEAR_DB,
-        max(of_softer, of_stiffer),
-        HALF * _apart_db(following, mean),
-        HALF * _apart_db(within, following),
-        HALF * contact_loss_db,
-    ]
+    parts_db = {
+        "chain": LINEAR_DB,
+        "stiffness": max(of_softer, of_stiffer),
+        "stiffness_changes": HALF * _apart_db(following, mean),
+        "band": HALF * _apart_db(within, following),
+        "contact_loss": HALF * abs(contact_loss_db),
+    }
     if looped:
-        parts_db.append(math.sqrt(np.mean([_apart_db(place, mean) ** 2 for place in at_mean])))
+        parts_db["comb"] = math.sqrt(np.mean([_apart_db(place, mean) ** 2 for place in at_mean]))
     return VibrationEstimate(
         laeq_db=level.level_db(square),
-        uncertainty_db=math.hypot(*parts_db),
+        parts_db=parts_db,
         force_ratio=math.sqrt(float(mean_square @ forces.mean(axis=1))) / scene.load,
         contact_loss_db=contact_loss_db,
     )

@@ -95,7 +95,7 @@ class Vibration:
     >>> scene = rolling.read_scene("quickstart", [*words, "plate.thickness_mm=10"])
     >>> scene = scene.with_(load_n=1, duration_s=0.005, error_estimate=False)
     >>> run = rolling.simulate(scene, workers=1, progress=False)
-    >>> run.vibration.pressures.shape, f"{run.vibration.load:g} N"
+    >>> run.vibration_sound.pressures.shape, f"{run.vibration_sound.load:g} N"
     ((1, 240), '1 N')
     """
 

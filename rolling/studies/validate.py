@@ -271,9 +271,9 @@ def _run(scene: Scene, heights: Array | None = None) -> Run:
 def impact() -> PublishedValues:
     """Compare time, force and pulse of an impact with Hertz, and restitution with Zener."""
     run = _run(_scene("ball-impact"))
-    assert run.vibration is not None  # it has dynamics
+    assert run.vibration_sound is not None  # it has dynamics
     scene = run.scene
-    motion = run.vibration.motion
+    motion = run.vibration_sound.motion
     first = int(np.argmax(motion.force_n > 0))
     pulse = motion.force_n[first : first + int(np.argmin(motion.force_n[first:] > 0))]
     step = motion.time_step_s

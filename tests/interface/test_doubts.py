@@ -17,7 +17,7 @@ from scene_text import PLAIN, TINY
 
 from acoustics.bands import BAND_NAMES
 from rolling.check import level
-from rolling.check.doubt import Doubt, Severity, severity_of
+from rolling.numbers.doubt import Doubt, Severity, severity_of
 from rolling.check.findings import check_run, check_scene, conclusion
 from rolling.results import doubts, notes, run_lines, verdict
 from rolling.results.run_folder import RunFolder

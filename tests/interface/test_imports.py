@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 # a new room needs a floor.
 FLOORS = {
     "rolling": (
-        ("_own_acoustics", "contact", "terminal"),
+        ("_own_acoustics", "contact", "numbers", "terminal"),
         ("bearing",),
         ("scene",),
         ("dynamics", "surface"),

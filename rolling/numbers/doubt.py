@@ -41,6 +41,8 @@ class Doubt:
         Size of the error; None: unknown.
     advice : str
         What follows from it, and what to do. Default: nothing.
+    about : tuple of str
+        Names of the quantities that it touches, such as `vibration`. Default: all.
 
     Examples
     --------
@@ -56,6 +58,11 @@ class Doubt:
     severity: Severity
     decibels: float | None = None
     advice: str = ""
+    about: tuple[str, ...] = ()
+
+    def touches(self, quantity: str) -> bool:
+        """Tell whether it is a doubt about the quantity of a name."""
+        return not self.about or quantity in self.about
 
     @property
     def line(self) -> str:
@@ -87,30 +94,3 @@ def sized(
     """Return a doubt of known decibels, which decide its severity; it is `least` or worse."""
     size = abs(decibels)
     return Doubt(key, text, max(severity_of(size), least), size, advice)
-
-
-@dataclass(frozen=True)
-class Finding:
-    """A row of the check: a quantity of a run and its value.
-
-    Attributes
-    ----------
-    key : str
-        Name for programs, which never changes with the wording. A doubt of this key marks the row.
-    quantity, value : str
-        Quantity and its value with unit, in words.
-    seconds : float, s
-        Time of computing on one core, which the runs of a sweep add up.
-
-    Examples
-    --------
-    >>> import rolling
-    >>> steps = rolling.read_scene("quickstart").with_(load_n=20).check()[0]
-    >>> steps.quantity, steps.value
-    ('steps', '25000 of 2 um')
-    """
-
-    key: str
-    quantity: str
-    value: str
-    seconds: float = 0.0

@@ -1,0 +1,798 @@
+"""The numbers of a run of a ball, by subject. They are made once, after the solve.
+
+A new number is a field here, with its unit, meaning and format, and an assignment in
+`rolling.results.numbers`. All tables, files and docs follow from the fields.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from rolling.numbers.doubt import Doubt
+from rolling.numbers.fields import group, number
+from rolling.numbers.quantity import BandQuantity, Quantity
+
+Source = Literal["vibration", "release"]
+DB_A = "dB(A)"
+DB = "dB"
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordNumbers:
+    """What was solved, and the record that the sound files have."""
+
+    source: Source = number("sound that the files have: vibration or release", "")
+    load_n: float = number("load", "N")
+    steps: int = number("steps of the record")
+    duration_s: float = number("length of the record", "s")
+    loops: bool = number("whether the record closes, so that it repeats without a click", "")
+    single_event: bool = number("whether the record is a single event, which LAE describes", "")
+    highest_frequency_hz: float = number("Nyquist frequency of the steps", "Hz")
+    laeq_db: float | None = number(
+        "LAeq of the record itself; that of the vibration differs from it where it is the mean "
+        "over a comb",
+        DB_A,
+        default=None,
+    )
+    scatter_db: float | None = number(
+        "uncertainty of LAeq, found by comparing three parts of the record",
+        DB,
+        default=None,
+    )
+    q: float | None = number(
+        "share of the released power that counts as sound; none under a fixed gain, and for a "
+        "vibration",
+        default=None,
+    )
+    factor_pa_per_w_m2: float | None = number(
+        "factor from the intensity of a release to sound pressure",
+        "Pa/(W/m2)",
+        default=None,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class LevelSpreads:
+    """Standard uncertainties of levels from the length of the record, and comb and time steps."""
+
+    laeq_db: float | None = number("of LAeq", DB, default=None)
+    level_db: float | None = number("of LZeq", DB, default=None)
+    laf_max_db: float | None = number("of LAFmax", DB, default=None)
+    las_max_db: float | None = number("of LASmax", DB, default=None)
+    lz_peak_db: float | None = number("of LZpeak", DB, default=None)
+    lae_db: float | None = number("of LAE", DB, default=None)
+    steady_level_db: float | None = number("of the steady level", DB, default=None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SourceLevels:
+    """Levels of one source; None where there is no sound, or where they are not known."""
+
+    lae_db: float | None = number(
+        "sound exposure level LAE (re 1 s)",
+        DB_A,
+        word="LAE (re 1 s)",
+        form=".1f",
+        holds_for="event",
+        default=None,
+    )
+    laeq_db: float | None = number(
+        "LAeq", DB_A, word="LAeq", form=".1f", holds_for="lasting", default=None
+    )
+    level_db: float | None = number(
+        "LZeq", DB, word="LZeq", form=".1f", in_table=True, holds_for="lasting", default=None
+    )
+    laf_max_db: float | None = number(
+        "LAFmax; none where the record is too short for its time weighting",
+        DB_A,
+        word="LAFmax",
+        form=".1f",
+        in_table=True,
+        default=None,
+    )
+    las_max_db: float | None = number(
+        "LASmax; none where the record is too short for its time weighting",
+        DB_A,
+        word="LASmax",
+        form=".1f",
+        default=None,
+    )
+    lz_peak_db: float | None = number(
+        "LZpeak", DB, word="LZpeak", form=".1f", in_table=True, default=None
+    )
+    steady_level_db: float | None = number(
+        "level of the mean intensity of a release, which is silent",
+        "dB re 1 pW/m2",
+        word="steady level",
+        shown_unit="dB re 1 pW/m²",
+        form=".1f",
+        default=None,
+    )
+    spreads: LevelSpreads | None = group(
+        "standard uncertainties from the length of the record; those of a vibration cover comb and "
+        "time steps, too",
+        default=None,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ListenerLevels:
+    """Levels at a listener of a plate with edges."""
+
+    at_mm: tuple[float, ...] = number("place from the corner of the plate", "mm")
+    laeq_db: float | None = number("LAeq", DB_A, default=None)
+    level_db: float | None = number("LZeq", DB, default=None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LevelNumbers:
+    """Levels of both sources, and those that stand beside a vibration."""
+
+    vibration: SourceLevels | None = group(
+        "of the vibration, as far as it is computed", default=None
+    )
+    released_power: SourceLevels | None = group("of the released power", default=None)
+    released_power_at_listener_db: float | None = number(
+        "LAeq of the released power where the vibration is heard",
+        DB_A,
+        word="released power where the vibration is heard",
+        form=".1f",
+        default=None,
+    )
+    released_power_z_at_listener_db: float | None = number(
+        "LZeq of the released power where the vibration is heard",
+        DB,
+        default=None,
+    )
+    release_over_vibration_db: float | None = number(
+        "released power over the vibration",
+        DB,
+        word="release over vibration",
+        form=".1f",
+        default=None,
+    )
+    equivalent_q: float | None = number(
+        "share q at which the released power would be as loud as the vibration",
+        word="q that equals them",
+        form=".2g",
+        default=None,
+    )
+    compact_source_level_db: float | None = number(
+        "A-weighted level of a compact source with the power P of plate and ball, "
+        "p² = rho c P/(2 pi r²)",
+        DB_A,
+        word="compact source of the same power",
+        form=".1f",
+        default=None,
+    )
+    hemisphere_mean_level_db: float | None = number(
+        "A-weighted mean over a half sphere around a plate with edges",
+        DB_A,
+        word="mean over the half sphere",
+        form=".1f",
+        default=None,
+    )
+    plate_power_level_db: float | None = number(
+        "sound power of the plate to one side; none above coincidence without a loss factor",
+        "dB re 1 pW",
+        word="sound power of the plate",
+        form=".1f",
+        in_table=True,
+        holds_for="lasting",
+        default=None,
+    )
+    ball_power_level_db: float | None = number(
+        "sound power of the ball to one side",
+        "dB re 1 pW",
+        word="sound power of the sphere",
+        form=".1f",
+        holds_for="lasting",
+        default=None,
+    )
+    listeners: tuple[ListenerLevels, ...] | None = group(
+        "levels at each listener of a plate with edges",
+        default=None,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class BandNumbers:
+    """Third octaves. Errors are positive where the stated value is too high."""
+
+    vibration: BandQuantity | None = group("vibration, without weighting", default=None)
+    vibration_a: BandQuantity | None = group(
+        "vibration, A-weighted; of the sound that plays", default=None
+    )
+    released_power: BandQuantity | None = group("released power, without weighting", default=None)
+    released_power_a: BandQuantity | None = group(
+        "released power, A-weighted; of the sound that plays",
+        default=None,
+    )
+    released_power_at_listener: BandQuantity | None = group(
+        "released power where the vibration is heard",
+        default=None,
+    )
+    plate_power: BandQuantity | None = group("sound power of the plate", default=None)
+    ball_power: BandQuantity | None = group("sound power of the ball", default=None)
+    force: BandQuantity | None = group("rms of the contact force", default=None)
+    grid_error: BandQuantity | None = group(
+        "errors from the grid, with their uncertainty", default=None
+    )
+    solver_error: BandQuantity | None = group("errors from the solver", default=None)
+    subgrid_error: BandQuantity | None = group(
+        "errors from missing detail below the spacing", default=None
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ErrorNumbers:
+    """Errors of the level of the sound that plays; positive where the stated value is too high."""
+
+    grid_db: float | None = number(
+        "error of LAeq from the grid",
+        DB,
+        word="grid error of LAeq",
+        form="+.2f",
+        default=None,
+    )
+    grid_uncertainty_db: float | None = number("its standard uncertainty", DB, default=None)
+    solver_db: float | None = number(
+        "error of LAeq from the solver",
+        DB,
+        word="solver error of LAeq",
+        form="+.2f",
+        default=None,
+    )
+    subgrid_db: float | None = number(
+        "error of LAeq from missing detail below the spacing",
+        DB,
+        word="error of LAeq from missing detail",
+        form="+.2f",
+        default=None,
+    )
+    subgrid_uncertainty_db: float | None = number("its standard uncertainty", DB, default=None)
+    band_db: float | None = number(
+        "what the end of the simulated band does to LAeq", DB, default=None
+    )
+    band_uncertainty_db: float | None = number("its standard uncertainty", DB, default=None)
+    band_end_hz: float | None = number(
+        "frequency of that end at the lowest speed", "Hz", default=None
+    )
+    plastic_ratio_grid: float | None = number(
+        "error of the plastic ratio from the grid", default=None
+    )
+    plastic_ratio_grid_uncertainty: float | None = number("its standard uncertainty", default=None)
+    grid_signal_db: float | None = number(
+        "rms error of the signal from the grid over its fluctuation",
+        DB,
+        default=None,
+    )
+    grid_signal_uncertainty_db: float | None = number("its standard uncertainty", DB, default=None)
+    solver_signal_db: float | None = number(
+        "rms error of the signal from the solver over its fluctuation",
+        DB,
+        default=None,
+    )
+    is_asked: bool = number("whether the scene asks for an estimate", "", default=False)
+    reason: str | None = number("why there is no estimate", "", default=None)
+    stretches: int | None = number("stretches that were marched again", default=None)
+    stretch_steps: int | None = number("steps of a stretch", default=None)
+    order: float | None = number("order of convergence", default=None)
+    order_measured: bool | None = number("whether the order was measured", "", default=None)
+    worst_uncertainty_db: float | None = number(
+        "largest uncertainty of the error of a third octave from 1 to 16 kHz",
+        DB,
+        default=None,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class EnergyNumbers:
+    """Released power, and errors of the energy ledger."""
+
+    release_power_mean_w: float = number(
+        "mean released power",
+        "W",
+        word="release, mean",
+        shown_unit="µW",
+        factor=1e6,
+        in_table=True,
+    )
+    release_power_rms_w: float = number(
+        "rms fluctuation of the released power",
+        "W",
+        word="release, rms",
+        shown_unit="µW",
+        factor=1e6,
+        in_table=True,
+    )
+    release_power_audible_rms_w: float = number("audible fluctuation of the released power", "W")
+    release_power_resolved_rms_w: float = number(
+        "error of the solver in it; the record is silent if the audible part is below", "W"
+    )
+    balance_error: float = number("largest defect of the energy over the largest stored energy")
+    joint_error: float | None = number(
+        "largest difference of the stored energy where pieces join, over its maximum",
+        default=None,
+    )
+    moving_balance_error: float | None = number(
+        "balance error of a release under the moving load", default=None
+    )
+    moving_law_error_m: float | None = number(
+        "error of the force law of a release under the moving load",
+        "m",
+        default=None,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactNumbers:
+    """Areas and pressures, as means or maxima over positions."""
+
+    hertz_area_m2: float = number("area of the smooth elastic contact", "m2")
+    area_mean_m2: float = number(
+        "mean contact area",
+        "m2",
+        word="contact area",
+        shown_unit="µm²",
+        factor=1e12,
+        in_table=True,
+    )
+    plastic_area_mean_m2: float = number("mean area at the hardness", "m2")
+    plastic_ratio: float = number(
+        "mean area at the hardness over the Hertz area",
+        word="plastic ratio",
+        form=".3f",
+        in_table=True,
+    )
+    max_pressure_pa: float = number(
+        "maximum pressure",
+        "Pa",
+        word="maximum pressure",
+        shown_unit="GPa",
+        factor=1e-9,
+        form=".3g",
+        in_table=True,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class EffortNumbers:
+    """What the solver did, how far it went, and how long it took."""
+
+    tolerance: float = number("tolerance of the solver")
+    residual_max: float = number("largest residual of a position")
+    iterations_mean: float = number("mean iterations of a position")
+    convolutions_mean: float = number("mean convolutions of a position")
+    step_nodes: float = number("length of a step in nodes")
+    step_choice: str | None = number(
+        "who chose it: the scene, or auto with its reason", "", default=None
+    )
+    step_lowest_speed_m_s: float | None = number(
+        "lowest speed at which the steps that auto chose may be heard anew",
+        "m/s",
+        default=None,
+    )
+    step_ms: float | None = number("median processor time of a step", "ms", default=None)
+    march_cpu_s: float = number("processor time of the march alone", "s", in_table=True)
+    parts_cpu_s: dict[str, float | None] | None = group(
+        "processor time [s] of each part of the run",
+        default=None,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Levelling:
+    """The plane that was removed from the heights of a file, and the seam that is left."""
+
+    slope_along: float = number("slope along the track that was removed")
+    slope_across: float = number("slope across the track that was removed")
+    height_along_m: float = number("rise along the track that was removed", "m")
+    height_across_m: float = number("rise across the track that was removed", "m")
+    ra_before_m: float = number("Ra before", "m")
+    ra_after_m: float = number("Ra after", "m")
+    seam_step_m: float = number("step where the heights go round", "m")
+    seam_neighbours_m: float = number("steps beside it", "m")
+    seam_stands_out: bool = number("whether the seam stands out", "")
+    text: str = number("the same in words", "")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PreparationStep:
+    """A step of the preparation of a height file."""
+
+    step: str = number("name of the step", "")
+    text: str = number("the step in words, with the roughness", "")
+    before: dict[str, float] = group("Sa, Sq [m], Ssk, Sku, Sdq before")
+    after: dict[str, float] = group("the same after")
+    warning: str | None = number("what to beware of", "", default=None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MadeSurface:
+    """How well a made surface meets its law."""
+
+    skewness: float = number("skewness")
+    kurtosis: float = number("kurtosis")
+    spectrum_error_db: dict[str, float] = group(
+        "mean square over that of the law [dB], by octave of wavelength [µm]"
+    )
+    spectrum_chance_db: dict[str, float] = group("its standard deviation by chance [dB]")
+
+
+@dataclass(frozen=True, kw_only=True)
+class WavelengthOctave:
+    """An octave of roughness wavelength."""
+
+    from_um: float = number("shortest wave", "um")
+    to_um: float = number("longest wave", "um")
+    energy_share: float = number("share of the A-weighted energy")
+    linear_share: float | None = number(
+        "share of the approach that follows the waves", default=None
+    )
+    fall_db: float | None = number("fall of LAeq without these waves", DB, default=None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class InstrumentOfSource:
+    """What an instrument leaves uncertain of a source."""
+
+    error_db: float | None = number(
+        "LAeq over the measurement less LAeq with the law", DB, default=None
+    )
+    spread_db: float | None = number("this error joined with its uncertainty", DB, default=None)
+    bands: BandQuantity | None = group("the same of the third octaves", default=None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class InstrumentNumbers:
+    """What the instrument of a measurement sees, and what it leaves uncertain."""
+
+    cutoff_m: float = number("wavelength below which the heights are not known", "m")
+    limit: str = number("its reason: tip, sampling or noise", "")
+    tip_cutoff_m: float | None = number("wavelength of this limit", "m", default=None)
+    sampling_cutoff_m: float | None = number("wavelength of this limit", "m", default=None)
+    noise_cutoff_m: float | None = number("wavelength of this limit", "m", default=None)
+    law: str | None = number("law of the spectrum below the cut-off, in words", "", default=None)
+    noise_m: float | None = number("rms noise", "m", default=None)
+    noise_recognized: bool = number("whether the spectrum shows the noise", "")
+    noise_over_sq: float | None = number("rms noise over Sq", default=None)
+    reason: str | None = number("why an error is not known", "", default=None)
+    vibration: InstrumentOfSource | None = group("of the vibration", default=None)
+    released_power: InstrumentOfSource | None = group("of the released power", default=None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceNumbers:
+    """Roughness of the surface that the ball rolls over."""
+
+    ra_m: float = number("Ra", "m", in_table=True)
+    rq_m: float = number("Rq", "m", in_table=True)
+    skewness: float = number("skewness", in_table=True)
+    kurtosis: float = number("kurtosis", in_table=True)
+    rms_slope: float = number("rms slope", in_table=True)
+    highest_m: float = number("highest point over the mean", "m")
+    lowest_m: float = number("lowest point over the mean", "m")
+    plate_ra_m: float | None = number("Ra of the plate alone", "m", default=None)
+    ball_ra_m: float | None = number("Ra of the ball alone", "m", default=None)
+    levelling: Levelling | None = group("plane that was removed, and seam", default=None)
+    preparation: tuple[PreparationStep, ...] | None = group("steps of a height file", default=None)
+    made: MadeSurface | None = group("how well a made surface meets its law", default=None)
+    ball_made: MadeSurface | None = group(
+        "how well a made surface of the ball meets its law", default=None
+    )
+    wavelength_octaves: tuple[WavelengthOctave, ...] = group(
+        "octaves of wavelength that sound", default=()
+    )
+    instrument: InstrumentNumbers | None = group(
+        "what a measuring instrument did not see", default=None
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class EarNumbers:
+    """Loudness and its relatives, with `sound.loudness`, of the sound that plays."""
+
+    loudness_sone: float | None = number(
+        "loudness of a steady sound",
+        "sone",
+        word="loudness",
+        form=".3g",
+        in_table=True,
+        default=None,
+    )
+    sharpness_acum: float | None = number(
+        "sharpness of a steady sound",
+        "acum",
+        word="sharpness",
+        form=".3g",
+        default=None,
+    )
+    loudness_n5_sone: float | None = number(
+        "loudness that is exceeded for 5 % of a record that changes",
+        "sone",
+        word="loudness N5",
+        form=".3g",
+        default=None,
+    )
+    loudness_max_sone: float | None = number(
+        "its maximum",
+        "sone",
+        word="loudness, maximum",
+        form=".3g",
+        default=None,
+    )
+    roughness_asper: float | None = number(
+        "roughness of a record from 0.4 s on",
+        "asper",
+        word="roughness",
+        form=".3g",
+        default=None,
+    )
+    tone_to_noise_db: float | None = number(
+        "largest tone-to-noise ratio, of a record from 1 s on",
+        DB,
+        word="tone-to-noise ratio",
+        form=".3g",
+        default=None,
+    )
+    tone_to_noise_hz: float | None = number("frequency of this tone", "Hz", default=None)
+    tone_to_noise_prominent: bool | None = number(
+        "whether ECMA-418-1 calls it prominent", "", default=None
+    )
+    prominence_ratio_db: float | None = number(
+        "largest prominence ratio, of a record from 1 s on",
+        DB,
+        word="prominence ratio",
+        form=".3g",
+        default=None,
+    )
+    prominence_ratio_hz: float | None = number("frequency of this tone", "Hz", default=None)
+    prominence_ratio_prominent: bool | None = number(
+        "whether ECMA-418-1 calls it prominent", "", default=None
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class TurnNumbers:
+    """Turns of a ball with a surface, and whether they are heard."""
+
+    turns: float = number("turns that it rolls")
+    frequency_hz: float | None = number("turns in a second", "Hz", default=None)
+    modulation: float | None = number("modulation of the octave by a turn", default=None)
+    prominence: float | None = number(
+        "first five lines of a turn over the floor under them; noise has 1 to 3, a clear pit more "
+        "than 10",
+        default=None,
+    )
+    band_hz: tuple[float, ...] | None = number("octave that is modulated", "Hz", default=None)
+    reason: str | None = number("why the record cannot tell", "", default=None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionNumbers:
+    """Force, motion and linear chain of a run with dynamics."""
+
+    force_rms_n: float = number(
+        "rms fluctuation of the contact force", "N", word="force, rms", form=".3g", in_table=True
+    )
+    force_rms_ratio: float = number("the same over the load")
+    force_max_ratio: float = number(
+        "largest force over the load", word="maximum of F/W", form=".3f", in_table=True
+    )
+    force_min_ratio: float = number(
+        "least force over the load", word="minimum of F/W", form=".3f", in_table=True
+    )
+    largest_force_n: float = number("largest contact force", "N")
+    impacts: int = number("returns to contact")
+    impacts_yield: bool = number("whether the Hertz pressure of an impact exceeds the hardness", "")
+    flight_share: float = number("share of time without contact")
+    drop_mm: float | None = number("height of a fall", "mm", default=None)
+    restitution: float | None = number(
+        "speed after over speed before the first impact of a fall",
+        word="restitution of the first impact",
+        form=".3f",
+        in_table=True,
+        default=None,
+    )
+    force_law_loads: int | None = number("loads of the force law", default=None)
+    force_law_min_n: float | None = number("its least load", "N", default=None)
+    force_law_max_n: float | None = number("its largest load", "N", default=None)
+    force_law_error_n: float | None = number("its rms error between these loads", "N", default=None)
+    force_law_error_db: float | None = number("the same as decibels of the level", DB, default=None)
+    force_law_top_error: float | None = number("its error at the largest load", default=None)
+    force_law_fault: str | None = number("why loads are missing", "", default=None)
+    force_outside_share: float = number("share of time with a force beyond these loads")
+    comb_spread_db: float | None = number("spread of LAeq over the comb", DB, default=None)
+    comb_mean_laeq_db: float | None = number("mean of LAeq over the comb", DB_A, default=None)
+    baffle_db: float = number(
+        "part of ± because a free plate is computed as in a baffle", DB, default=0.0
+    )
+    time_step_s: float = number("time step of the motion", "s")
+    step_error_db: float | None = number("error of the time steps", DB, default=None)
+    balance_error: float | None = number("error of the energy of the motion", default=None)
+    settled: bool = number("whether the motion repeats from lap to lap", "")
+    laps: float = number("laps that were moved")
+    transient_s: float | None = number("time to run in", "s", default=None)
+    ball_mass_kg: float = number("mass of the ball", "kg")
+    contact_stiffness_n_m: float = number("stiffness of the contact", "N/m")
+    plate_mobility_s_kg: float = number("mobility of the plate", "s/kg")
+    plate_modes: int | None = number("modes of a plate with edges up to 30 kHz", default=None)
+    resonance_hz: float = number("resonance of the ball on its contact", "Hz", in_table=True)
+    resonance_q: float | None = number("its quality; none without damping", default=None)
+    resonance_wavelength_m: float = number("wavelength that excites it", "m")
+    critical_hz: float | None = number("coincidence of the plate", "Hz", default=None)
+    bending_limit_hz: float | None = number(
+        "frequency up to which the plate is thin", "Hz", default=None
+    )
+    plate_deflection_m: float = number("how far the plate sinks and rises", "m")
+    contact_radius_over_thickness: float | None = number(
+        "contact radius over the thickness", default=None
+    )
+    loss_factor: float | tuple[tuple[float, float], ...] | None = number(
+        "loss factor of the plate, or pairs of frequency [Hz] and loss factor", default=None
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class EstimateNumbers:
+    """The linear chain that estimates the vibration of a run without dynamics."""
+
+    laeq_db: float | None = number("LAeq that it gives for the solved record", DB_A, default=None)
+    force_ratio: float = number(
+        "rms fluctuation of the force over the load; above 0.3 the estimate is too high"
+    )
+    bodies: str = number("ball and plate that it assumes", "")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChannelNumbers:
+    """Levels of a channel: a signal of plate, ball or contact."""
+
+    name: str = number("name of the channel", "")
+    of: str = number("plate, ball or contact", "")
+    quantity: str = number("acceleration, velocity, displacement, force or blocked_force", "")
+    unit: str = number("unit of the samples", "")
+    reference: str = number("reference of the levels (ISO 1683)", "")
+    positive: str = number("which sense is positive", "")
+    place_mm: tuple[float, ...] | None = number("place on the plate", "mm", default=None)
+    level_db: float | None = number("level without weighting", DB, default=None)
+    rms: float = number("rms in the unit")
+    peak: float = number("peak in the unit")
+    third_octaves: BandQuantity | None = group("levels of the third octaves", default=None)
+    octaves: BandQuantity | None = group("levels of the octaves", default=None)
+    note: str = number("what a reader of the levels must know", "")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PassNumbers:
+    """Numbers of one pass over a plate that keeps its plastic overlap."""
+
+    laeq_db: float | None = number("LAeq of the released power", DB_A, default=None)
+    level_db: float | None = number("LZeq of the released power", DB, default=None)
+    vibration_laeq_db: float | None = number("LAeq of the vibration, estimated", DB_A, default=None)
+    release_power_mean_w: float = number("mean released power", "W")
+    plastic_work_j: float = number("plastic work", "J")
+    depth_um: float = number("maximum depth so far", "um")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ListeningNumbers:
+    """Numbers of a long record, or the reason why there is none."""
+
+    refused: str | None = number("why there is none", "", default=None)
+    seconds: float | None = number("length", "s", default=None)
+    laeq_db: float | None = number("LAeq", DB_A, default=None)
+    level_db: float | None = number("LZeq", DB, default=None)
+    solved_mm: float | None = number("length of the track that was solved", "mm", default=None)
+    rolled_mm: float | None = number("length that is rolled", "mm", default=None)
+    solved_share: float | None = number(
+        "share of the record, in time, that was solved", default=None
+    )
+    kurtosis: float | None = number("kurtosis", default=None)
+    stretches: int | None = number("rare stretches that are inserted as solved", default=None)
+    turn_mm: float | None = number("length of a turn of a ball with a surface", "mm", default=None)
+    highest_frequency_hz: float | None = number(
+        "highest frequency that the steps resolve", "Hz", default=None
+    )
+    lowest_frequency_hz: float | None = number(
+        "frequency of the longest solved wave", "Hz", default=None
+    )
+    impacts: int | None = number("returns to contact", default=None)
+    flight_share: float | None = number("share of time without contact", default=None)
+    force_outside_share: float | None = number(
+        "share of time with a force beyond the loads", default=None
+    )
+    limited_share: float | None = number(
+        "share of values at a limit of the continuation", default=None
+    )
+    seed: int | None = number("number of the random continuation", default=None)
+    ends: bool | None = number(
+        "whether it is of something that ends, whose level it is then", "", default=None
+    )
+    lae_db: float | None = number("LAE of what ends (re 1 s)", DB_A, default=None)
+    laf_max_db: float | None = number("LAFmax of what ends", DB_A, default=None)
+    las_max_db: float | None = number("LASmax of what ends", DB_A, default=None)
+    lz_peak_db: float | None = number("LZpeak of what ends", DB, default=None)
+    limits: tuple[str, ...] | None = number("limits that were met, in words", "", default=None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunNumbers:
+    """All numbers of a run of a ball, and the doubts about them.
+
+    Attributes
+    ----------
+    name : str
+        Name of the scene.
+    sentence : str
+        What rolls on what.
+    vibration, released_power : Quantity
+        The two numbers of a run.
+    record, levels, bands, errors, energy, contact, effort, surface, ears, turns, motion, estimate
+        Numbers by subject; None where a run does not have the subject.
+    channels, passes, listening
+        Numbers of each channel and each pass, and of the long record.
+    doubts : tuple of Doubt
+        All that limits the numbers.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> scene = rolling.read_scene("quickstart", ["rolling.load_n=1", "rolling.duration_s=0.005"])
+    >>> numbers = rolling.simulate(scene, workers=1, progress=False).numbers
+    >>> numbers.record.steps, numbers.contact.max_pressure_pa
+    (250, 2100000000.0)
+    """
+
+    name: str = ""
+    sentence: str = number("what rolls on what", "", default="")
+    vibration: Quantity = group("what a listener would hear")
+    released_power: Quantity = group("what one would hear if all released energy were sound")
+    record: RecordNumbers = group("what was solved, and the record of the sound files")
+    levels: LevelNumbers = group("levels of both sources")
+    bands: BandNumbers = group("third octaves")
+    errors: ErrorNumbers = group("errors of the level of the sound that plays")
+    energy: EnergyNumbers = group("released power, and the energy ledger")
+    contact: ContactNumbers = group("areas and pressures")
+    effort: EffortNumbers = group("what the solver did, and how long it took")
+    surface: SurfaceNumbers = group("roughness of the surface")
+    ears: EarNumbers | None = group(
+        "loudness and its relatives, with `sound.loudness`", default=None
+    )
+    turns: TurnNumbers | None = group("turns of a ball with a surface", default=None)
+    motion: MotionNumbers | None = group("force and motion, with `dynamics`", default=None)
+    estimate: EstimateNumbers | None = group(
+        "linear chain of a run without `dynamics`", default=None
+    )
+    contact_loss_db: float = number(
+        "change of the vibration by a loss factor of the contact of 0.02 where the scene states "
+        "none; half of it is in ±",
+        DB,
+        default=0.0,
+    )
+    channels: tuple[ChannelNumbers, ...] | None = group("levels of each channel", default=None)
+    passes: tuple[PassNumbers, ...] | None = group("numbers of each pass", default=None)
+    listening: ListeningNumbers | None = group(
+        "the long record, with `sound.listen_s`", default=None
+    )
+    doubts: tuple[Doubt, ...] = group("what limits the numbers", default=())
+
+    @property
+    def played(self) -> SourceLevels:
+        """Levels of the sound that the files have."""
+        levels = self.levels
+        own = levels.vibration if self.record.source == "vibration" else levels.released_power
+        return own or SourceLevels()
+
+    @property
+    def leading(self) -> Quantity:
+        """The vibration, or the released power of a run without one."""
+        return self.released_power if self.vibration.value is None else self.vibration
+
+    @property
+    def heard_whole(self) -> ListeningNumbers | None:
+        """The long record of what ends, whose level leads; None for a run that goes on."""
+        long = self.listening
+        return long if long is not None and long.ends else None
