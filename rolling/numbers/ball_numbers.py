@@ -375,7 +375,12 @@ class EffortNumbers:
         default=None,
     )
     step_ms: float | None = number("median processor time of a step", "ms", default=None)
-    march_cpu_s: float = number("processor time of the march alone", "s", in_table=True)
+    march_cpu_s: float | None = number(
+        "processor time of the march alone; none in a run of version 0.8.0",
+        "s",
+        in_table=True,
+        default=None,
+    )
     parts_cpu_s: dict[str, float | None] | None = group(
         "processor time [s] of each part of the run",
         default=None,
