@@ -71,6 +71,8 @@ class Findings(Sequence[Finding]):
         Findings by run; its name is its swept values, or the name of the scene.
     doubts : dict of str to list of Doubt
         Doubts about the numbers of each run: `key`, `text`, `severity`, `decibels` and `advice`.
+    quantities : dict of str to Forecasts
+        `vibration` and `released_power` of each run, whose origin and verdict are a forecast.
     of_all : tuple of (str, str)
         Time of everything, and memory and disk of all runs together.
     excess : tuple of Doubt
@@ -91,6 +93,7 @@ class Findings(Sequence[Finding]):
     of_all: tuple[tuple[str, str], ...] = ()
     excess: tuple[Doubt, ...] = ()
     seconds: float = 0.0
+    quantities: dict[str, level.Forecasts] = field(default_factory=dict)
 
     @property
     def warnings(self) -> list[str]:
@@ -212,21 +215,24 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
         probes = probe.probes(scenes)
     rows: dict[str, list[Finding]] = {}
     doubts: dict[str, list[Doubt]] = {}
+    quantities: dict[str, level.Forecasts] = {}
     with progress.step("judging the numbers of the scene"):
         for run, solved in zip(runs, probes, strict=True):
             name = run_name(run.values) or scene.name
             rows[name], doubts[name] = check_run(run.scene, solved)
+            quantities[name] = level.forecasts(run.scene, doubts[name])
     seconds = _core_seconds(scenes, [*rows.values()])
     whole = f"{forecast.takes(seconds)}, with start, files and page"
     if len(runs) == 1:
-        return Findings(rows, doubts, (("time of the whole run", whole),), seconds=seconds)
-    of_all = (
+        of_all = (("time of the whole run", whole),)
+        return Findings(rows, doubts, of_all, seconds=seconds, quantities=quantities)
+    of_every = (
         ("expected time of all", f"{whole}, {len(runs)} runs"),
         ("memory of all", refusals.memory_text(cost.memory(scenes, cost.cores()))),
         ("disk of all", f"about {byte_size(cost.disk(scenes))}"),
     )
     excess = refusals.excess(scenes, cost.cores(), refusals.OUTPUTS, of=" of all")
-    return Findings(rows, doubts, of_all, tuple(excess), seconds)
+    return Findings(rows, doubts, of_every, tuple(excess), seconds, quantities)
 
 
 def _core_seconds(scenes: Sequence[Scene], rows: Sequence[Sequence[Finding]]) -> float:
@@ -266,19 +272,17 @@ def conclusion(scene: Scene, findings: Findings) -> str:
     scenes = [run.scene for run in scene.runs()]
     if all(part.is_smooth and part.rolling.drop_mm is None for part in scenes):
         return f"It runs in {time}. A smooth surface is silent."
-    verdicts = [
-        level.expected(part, doubts)
-        for part, doubts in zip(scenes, findings.doubts.values(), strict=True)
-    ]
-    worst = max(verdicts, key=lambda doubt: doubt.severity)
-    place = "" if len(verdicts) == 1 else " of the worst run"
-    number = "vibration"
-    if all(part.sound.source == "release" for part in scenes):
-        number = "released power"
-    expected = f"The verdict on the {number}{place} will be {worst.severity.word}: {worst.text}."
-    if worst.severity is Severity.TRUST:
-        expected = f"Nothing speaks against the {number}: the verdict will be trust."
-    elif worst.severity is Severity.INDICATIVE:
+    leading = [coming.leading for coming in findings.quantities.values()]
+    judged = [quantity.judged for quantity in leading if quantity.judged is not None]
+    if not judged:
+        return f"It runs in {time}."
+    worst = max(judged, key=lambda one: one.worst.severity)
+    place = "" if len(judged) == 1 else " of the worst run"
+    severity = worst.worst.severity
+    expected = f"The verdict on the vibration{place} will be {worst.word}: {worst.worst.text}."
+    if severity is Severity.TRUST:
+        expected = "Nothing speaks against the vibration: the verdict will be trust."
+    elif severity is Severity.INDICATIVE:
         expected = expected.replace("will be", "will at best be")
     return f"It runs in {time}. {expected}"
 

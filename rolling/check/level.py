@@ -1,10 +1,12 @@
 """Doubts about a level before its run: the bound that a release is, and the error of its grid."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import NamedTuple
 
 from rolling.check import error_cost, resolution
 from rolling.numbers.doubt import Doubt, Severity
-from rolling.numbers.quantity import RELEASED_POWER, VIBRATION, worst_of
+from rolling.numbers.quantity import RELEASED_POWER, VIBRATION, Quantity
 from rolling.scene.scene import Scene
 
 # Keys of the doubts that stand beside every level of a release, and are no warnings.
@@ -57,14 +59,49 @@ def of_grid(scene: Scene) -> Iterator[Doubt]:
         yield resolution.grid_of_level(scene, reason)
 
 
+class Forecasts(NamedTuple):
+    """The two numbers of a run before it: their origin, and the doubts that are left at best."""
+
+    vibration: Quantity
+    released_power: Quantity
+
+    @property
+    def leading(self) -> Quantity:
+        """The vibration, or the released power of a run that will have no vibration."""
+        return self.vibration if self.vibration.coming is not None else self.released_power
+
+
+def forecasts(scene: Scene, doubts: Iterable[Doubt]) -> Forecasts:
+    """Return the two numbers of a run with the doubts that a check finds about them."""
+    left = list(doubts)
+    if _will_be_measured(scene):
+        left = [doubt for doubt in left if doubt.key not in resolution.GRID_RULES]
+    vibration = Quantity(VIBRATION, None, unit="dB(A)", how="forecast", coming="computed")
+    of_vibration = [doubt for doubt in left if _is_of_vibration(scene, doubt)]
+    if scene.dynamics is None:
+        vibration = replace(vibration, coming="estimated")
+        text = "a linear chain will estimate it"
+        of_vibration.append(
+            Doubt("vibration_estimate", text, Severity.INDICATIVE, about=(VIBRATION,))
+        )
+    if scene.is_smooth and scene.rolling.drop_mm is None:
+        reason = "a smooth surface is silent"
+        vibration = replace(vibration, coming=None, reason=reason)
+    released = Quantity(RELEASED_POWER, None, unit="dB(A)", how="forecast", coming="upper bound")
+    if scene.sound.gain_pa_per_w_m2 is not None or scene.sound.q != 1:
+        released = replace(released, coming="assumed")
+    return Forecasts(vibration.with_doubts(of_vibration), released.with_doubts(left))
+
+
+def _is_of_vibration(scene: Scene, doubt: Doubt) -> bool:
+    """Tell whether a doubt of the check touches the vibration.
+
+    The grid's error of the level is that of the sound that plays.
+    """
+    is_of_grid = doubt.key == resolution.LEVEL_KEY
+    return not (is_of_grid and scene.sound.source == "release")
+
+
 def _will_be_measured(scene: Scene) -> bool:
     """Tell whether an error estimate will measure the error of the grid."""
     return scene.numerics.error_estimate and not error_cost.too_short(scene)
-
-
-def expected(scene: Scene, doubts: Iterable[Doubt]) -> Doubt:
-    """Return the worst doubt that is left at best of the doubts about a run before it."""
-    if _will_be_measured(scene):
-        doubts = [doubt for doubt in doubts if doubt.key not in resolution.GRID_RULES]
-    levels = (VIBRATION, RELEASED_POWER)
-    return worst_of(doubt for doubt in doubts if any(map(doubt.touches, levels)))

@@ -138,6 +138,8 @@ class Quantity:
         One sentence that explains it.
     reason : str
         Why there is no value, or an empty text.
+    coming : str or None
+        How a run will find a value that is a forecast; None for a run that will have none.
     is_solved : bool
         Whether its errors were computed; if not, its origin is all that is known of them.
     doubts : tuple of Doubt
@@ -163,6 +165,7 @@ class Quantity:
     where: str = ""
     meaning: str = ""
     reason: str = ""
+    coming: How | None = None
     is_solved: bool = True
     doubts: tuple[Doubt, ...] = ()
 
@@ -174,6 +177,8 @@ class Quantity:
         return uncertain(self.value, self.uncertainty)
 
     def __str__(self) -> str:
+        if self.coming is not None:
+            return f"a run will tell: {self.coming}"
         if self.value is None:
             return f"none, because {self.reason}"
         words = f"{self.number} {self.unit}".rstrip()
@@ -198,14 +203,14 @@ class Quantity:
 
     @property
     def judged(self) -> Judged | None:
-        """The verdict with its reason; None without a value."""
-        if self.value is None:
+        """The verdict with its reason; None without a value, but for that of a forecast."""
+        if self.value is None and self.coming is None:
             return None
         worst = worst_of(self.doubts) if self.is_solved else _NOT_SOLVED
         known = [doubt.decibels for doubt in self.doubts if doubt.decibels]
         largest_db = round(max(known, default=0.0), 1)
         return Judged(
-            word=_OF_ORIGIN.get(self.how, worst.severity.word),
+            word=_OF_ORIGIN.get(self.coming or self.how, worst.severity.word),
             worst=worst,
             known_db=None if worst.decibels or not largest_db else largest_db,
         )

@@ -302,7 +302,7 @@ def test_lines_are_as_wide_as_the_terminal(monkeypatch: pytest.MonkeyPatch) -> N
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ((), "on the released power will at best be indicative: the error of the grid"),
+        ((), "on the vibration will at best be indicative: a linear chain will estimate it"),
         (("surface.roughness_ra_um=2",), "will be do not quote: rms slope: the rms slope is"),
         (("plate.hardness_gpa=0.001",), "It does not run: capacity"),
     ],
