@@ -145,28 +145,36 @@ def _held(scene: Scene) -> str:
 
 
 def _uncertainty(numbers: RunNumbers, vibration: Vibration | None) -> Doubt:
-    """Say what the uncertainty of the level that plays covers."""
-    is_vibration = numbers.record.source == "vibration"
-    vibrating = vibration if is_vibration else None
-    quantity = numbers.vibration if is_vibration else numbers.released_power
-    covered = [PART_WORDS[source] for source, part in quantity.parts.items() if part]
+    """Say what the uncertainties of the two numbers cover."""
+    texts = []
+    for words, quantity in (
+        ("vibration", numbers.vibration),
+        ("released power", numbers.released_power),
+    ):
+        covered = [PART_WORDS[source] for source, part in quantity.parts.items() if part]
+        if covered and quantity.value is not None:
+            texts.append(f"± of the {words} covers {listed(covered)}.")
+    texts += ["It holds no error of the model.", _rule_of_length(numbers, vibration)]
+    if numbers.errors.is_asked and numbers.errors.reason is None:
+        texts.append("Levels are not corrected for their errors of grid and solver.")
+    return note("uncertainty", " ".join(texts))
+
+
+def _rule_of_length(numbers: RunNumbers, vibration: Vibration | None) -> str:
+    """Say how the length of the record that plays becomes an uncertainty."""
+    vibrating = vibration if numbers.record.source == "vibration" else None
     if vibrating is not None and vibrating.is_mean_of_comb:
-        rule = f"Its comb is the spread of LAeq over speeds within {100 * NEAR_SPEEDS:g} %."
-    elif vibrating is not None and vibrating.once:
-        rule = "The record is one fall, whose LAE (re 1 s) holds what sounds within the record."
-    elif vibrating is not None and vibrating.motion.flight_share:
-        rule = (
+        return f"Its comb is the spread of LAeq over speeds within {100 * NEAR_SPEEDS:g} %."
+    if vibrating is not None and vibrating.once:
+        return "The record is one fall, whose LAE (re 1 s) holds what sounds within the record."
+    if vibrating is not None and vibrating.motion.flight_share:
+        return (
             "The length counts by the scatter between thirds of the record, because impacts are "
             "not Gaussian noise."
         )
-    elif vibrating is not None and vibrating.excess is not None:
-        rule = "The record is taken as stationary noise whose unevenness it shows."
-    else:
-        rule = "The record is taken as stationary Gaussian noise."
-    text = f"± covers {listed(covered)}; it holds no error of the model. {rule}"
-    if numbers.errors.is_asked and numbers.errors.reason is None:
-        text += " Levels are not corrected for their errors of grid and solver."
-    return note("uncertainty", text)
+    if vibrating is not None and vibrating.excess is not None:
+        return "The record is taken as stationary noise whose unevenness it shows."
+    return "The record is taken as stationary Gaussian noise."
 
 
 def _record(scene: Scene, sound: ContactSound) -> Iterator[Doubt]:
