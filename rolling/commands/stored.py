@@ -231,13 +231,9 @@ def table(
     from rolling import figures
 
     files.make_below(folder, folder / "figures")
-    return paths + figures.write_number_figures(
-        solved.reset_index(),
-        numbers or _answers_to_plot(solved),
-        axes,
-        folder / "figures",
-        runs[0].scene.name,
-    )
+    done = [run for run in runs if run.is_done]
+    columns = numbers or _answers_to_plot(solved)
+    return paths + figures.write_number_figures(done, columns, axes, folder / "figures")
 
 
 def _answers_to_plot(solved: pd.DataFrame) -> list[str]:

@@ -46,7 +46,7 @@ def _has_swept_key(runs: Sequence[Run]) -> bool:
 
 
 def _has_turns(run: Run) -> bool:
-    return bool(run.summary.get("turn_band_hz"))
+    return run.numbers.turns is not None and run.numbers.turns.band_hz is not None
 
 
 def _has_wavelengths(run: Run) -> bool:

@@ -11,8 +11,8 @@ from acoustics.plot_style import curve_style, error_bars
 from acoustics.traps import ignoring_underflow
 from rolling.figures import picture, sweep
 from rolling.figures.picture import axes_of, compared, finish, subject
-from rolling.results import answer
 from rolling.results.labels import SEED
+from rolling.results.quantities import LAE, heard_levels
 from rolling.results.run_result import Run
 
 _LEAST_SPAN_DB = 4.0  # of the levels of a quantity, so that equal levels look equal
@@ -119,22 +119,25 @@ def level_table(runs: Sequence[Run]) -> pd.DataFrame:
     """Tabulate swept values, vibration and released power of runs [dB] with uncertainties."""
     rows = []
     for run in runs:
-        heard = answer.vibration(run.summary)
-        released = answer.released_power(run.summary)
+        heard = run.vibration
+        released = run.released_power
         row: dict[str, Any] = {"run": run.label, sweep.SCENE: run.scene.name}
         row |= run.values
         row |= {
-            "quantity": heard.quantity,
+            "measure": heard.measure,
             "vibration_how": heard.how,
-            "vibration_db": heard.level_db,
-            "vibration_uncertainty_db": heard.uncertainty_db,
+            "vibration_db": heard.value,
+            "vibration_uncertainty_db": heard.uncertainty,
+            "vibration_verdict": heard.verdict,
             "released_power_how": released.how,
-            "released_power_db": released.level_db,
-            "released_power_uncertainty_db": released.uncertainty_db,
+            "released_power_db": released.value,
+            "released_power_uncertainty_db": released.uncertainty,
+            "released_power_verdict": released.verdict,
         }
-        if run.summary.get("single_event") and run.sound.source == "vibration":
-            row["laf_max_db"] = answer.leading(run.summary, "laf_max_db")
-            row["laf_max_uncertainty_db"] = run.summary["uncertainty_db"]["laf_max"]
+        if heard.measure == LAE and run.sound.source == "vibration":
+            own = heard_levels(run.numbers)
+            row["laf_max_db"] = own.laf_max_db
+            row["laf_max_uncertainty_db"] = None if own.spreads is None else own.spreads.laf_max_db
         rows.append(row)
     frame = pd.DataFrame(rows)
     numbers = [name for name in frame if name.endswith("_db")]
@@ -146,8 +149,8 @@ def level_table(runs: Sequence[Run]) -> pd.DataFrame:
 
 def _level_name(runs: Sequence[Run]) -> str:
     """Name the level of runs: LAeq, or LAE of single events."""
-    names = dict.fromkeys(answer.vibration(run.summary).quantity for run in runs)
-    return " or ".join(f"{name} (re 1 s)" if name == "LAE" else name for name in names)
+    names = dict.fromkeys(run.vibration.measure for run in runs)
+    return " or ".join(f"{name} (re 1 s)" if name == LAE else name for name in names)
 
 
 def _known(frame: pd.DataFrame, quantities: Sequence[_Quantity]) -> list[_Quantity]:
@@ -261,10 +264,10 @@ def _facts(runs: Sequence[Run], has_vibration: bool, has_release: bool, seeds: i
     """Say what the two levels are, where they hold, and what the bars are."""
     facts = []
     if has_vibration:
-        hows = {answer.vibration(run.summary).how for run in runs} - {"none"}
+        hows = {run.vibration.how for run in runs if run.vibration.value is not None}
         facts.append(f"vibration ({' or '.join(sorted(hows))}): what a listener would hear")
     else:
-        reasons = {answer.vibration(run.summary).reason for run in runs}
+        reasons = {run.vibration.reason for run in runs}
         facts.append(f"no vibration: {'; '.join(sorted(reasons))}")
     if has_release:
         facts.append(_release_text(runs))

@@ -1,5 +1,6 @@
 """Figures of the origins of a sound: waves of the surface, turns of the sphere, and passes."""
 
+from dataclasses import asdict
 from typing import NamedTuple
 
 import numpy as np
@@ -13,27 +14,12 @@ from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, MARKERS
 from acoustics.traps import ignoring_underflow
 from rolling.figures.picture import axes_of, distance_text, duration_text, finish, level_of
+from rolling.numbers import views
+from rolling.numbers.ball_numbers import DB_A, PassNumbers
 from rolling.results.run_result import Run
 from rolling.sound.wavelengths import FOLLOWS, MIN_SHARE
 
 MULTIPLES = 10  # of the turn's frequency that are shown and marked
-
-
-class PassQuantity(NamedTuple):
-    """A quantity of the passes: its column, name, unit, and the factor from the table to it."""
-
-    column: str
-    name: str
-    unit: str
-    factor: float = 1.0
-
-
-_PASS_QUANTITIES = (
-    PassQuantity("vibration_estimate_laeq_db", "LAeq of the vibration, estimated", "dB(A)"),
-    PassQuantity("laeq_db", "LAeq of the released power (q = 1, upper bound)", "dB(A)"),
-    PassQuantity("release_power_mean_w", "mean released power", "µW", 1e6),
-    PassQuantity("depth_um", "maximum depth", "µm"),
-)
 
 
 # ---- waves of the surface
@@ -169,8 +155,9 @@ def modulation(run: Run, ax: Axes | None = None) -> Axes:
     """
     instance("run", run, Run)
     table = modulation_table(run)
-    low_hz, high_hz = run.summary["turn_band_hz"]
-    turn_hz = run.summary["turn_hz"]
+    turns = _heard_turns(run)
+    low_hz, high_hz = turns.band_hz
+    turn_hz = turns.frequency_hz
     ax = axes_of(ax)
     for multiple in range(1, MULTIPLES + 1):
         name = "turns per second and its multiples" if multiple == 1 else None
@@ -181,7 +168,7 @@ def modulation(run: Run, ax: Axes | None = None) -> Axes:
     of = level_of([run])
     facts = [
         f"{rounded(turn_hz, 4)} turns per second",
-        f"the marked lines have {rounded(run.summary['turn_prominence'])} times the floor under"
+        f"the marked lines have {rounded(turns.prominence)} times the floor under"
         " them (noise: 1 to 3 times)",
         f"envelope of the octave from {low_hz:.0f} to {high_hz:.0f} Hz, where turns stand out most",
         duration_text([run]),
@@ -191,14 +178,32 @@ def modulation(run: Run, ax: Axes | None = None) -> Axes:
 
 def modulation_table(run: Run) -> pd.DataFrame:
     """Tabulate the modulation [-] of the octave of the turns over frequency [Hz]."""
-    if not run.summary.get("turn_band_hz"):
-        reason = run.summary.get("turn_reason") or "its sphere has no surface"
-        raise ValueError(f"{run.title}: has no modulation by turns of the sphere: {reason}")
+    turns = _heard_turns(run)
     sound = run.sound
-    band_hz = tuple(run.summary["turn_band_hz"])
-    spectrum = envelope_spectrum(sound.pressure, sound.sample_rate, band_hz, sound.closed)
+    spectrum = envelope_spectrum(sound.pressure, sound.sample_rate, turns.band_hz, sound.closed)
     table = pd.DataFrame({"frequency_hz": spectrum.frequency_hz, "modulation": spectrum.modulation})
-    return table[table["frequency_hz"] <= (MULTIPLES + 0.5) * run.summary["turn_hz"]]
+    return table[table["frequency_hz"] <= (MULTIPLES + 0.5) * turns.frequency_hz]
+
+
+class HeardTurns(NamedTuple):
+    """Turns of a ball that modulate an octave: its ends, their frequency, and their prominence."""
+
+    band_hz: tuple[float, float]
+    frequency_hz: float
+    prominence: float
+
+
+def _heard_turns(run: Run) -> HeardTurns:
+    """Return the turns of the ball of a run that are heard, or raise ValueError."""
+    turns = run.numbers.turns
+    if turns is not None and turns.band_hz and turns.frequency_hz and turns.prominence is not None:
+        low_hz, high_hz = turns.band_hz
+        return HeardTurns((low_hz, high_hz), turns.frequency_hz, turns.prominence)
+    reason = None if turns is None else turns.reason
+    raise ValueError(
+        f"{run.title}: has no modulation by turns of the sphere: "
+        f"{reason or 'its sphere has no surface'}"
+    )
 
 
 # ---- passes over a plate that remembers
@@ -232,23 +237,26 @@ def running_in(run: Run, ax: Axes | None = None) -> Axes:
     >>> ax = rolling.plot.running_in(worn)
     """
     instance("run", run, Run)
+    passes = _passes(run)
     table = running_in_table(run)
     ax = axes_of(ax)
-    for k, quantity in enumerate(_PASS_QUANTITIES):
-        values = table[quantity.column].to_numpy(dtype=float)
+    cells = views.columns(passes[0])
+    shown = {column: cell.said for column, cell in cells.items() if cell.said.word}
+    for k, (column, said) in enumerate(shown.items()):
+        values = table[column].to_numpy(dtype=float)
         if not np.isfinite(values).all() or not values[0]:
             continue  # silent, or nothing has sunk
-        if quantity.unit == "dB(A)":
+        if said.unit == DB_A:
             over_first_db = values - values[0]
         else:
             over_first_db = 10 * np.log10(values / values[0])
-        first = f"{rounded(values[0] * quantity.factor, 3)} {quantity.unit} in pass 1"
+        first = f"{rounded(values[0] * said.factor, 3)} {said.shown_unit or said.unit} in pass 1"
         ax.plot(
             table["pass"],
             over_first_db,
             color=COLOURS[k],
             marker=MARKERS[k],
-            label=f"{quantity.name}, {first}",
+            label=f"{said.word}, {first}",
         )
     if (table["plastic_work_j"] > 0).any():
         _draw_plastic_work(ax, table)
@@ -275,8 +283,13 @@ def _draw_plastic_work(ax: Axes, table: pd.DataFrame) -> None:
 
 def running_in_table(run: Run) -> pd.DataFrame:
     """Tabulate levels [dB], release power [W], plastic work [J] and depth [um] of passes."""
-    if run.result.passes is None:
-        raise ValueError(f"{run.title}: has no passes, its plate has no memory")
-    table = pd.DataFrame(run.summary["passes"])
+    table = pd.DataFrame([asdict(one) for one in _passes(run)])
     table.insert(0, "pass", np.arange(len(table)) + 1)
     return table
+
+
+def _passes(run: Run) -> tuple[PassNumbers, ...]:
+    """Return the numbers of the passes of a run, or raise ValueError."""
+    if not run.numbers.passes:
+        raise ValueError(f"{run.title}: has no passes, its plate has no memory")
+    return run.numbers.passes

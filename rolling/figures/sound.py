@@ -21,6 +21,7 @@ from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
 from rolling.figures import picture
 from rolling.figures.picture import axes_of, compared, finish, listed, subject
+from rolling.numbers.quantity import BandQuantity
 from rolling.results import labels
 from rolling.results.labels import SEED
 from rolling.results.run_errors import total_errors_db
@@ -109,11 +110,12 @@ def third_octave_table(runs: Sequence[Run], a_weighted: bool = False) -> pd.Data
         if errors is None:
             frame = band_table(columns)
         else:
+            bands = run.numbers.bands
             columns |= {
-                "grid_error_db": run.summary["grid_error_db"],
+                "grid_error_db": _by_name(bands.grid_error),
                 "grid_error_standard_uncertainty_db": errors.uncertainty_db,
-                "solver_error_db": run.summary["solver_error_db"],
-                "subgrid_error_db": run.summary["subgrid_error_db"],
+                "solver_error_db": _by_name(bands.solver_error),
+                "subgrid_error_db": _by_name(bands.subgrid_error),
                 "total_error_db": errors.error_db,
             }
             frame = band_table(columns)
@@ -288,7 +290,7 @@ def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -
     ax.ticklabel_format(useOffset=False)
     facts = ["energy that asperities give back per second, of which the fluctuation is sound"]
     if run.scene.dynamics is not None:
-        moved = any(doubt["key"] == "moving_load_release" for doubt in run.summary["doubts"])
+        moved = run.numbers.energy.moving_balance_error is not None
         facts.append("under the moving load" if moved else "under the constant load")
     if len(others) > 1:
         facts.append("all runs share the axis, in parts of their means")
@@ -395,10 +397,16 @@ def _bands(run: Run, a_weighted: bool) -> _Levels:
 
 def _band_errors(run: Run) -> plots.BandErrors | None:
     """Return the estimated errors of the third octaves of a run [dB]; None without an estimate."""
-    errors_db = total_errors_db(run.summary)
-    if not errors_db:
+    errors_db = total_errors_db(run.numbers)
+    of_grid = run.numbers.bands.grid_error
+    if not errors_db or of_grid is None:
         return None
-    return plots.BandErrors(errors_db, run.summary["grid_error_uncertainty_db"])
+    return plots.BandErrors(errors_db, of_grid.uncertainty_by_name)
+
+
+def _by_name(bands: BandQuantity | None) -> _Levels:
+    """Return values by band; None where a run does not have them."""
+    return dict.fromkeys(BAND_NAMES) if bands is None else bands.by_name
 
 
 def _a_weighted_lines(run: Run) -> Lines:

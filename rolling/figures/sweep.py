@@ -1,6 +1,5 @@
 """Figures of sweeps and of tables of runs: numbers against swept keys, and means over seeds."""
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -21,65 +20,25 @@ from acoustics.traps import ignoring_underflow
 from rolling.figures import picture
 from rolling.figures.picture import MAX_NAMED, axes_of, compared, finish, subject
 from rolling.figures.settings import left_out_if_it_fails
+from rolling.numbers import views
 from rolling.results import labels
 from rolling.results.labels import SEED
+from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run
-from rolling.results.runs_table import runs_table
+from rolling.results.stored_numbers import numbers_of
 from rolling.scene.scene import Scene
 from rolling.terminal.files import write_bytes
 
-
-class Quantity(NamedTuple):
-    """The label of a column of runs.csv."""
-
-    label: str
-
-
-class _Words(NamedTuple):
-    """The words and the unit of a column of runs.csv, and whether it is one of the source."""
-
-    text: str
-    unit: str
-    of_source: bool = False
-
-
-Quantities = Mapping[str, Quantity]  # by their columns of runs.csv
 SCENE = "scene"  # column of the scene's name beside the swept keys
 FEWEST_SEEDS = 3  # that have a spread worth drawing
-AREAS: Quantities = {
-    "contact_area_mean_m2": Quantity("contact area"),
-    "plastic_area_mean_m2": Quantity("plastic area, at the hardness"),
+AREAS = {  # labels of the areas by their columns
+    "contact_area_mean_m2": "contact area",
+    "contact_plastic_area_mean_m2": "plastic area, at the hardness",
 }
 _WIDE_M2 = 1e-8  # area from which on areas are given in mm²
 _MAX_CURVES = 100  # more would hide one another
 _MAX_TICKS = 8  # of an axis that names all its numbers
 _MAX_CELLS = 100  # of a map whose numbers are written in it
-_WORDS = {
-    "laeq_db": _Words("LAeq", "dB(A)", of_source=True),
-    "level_db": _Words("LZeq", "dB", of_source=True),
-    "lae_db": _Words("LAE (re 1 s)", "dB(A)", of_source=True),
-    "laf_max_db": _Words("LAFmax", "dB(A)", of_source=True),
-    "las_max_db": _Words("LASmax", "dB(A)", of_source=True),
-    "lz_peak_db": _Words("LZpeak", "dB", of_source=True),
-    "vibration_db": _Words("A-weighted level of the vibration", "dB(A)"),
-    "released_power_db": _Words("A-weighted level of the released power", "dB(A)"),
-    "steady_level_db": _Words("steady level of the released power", "dB re 1 pW/m²"),
-    "vibration_laeq_db": _Words("LAeq of the vibration", "dB(A)"),
-    "vibration_estimate_laeq_db": _Words("LAeq of the vibration, estimated", "dB(A)"),
-    "release_laeq_db": _Words("LAeq of the released power", "dB(A)"),
-    "contact_area_mean_m2": _Words("mean contact area", "m²"),
-    "plastic_area_mean_m2": _Words("mean plastic area", "m²"),
-    "plastic_ratio": _Words("plastic area over Hertz's area", "-"),
-    "max_pressure_pa": _Words("maximum pressure", "Pa"),
-    "release_power_mean_w": _Words("mean released power", "W"),
-    "release_power_rms_w": _Words("rms fluctuation of the released power", "W"),
-}
-_UNITS = {
-    "db": "dB", "hz": "Hz", "j": "J", "kg": "kg", "m": "m", "m2": "m²", "n": "N", "pa": "Pa",
-    "s": "s", "um": "µm", "w": "W",
-}  # fmt: skip
-_BAND_COLUMN = re.compile(r"third_octave_(?P<a>a_)?db_(?P<hz>[\d.]+)")
-_BANDS = [f"third_octave_a_db_{name}" for name in BAND_NAMES]
 
 
 # ---- figures of runs
@@ -117,9 +76,9 @@ def contact_areas(runs: Iterable[Run], key: str | None = None, ax: Axes | None =
     key = key or some_swept_key(shown)
     ax = axes_of(ax)
     unit, factor = "µm²", 1e12
-    if max(run.summary["contact_area_mean_m2"] for run in shown) >= _WIDE_M2:
+    if max(run.numbers.contact.area_mean_m2 for run in shown) >= _WIDE_M2:
         unit, factor = "mm²", 1e6
-    _draw_against_key(ax, shown, key, AREAS, factor)
+    _draw_areas(ax, shown, key, factor)
     ax.set(ylabel=f"mean area [{unit}]", ylim=(0.0, None))
     facts = ["mean over the track", "plastic area: nodes at the hardness"]
     if any(SEED in run.values for run in shown):
@@ -149,12 +108,16 @@ def mean_third_octaves(runs: Iterable[Run], ax: Axes | None = None) -> Axes:
     >>> ax = rolling.plot.mean_third_octaves(runs)
     """
     shown = compared(runs)
-    return mean_bands(sweep_table(shown), other_keys(shown, SEED), axes_of(ax), subject(shown))
+    return mean_bands(shown, other_keys(shown, SEED), axes_of(ax), subject(shown))
 
 
 def area_table(runs: Sequence[Run]) -> pd.DataFrame:
     """Tabulate swept values and mean areas of runs [m²]."""
-    return _swept_table(runs, AREAS)
+    contacts = [run.numbers.contact for run in runs]
+    return sweep_table(runs).assign(
+        contact_area_mean_m2=[contact.area_mean_m2 for contact in contacts],
+        contact_plastic_area_mean_m2=[contact.plastic_area_mean_m2 for contact in contacts],
+    )
 
 
 def swept_key(runs: Sequence[Run]) -> str | None:
@@ -195,51 +158,44 @@ def has_seeds(runs: Sequence[Run]) -> bool:
 
 def seed_table(runs: Sequence[Run]) -> pd.DataFrame:
     """Tabulate mean and standard deviation of third octaves of runs over their seeds [dB]."""
-    return mean_band_table(sweep_table(runs), other_keys(runs, SEED))
+    return mean_band_table(runs, other_keys(runs, SEED))
 
 
-def _swept_table(runs: Sequence[Run], quantities: Quantities) -> pd.DataFrame:
-    """Tabulate swept values and numbers of runs."""
-    frame = sweep_table(runs)
-    names = ["run", SCENE]
-    names += dict.fromkeys(key for run in runs for key in run.values)
-    names += quantities
-    return frame[[name for name in names if name in frame]]
+def sweep_table(runs: Sequence[RunFolder]) -> pd.DataFrame:
+    """Tabulate labels, names of the scenes and swept values of runs, one row per run."""
+    keys = dict.fromkeys(key for run in runs for key in run.values)
+    rows = []
+    for run, label in zip(runs, labels.labels(runs), strict=True):
+        row: dict[str, Any] = {"run": label, SCENE: run.scene.name}
+        row |= {key: run.values.get(key) for key in keys}
+        rows.append(row)
+    return pd.DataFrame(rows).convert_dtypes()
 
 
-def sweep_table(runs: Sequence[Run]) -> pd.DataFrame:
-    """Return the table of runs with the columns of runs.csv and the names of their scenes."""
-    return runs_table(runs).reset_index().assign(**{SCENE: [run.scene.name for run in runs]})
-
-
-def _draw_against_key(
-    ax: Axes, runs: Sequence[Run], key: str, quantities: Quantities, factor: float
-) -> None:
-    """Draw quantities of runs, times a factor, against a key of the scenes.
+def _draw_areas(ax: Axes, runs: Sequence[Run], key: str, factor: float) -> None:
+    """Draw the mean areas of runs, times a factor, against a key of the scenes.
 
     The runs of each combination of the other swept values have a curve. Runs that differ in their
     seed have their mean with its standard deviation.
     """
-    frame = sweep_table(runs)
+    frame = area_table(runs)
     frame[key] = values_at(runs, key)
     places = places_of(frame[key])
     others = [name for name in other_keys(runs, key) if name != SEED]
     groups = [*groups_of(frame, others)]
-    columns = [name for name in quantities if name in frame and frame[name].notna().any()]
     for k, (label, group) in enumerate(groups):
-        for number, column in enumerate(columns):
-            quantity = quantities[column]
-            # Colours tell the groups apart, or the quantities of a single group.
+        for number, (column, area) in enumerate(AREAS.items()):
+            # Colours tell the groups apart, or the areas of a single group.
             if len(groups) > 1:
                 style = curve_style(k, len(groups))
             else:
-                style = curve_style(number, len(columns))
+                style = curve_style(number, len(AREAS))
             style["linestyle"] = LINE_STYLES[number]
             if are_names(frame[key]):
                 style["linestyle"] = "none"
             if number > 0:
                 style["markerfacecolor"] = "white"
-            name = f"{label}, {quantity.label}" if label else quantity.label
+            name = f"{label}, {area}" if label else area
             values = (factor * group[column].astype(float)).groupby(group[key])
             mean = values.mean().reindex([*places])
             deviation = values.std().reindex([*places])
@@ -262,7 +218,7 @@ def values_at(runs: Sequence[Run], key: str) -> list[Any]:
     return [_number_at(run.scene, key) for run in runs]
 
 
-def other_keys(runs: Sequence[Run], key: str) -> list[str]:
+def other_keys(runs: Sequence[RunFolder], key: str) -> list[str]:
     """Return the swept keys other than one, after the scene's name where scenes differ."""
     keys = dict.fromkeys(name for run in runs for name in run.values if name != key)
     if len({run.scene.name for run in runs}) > 1:
@@ -284,28 +240,68 @@ def _number_at(scene: Scene, key: str) -> float:
 
 
 def write_number_figures(
-    frame: pd.DataFrame, numbers: Sequence[str], against: Sequence[str], folder: Path, title: str
+    runs: Sequence[RunFolder], numbers: Sequence[str], against: Sequence[str], folder: Path
 ) -> list[Path]:
-    """Write figures of columns of runs.csv against one or over two swept keys, and of mean bands.
+    """Write figures of numbers of a sweep against one or over two swept keys, and of mean bands.
 
-    `frame` holds the columns of runs.csv, and the paths of the PNG files are returned.
+    Parameters
+    ----------
+    runs : sequence of RunFolder. Runs that have numbers.
+    numbers : sequence of str. Columns of `runs_table`.
+    against : sequence of str. One swept key for lines, or two for a map.
+    folder : Path. Folder of the files.
+
+    Returns
+    -------
+    list of Path. The PNG files.
     """
+    title = runs[0].scene.name
+    frame = sweep_table(runs)
     swept = [key for key in frame if key.partition(".")[0] in Scene.model_fields and key != SEED]
     draw: Callable[..., Axes]
-    draw = partial(mean_bands, frame, swept, title=title)
+    draw = partial(mean_bands, runs, swept, title=title)
     contents = dict[Path, bytes]()
     _draw_into(contents, folder, "mean_third_octaves", draw)
-    for number in numbers:
+    for column in numbers:
+        number = number_of(runs, column)
         if len(against) == 2:
             draw = partial(number_map, frame, number, (against[0], against[1]), title=title)
         else:
             curves = [key for key in swept if key != against[0]]
             draw = partial(number_against, frame, number, against[0], curves, title=title)
-        _draw_into(contents, folder, f"{number}_against_{'_'.join(against)}", draw)
+        _draw_into(contents, folder, f"{column}_against_{'_'.join(against)}", draw)
     folder.mkdir(parents=True, exist_ok=True)
     for path, content in contents.items():
         write_bytes(path, content)
     return [*contents]
+
+
+class NumberOfRuns(NamedTuple):
+    """A number of each run in the unit that people read, and its name with this unit."""
+
+    head: str
+    values: list[float]
+
+    @property
+    def name(self) -> str:
+        """Its name without unit, with a capital."""
+        words = self.head.partition(" [")[0]
+        return words[:1].upper() + words[1:]
+
+
+def number_of(runs: Sequence[RunFolder], column: str) -> NumberOfRuns:
+    """Return a number of runs by its column in `runs_table`; NaN where a run does not have it."""
+    values = []
+    head = column
+    for run in runs:
+        numbers = numbers_of(run)
+        cell = None if numbers is None else views.columns(numbers).get(column)
+        if cell is None or cell.value is None:
+            values.append(np.nan)
+        else:
+            head = cell.head
+            values.append(cell.said.factor * float(cell.value))
+    return NumberOfRuns(head, values)
 
 
 def _draw_into(
@@ -319,9 +315,15 @@ def _draw_into(
 
 
 def number_against(
-    frame: pd.DataFrame, number: str, key: str, curves: Sequence[str], ax: Axes, title: str
+    frame: pd.DataFrame,
+    number: NumberOfRuns,
+    key: str,
+    curves: Sequence[str],
+    ax: Axes,
+    title: str,
 ) -> Axes:
-    """Plot the mean of a column of runs.csv against a swept key, a line per value of `curves`."""
+    """Plot the mean of a number of runs against a swept key, a line per value of `curves`."""
+    frame = frame.assign(number=number.values)
     groups = [*groups_of(frame, curves)]
     places = places_of(frame[key])
     x = np.array([*places.values()])
@@ -329,29 +331,27 @@ def number_against(
         style = curve_style(k, len(groups))
         if are_names(frame[key]):
             style["linestyle"] = "none"
-        values = group[number].astype(float).groupby(group[key])
+        values = group["number"].groupby(group[key])
         mean = values.mean().reindex([*places])
         deviation = values.std().reindex([*places])
         ax.plot(x, mean, markersize=5, label=label or None, **style)
         error_bars(ax, x, mean, deviation, style["color"])
     label_values(ax, key, places)
-    quantity = _quantity_of(number, frame)
-    ax.set_ylabel(quantity)
+    ax.set_ylabel(number.head)
     facts = _facts_of_means(frame, [key, *curves], "bars", len(groups))
-    return finish(ax, f"{_capital(quantity)} against {x_quantity(ax)}: {title}", facts)
+    return finish(ax, f"{number.name} against {x_quantity(ax)}: {title}", facts)
 
 
 def number_map(
-    frame: pd.DataFrame, number: str, keys: tuple[str, str], ax: Axes, title: str
+    frame: pd.DataFrame, number: NumberOfRuns, keys: tuple[str, str], ax: Axes, title: str
 ) -> Axes:
-    """Plot the mean of a column of runs.csv over two swept keys, along x and y, as a map."""
+    """Plot the mean of a number of runs over two swept keys, along x and y, as a map."""
+    frame = frame.assign(number=number.values)
     values_x, values_y = ([*places_of(frame[key])] for key in keys)
-    frame = frame.astype({number: float})
-    table = frame.pivot_table(number, keys[1], keys[0], "mean", observed=True)
+    table = frame.pivot_table("number", keys[1], keys[0], "mean", observed=True)
     means = table.reindex(values_y, columns=values_x).to_numpy(dtype=float)
     image = ax.imshow(means, origin="lower", aspect="auto", cmap="viridis")
-    quantity = _quantity_of(number, frame)
-    ax.figure.colorbar(image, ax=ax, label=quantity)
+    ax.figure.colorbar(image, ax=ax, label=number.head)
     ax.set_xlabel(_label_of(keys[0]))
     ax.set_ylabel(_label_of(keys[1]))
     _name_ticks(ax.xaxis, {value: place for place, value in enumerate(values_x)})
@@ -360,40 +360,20 @@ def number_map(
         _write_numbers(ax, means)
     quantities = " and ".join(labels.named(key)[0] for key in keys)
     facts = [f"{len(frame)} runs", "mean over all other keys"]
-    return finish(ax, f"{_capital(quantity)} against {quantities}: {title}", facts)
+    return finish(ax, f"{number.name} against {quantities}: {title}", facts)
 
 
-def _quantity_of(number: str, frame: pd.DataFrame) -> str:
-    """Return the words of a column of runs.csv with its unit; a level says what it belongs to."""
-    band = _BAND_COLUMN.fullmatch(number)
-    if band is not None:
-        weighting = "A-weighted " if band["a"] else ""
-        return f"{weighting}third octave at {band['hz']} Hz{_of_source(frame)} [dB]"
-    if number in _WORDS:
-        words = _WORDS[number]
-        of = _of_source(frame) if words.of_source else ""
-        return f"{words.text}{of} [{words.unit}]"
-    word, _, ending = number.rpartition("_")
-    if ending in _UNITS:
-        return f"{word.replace('_', ' ')} [{_UNITS[ending]}]"
-    return number.replace("_", " ")
-
-
-def _of_source(frame: pd.DataFrame) -> str:
-    """Say what the levels of a table are levels of."""
-    sources = {*frame["source"].dropna()} if "source" in frame else set()
-    if sources == {"vibration"}:
-        return " of the vibration"
-    if sources == {"release"}:
-        gain = frame["q"].isna().all() if "q" in frame else True
-        return " of the release under a fixed gain" if gain else " of the released power"
-    return ""
-
-
-def _capital(quantity: str) -> str:
-    """Return a quantity without its unit, with a capital."""
-    words = quantity.partition(" [")[0]
-    return words[:1].upper() + words[1:]
+def _of_source(runs: Sequence[RunFolder]) -> str:
+    """Say what the third octaves of runs are levels of; nothing where runs differ."""
+    found = set[str]()
+    for numbers in filter(None, map(numbers_of, runs)):
+        if numbers.record.source == "vibration":
+            found.add(" of the vibration")
+        elif numbers.record.q is None:
+            found.add(" of the release under a fixed gain")
+        else:
+            found.add(" of the released power")
+    return found.pop() if len(found) == 1 else ""
 
 
 def _write_numbers(ax: Axes, means: Array) -> None:
@@ -406,9 +386,9 @@ def _write_numbers(ax: Axes, means: Array) -> None:
             ax.text(column, row, text, ha="center", va="center", color=colour)
 
 
-def mean_bands(frame: pd.DataFrame, curves: Sequence[str], ax: Axes, title: str) -> Axes:
-    """Plot the mean A-weighted third octaves of a table, a line per value of `curves`."""
-    table = mean_band_table(frame, curves)
+def mean_bands(runs: Sequence[RunFolder], curves: Sequence[str], ax: Axes, title: str) -> Axes:
+    """Plot the mean A-weighted third octaves of runs, a line per value of `curves`."""
+    table = mean_band_table(runs, curves)
     # Values that are equal in print have curves of one name.
     groups = [rows for _, rows in table.groupby(np.arange(len(table)) // len(MID_HZ))]
     for k, rows in enumerate(groups[:_MAX_CURVES]):
@@ -422,19 +402,21 @@ def mean_bands(frame: pd.DataFrame, curves: Sequence[str], ax: Axes, title: str)
                 MID_HZ, mean - deviation, mean + deviation, color=style["color"], alpha=0.18, lw=0
             )
     ax.set(xscale="log", xlim=AUDIBLE_HZ)
-    ax.set_ylabel(f"A-weighted level{_of_source(frame)} [dB re 20 µPa]")
+    of = _of_source(runs)
+    ax.set_ylabel(f"A-weighted level{of} [dB re 20 µPa]")
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
     ax.minorticks_off()
     band_ticks(ax)
-    facts = _facts_of_means(frame, curves, "shaded", len(groups))
-    return finish(ax, f"Mean third octaves{_of_source(frame)}: {title}", facts)
+    facts = _facts_of_means(sweep_table(runs), curves, "shaded", len(groups))
+    return finish(ax, f"Mean third octaves{of}: {title}", facts)
 
 
-def mean_band_table(frame: pd.DataFrame, curves: Sequence[str]) -> pd.DataFrame:
+def mean_band_table(runs: Sequence[RunFolder], curves: Sequence[str]) -> pd.DataFrame:
     """Tabulate mean and standard deviation of A-weighted third octaves by curve [dB]."""
+    bands = pd.DataFrame([_a_weighted_bands(run) for run in runs], columns=BAND_NAMES, dtype=float)
     tables = []
-    for label, group in groups_of(frame, curves):
-        levels_db = group.reindex(columns=_BANDS).astype(float)
+    for label, group in groups_of(sweep_table(runs), curves):
+        levels_db = bands.loc[group.index]
         columns = {
             "curve": label,
             "band_hz": NOMINAL_HZ,
@@ -444,6 +426,13 @@ def mean_band_table(frame: pd.DataFrame, curves: Sequence[str]) -> pd.DataFrame:
         }
         tables.append(pd.DataFrame(columns))
     return pd.concat(tables, ignore_index=True)
+
+
+def _a_weighted_bands(run: RunFolder) -> Mapping[str, float | None]:
+    """Return the A-weighted third octaves of the sound of a run by their names [dB(A)]."""
+    numbers = numbers_of(run)
+    bands = None if numbers is None else numbers.played_bands_a
+    return {} if bands is None else bands.by_name
 
 
 # ---- parts of figures

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -80,21 +81,15 @@ def sources(run: Run, ax: Axes | None = None) -> Axes:
     >>> ax = rolling.plot.sources(run)
     """
     _vibration(run)
-    labels = {
-        "vibration": "vibration, sound pressure level [dB re 20 µPa]",
-        "release": f"released power, {_share_text(run)} [dB re 20 µPa]",
-        "plate_power": "sound power level of the plate [dB re 1 pW]",
-        "ball_power": "sound power level of the ball [dB re 1 pW]",
-    }
-    names = source_names(run)
     unknown = dict.fromkeys(BAND_NAMES)
-    curves = []
-    for name in names:
-        levels = run.summary[f"{name}_third_octave_db"]
-        if any(levels.values()):
-            curves.append((labels[name], levels, unknown))
+    shown = _sources(run)
+    curves = [
+        (source.label, source.levels_db, unknown)
+        for source in shown
+        if any(source.levels_db.values())
+    ]
     ax = third_octaves(axes_of(ax), curves, run.sound.duration)
-    _show_down_to(ax, run.summary["vibration_third_octave_db"])
+    _show_down_to(ax, shown[0].levels_db)
     ax.set_ylabel("level without weighting [dB]")
     distance = f"listener at {number(run.scene.vibration_distance_m)} m"
     if run.scene.sound.listener_mm is not None:
@@ -105,7 +100,7 @@ def sources(run: Run, ax: Axes | None = None) -> Axes:
         losses = f"loss factor {loss_text(run.scene.plate.loss_factor)}"
     facts = [distance, duration_text([run]), "sound power of one side of the plate", losses]
     title = "Vibration and sound powers"
-    if "release" in names:
+    if not _falls(run):
         title = "Vibration, released power and sound powers"
     return finish(ax, f"{title}: {run.title}", facts)
 
@@ -126,20 +121,40 @@ def _share_text(run: Run) -> str:
 
 def source_table(run: Run) -> pd.DataFrame:
     """Tabulate the third octaves of the sources of a run [dB]."""
-    columns = {
-        f"{name}_level_db": run.summary[f"{name}_third_octave_db"] for name in source_names(run)
-    }
-    return band_table(columns)
+    _vibration(run)
+    return band_table({f"{source.name}_level_db": source.levels_db for source in _sources(run)})
 
 
-def source_names(run: Run) -> list[str]:
-    """Return the sources of a run with dynamics by their names in summary.json.
+class _Source(NamedTuple):
+    """A source of sound: its name in tables, its label in the legend, its third octaves [dB]."""
+
+    name: str
+    label: str
+    levels_db: Mapping[str, float | None]
+
+
+def _sources(run: Run) -> list[_Source]:
+    """Return the sources of a run with dynamics, the vibration first.
 
     The release belongs to a ball that rolls under its load, which a ball that falls does not.
     """
-    if run.scene.rolling.drop_mm is not None:
-        return ["vibration", "plate_power", "ball_power"]
-    return ["vibration", "release", "plate_power", "ball_power"]
+    bands = run.numbers.bands
+    release = f"released power, {_share_text(run)} [dB re 20 µPa]"
+    found = [("vibration", "vibration, sound pressure level [dB re 20 µPa]", bands.vibration)]
+    if not _falls(run):
+        found.append(("released_power", release, bands.released_power))
+    found += [
+        ("plate_power", "sound power level of the plate [dB re 1 pW]", bands.plate_power),
+        ("ball_power", "sound power level of the ball [dB re 1 pW]", bands.ball_power),
+    ]
+    return [
+        _Source(name, label, levels.by_name) for name, label, levels in found if levels is not None
+    ]
+
+
+def _falls(run: Run) -> bool:
+    """Tell whether the ball of a run falls."""
+    return run.scene.rolling.drop_mm is not None
 
 
 # ---- contact force

@@ -75,6 +75,11 @@ class SourceLevels:
         word="LAE (re 1 s)",
         form=".1f",
         holds_for="event",
+        explained=(
+            "the level of the event if all its energy came within one second. LAeq of an event "
+            "would fall by 3 dB with each doubling of the record, so events cannot be compared by "
+            "it; it is in summary.json."
+        ),
         default=None,
     )
     laeq_db: float | None = number(
@@ -107,6 +112,10 @@ class SourceLevels:
         word="steady level",
         shown_unit="dB re 1 pW/m²",
         form=".1f",
+        explained=(
+            "the level of the mean released power. A constant power makes no sound: it is the "
+            "energy that is there, not the part that is heard."
+        ),
         default=None,
     )
     spreads: LevelSpreads | None = group(
@@ -130,14 +139,17 @@ class LevelNumbers:
     """Levels of both sources, and those that stand beside a vibration."""
 
     vibration: SourceLevels | None = group(
-        "of the vibration, as far as it is computed", default=None
+        "of the vibration, as far as it is computed", word="vibration", default=None
     )
-    released_power: SourceLevels | None = group("of the released power", default=None)
+    released_power: SourceLevels | None = group(
+        "of the released power", word="released power", default=None
+    )
     released_power_at_listener_db: float | None = number(
         "LAeq of the released power where the vibration is heard",
         DB_A,
         word="released power where the vibration is heard",
         form=".1f",
+        as_measured=True,
         default=None,
     )
     released_power_z_at_listener_db: float | None = number(
@@ -156,6 +168,10 @@ class LevelNumbers:
         "share q at which the released power would be as loud as the vibration",
         word="q that equals them",
         form=".2g",
+        explained=(
+            "the share of the released power that would have to become sound for the release to "
+            "be as loud as the vibration in LAeq. The two are not added: above 1 no share would do."
+        ),
         default=None,
     )
     compact_source_level_db: float | None = number(
@@ -164,6 +180,7 @@ class LevelNumbers:
         DB_A,
         word="compact source of the same power",
         form=".1f",
+        as_measured=True,
         default=None,
     )
     hemisphere_mean_level_db: float | None = number(
@@ -171,6 +188,7 @@ class LevelNumbers:
         DB_A,
         word="mean over the half sphere",
         form=".1f",
+        as_measured=True,
         default=None,
     )
     plate_power_level_db: float | None = number(
@@ -345,6 +363,9 @@ class ContactNumbers:
         word="plastic ratio",
         form=".3f",
         in_table=True,
+        explained=(
+            "the area that yields at the hardness over the area of Hertz's smooth elastic contact."
+        ),
     )
     max_pressure_pa: float = number(
         "maximum pressure",
@@ -519,6 +540,10 @@ class EarNumbers:
         "sone",
         word="loudness N5",
         form=".3g",
+        explained=(
+            "the loudness that is exceeded for 5 % of the record, by which listeners judge a sound "
+            "that changes."
+        ),
         default=None,
     )
     loudness_max_sone: float | None = number(
@@ -584,7 +609,14 @@ class MotionNumbers:
     )
     force_rms_ratio: float = number("the same over the load")
     force_max_ratio: float = number(
-        "largest force over the load", word="maximum of F/W", form=".3f", in_table=True
+        "largest force over the load",
+        word="maximum of F/W",
+        form=".3f",
+        in_table=True,
+        explained=(
+            "the largest force between sphere and plate over the load. The force fluctuates about "
+            "the load; at 0 the sphere flies."
+        ),
     )
     force_min_ratio: float = number(
         "least force over the load", word="minimum of F/W", form=".3f", in_table=True
@@ -674,12 +706,24 @@ class ChannelNumbers:
 class PassNumbers:
     """Numbers of one pass over a plate that keeps its plastic overlap."""
 
-    laeq_db: float | None = number("LAeq of the released power", DB_A, default=None)
+    vibration_laeq_db: float | None = number(
+        "LAeq of the vibration, estimated",
+        DB_A,
+        word="LAeq of the vibration, estimated",
+        default=None,
+    )
+    laeq_db: float | None = number(
+        "LAeq of the released power",
+        DB_A,
+        word="LAeq of the released power (q = 1, upper bound)",
+        default=None,
+    )
     level_db: float | None = number("LZeq of the released power", DB, default=None)
-    vibration_laeq_db: float | None = number("LAeq of the vibration, estimated", DB_A, default=None)
-    release_power_mean_w: float = number("mean released power", "W")
+    release_power_mean_w: float = number(
+        "mean released power", "W", word="mean released power", shown_unit="µW", factor=1e6
+    )
     plastic_work_j: float = number("plastic work", "J")
-    depth_um: float = number("maximum depth so far", "um")
+    depth_um: float = number("maximum depth so far", "um", word="maximum depth", shown_unit="µm")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -753,8 +797,10 @@ class RunNumbers:
 
     name: str = ""
     sentence: str = number("what rolls on what", "", default="")
-    vibration: Quantity = group("what a listener would hear")
-    released_power: Quantity = group("what one would hear if all released energy were sound")
+    vibration: Quantity = group("what a listener would hear", word="vibration")
+    released_power: Quantity = group(
+        "what one would hear if all released energy were sound", word="released power"
+    )
     record: RecordNumbers = group("what was solved, and the record of the sound files")
     levels: LevelNumbers = group("levels of both sources")
     bands: BandNumbers = group("third octaves")
@@ -790,6 +836,13 @@ class RunNumbers:
         levels = self.levels
         own = levels.vibration if self.record.source == "vibration" else levels.released_power
         return own or SourceLevels()
+
+    @property
+    def played_bands_a(self) -> BandQuantity | None:
+        """A-weighted third octaves of the sound that the files have."""
+        if self.record.source == "vibration":
+            return self.bands.vibration_a
+        return self.bands.released_power_a
 
     @property
     def leading(self) -> Quantity:

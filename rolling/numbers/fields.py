@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 from dataclasses import MISSING, dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from acoustics.numbers import rounded
 
@@ -22,6 +22,8 @@ class NumberField:
     form : str. Format in tables for people. Default: four digits.
     in_table : bool. Whether runs.csv has it.
     holds_for : str. `event` or `lasting` for a level that says nothing of the other kind of record.
+    as_measured : bool. Whether people read it as LAE for an event, like the level that leads.
+    explained : str. What a stranger must know of the word, as a sentence. Default: nothing.
     is_group : bool. Whether it is a group of numbers: a data class, a tuple of them, a mapping.
     """
 
@@ -33,13 +35,19 @@ class NumberField:
     form: str = ""
     in_table: bool = False
     holds_for: str = ""
+    as_measured: bool = False
+    explained: str = ""
     is_group: bool = False
 
     @property
     def head(self) -> str:
-        """Name and unit, for the head of a row or a column."""
+        """Word and unit, for the head of a row or a column."""
+        return self.headed(self.word)
+
+    def headed(self, name: str) -> str:
+        """Return a name with the unit that people read."""
         unit = self.shown_unit or self.unit
-        return f"{self.word} [{unit}]" if unit not in ("", "1") else self.word
+        return f"{name} [{unit}]" if unit not in ("", "1") else name
 
     def text(self, value: float) -> str:
         """Write a value in the unit that people read."""
@@ -57,13 +65,15 @@ def number(
     form: str = "",
     in_table: bool = False,
     holds_for: str = "",
+    as_measured: bool = False,
+    explained: str = "",
     default: Any = MISSING,
 ) -> Any:
     """Return the field of a number, or of a text with the unit "", in a data class of numbers.
 
     Parameters
     ----------
-    meaning, unit, word, shown_unit, factor, form, in_table, holds_for
+    meaning, unit, word, shown_unit, factor, form, in_table, holds_for, as_measured, explained
         As in `NumberField`.
     default
         The value of a run that does not have the number. Default: every run has it.
@@ -77,13 +87,19 @@ def number(
         form=form,
         in_table=in_table,
         holds_for=holds_for,
+        as_measured=as_measured,
+        explained=explained,
     )
     return field(default=default, metadata={"number": said})
 
 
-def group(meaning: str, default: Any = MISSING) -> Any:
-    """Return the field of a group of numbers: a data class, a tuple of them, or a mapping."""
-    return field(default=default, metadata={"number": NumberField(meaning, is_group=True)})
+def group(meaning: str, *, word: str = "", default: Any = MISSING) -> Any:
+    """Return the field of a group of numbers: a data class, a tuple of them, or a mapping.
+
+    A word names a quantity, or the source to which the numbers of the group belong.
+    """
+    said = NumberField(meaning, word=word, is_group=True)
+    return field(default=default, metadata={"number": said})
 
 
 def said_of(one: dataclasses.Field[Any]) -> NumberField | None:
@@ -92,21 +108,71 @@ def said_of(one: dataclasses.Field[Any]) -> NumberField | None:
     return said
 
 
+class Leaf(NamedTuple):
+    """A field of numbers that is no group, with its value.
+
+    Attributes
+    ----------
+    path : tuple of str
+        Names of its groups and its own.
+    place : tuple of int
+        Where it and its groups stand among the fields, by which tables are sorted.
+    said : NumberField
+        What is said of it.
+    value : Any
+        A quantity, a number, a text, or None.
+    group : Any
+        The data class that holds it.
+    source : str
+        Word of the source to which its group belongs, or an empty text.
+    """
+
+    path: tuple[str, ...]
+    place: tuple[int, ...]
+    said: NumberField
+    value: Any
+    group: Any
+    source: str
+
+    @property
+    def name(self) -> str:
+        """Its word, or its meaning, with that of its source, as in `LAFmax of the vibration`."""
+        word = self.said.word or self.said.meaning
+        return f"{word} of the {self.source}" if self.source else word
+
+
+def walk(
+    numbers: Any, path: tuple[str, ...] = (), place: tuple[int, ...] = (), source: str = ""
+) -> Iterator[Leaf]:
+    """Yield the fields of numbers that are no groups, subject by subject.
+
+    Groups that a run does not have are left out.
+    """
+    for k, one in enumerate(dataclasses.fields(numbers)):
+        said = said_of(one)
+        if said is None:
+            continue
+        value = getattr(numbers, one.name)
+        is_group = dataclasses.is_dataclass(value) and any(
+            said_of(inner) is not None for inner in dataclasses.fields(value)
+        )
+        if is_group:
+            yield from walk(value, (*path, one.name), (*place, k), said.word or source)
+        else:
+            yield Leaf(
+                path=(*path, one.name),
+                place=(*place, k),
+                said=said,
+                value=value,
+                group=numbers,
+                source=source,
+            )
+
+
 def leaves(numbers: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any, Any]]:
     """Yield the path, what is said, and the value of each field of numbers that is no group.
 
     Groups that a run does not have are left out.
     """
-    for one in dataclasses.fields(numbers):
-        said = said_of(one)
-        if said is None:
-            continue
-        value = getattr(numbers, one.name)
-        place = (*path, one.name)
-        is_group = dataclasses.is_dataclass(value) and any(
-            said_of(inner) is not None for inner in dataclasses.fields(value)
-        )
-        if is_group:
-            yield from leaves(value, place)
-        else:
-            yield place, said, value
+    for leaf in walk(numbers, path):
+        yield leaf.path, leaf.said, leaf.value

@@ -2,19 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from rolling.numbers.fields import NumberField, leaves
+from rolling.numbers.fields import Leaf, NumberField, leaves, walk
 from rolling.numbers.quantity import BandQuantity, Quantity
 
 SPREADS = "spreads"  # group of the uncertainties of the levels beside it
 
 
 class Cell(NamedTuple):
-    """A value of a table, and what is said of it."""
+    """A value of a table, what is said of it, and its name for people."""
 
     value: Any
     said: NumberField
+    name: str
+
+    @property
+    def head(self) -> str:
+        """Name and unit, for the head of a column or an axis."""
+        return self.said.headed(self.name)
+
+
+def rows(numbers: Any) -> Iterator[Leaf]:
+    """Yield the numbers that have a word, which people read in tables, also those that are None."""
+    for leaf in walk(numbers):
+        if leaf.said.word and (isinstance(leaf.value, Quantity) or not leaf.said.is_group):
+            yield leaf
+
+
+def spread_of(leaf: Leaf) -> float | None:
+    """Return the standard uncertainty of a number that its group has; None without."""
+    spread: float | None = getattr(getattr(leaf.group, SPREADS, None), leaf.path[-1], None)
+    return spread
 
 
 def columns(numbers: Any) -> dict[str, Cell]:
@@ -24,12 +44,12 @@ def columns(numbers: Any) -> dict[str, Cell]:
     uncertainty, origin, verdict and measure. Bands, mappings and tuples are left out.
     """
     cells: dict[str, Cell] = {}
-    for path, said, value in leaves(numbers):
-        name = "_".join(path)
-        if isinstance(value, Quantity):
-            cells |= quantity_cells(name, said, value)
-        elif not said.is_group and not isinstance(value, tuple):
-            cells[name] = Cell(value, said)
+    for leaf in walk(numbers):
+        name = "_".join(leaf.path)
+        if isinstance(leaf.value, Quantity):
+            cells |= quantity_cells(name, leaf.said, leaf.value)
+        elif not leaf.said.is_group and not isinstance(leaf.value, tuple):
+            cells[name] = Cell(leaf.value, leaf.said, leaf.name)
     return cells
 
 
@@ -39,20 +59,32 @@ def quantity_cells(name: str, said: NumberField, quantity: Quantity) -> dict[str
     end = "db" if unit.startswith("dB") else unit.replace("/", "_")
     of_spread = "dB" if unit.startswith("dB") else unit
     meaning = said.meaning
+    word = said.word or name.replace("_", " ")
 
-    def cell(value: Any, words: str, cell_unit: str = "") -> Cell:
+    def cell(value: Any, what: str, words: str, cell_unit: str = "") -> Cell:
         """Return a cell that runs.csv has."""
-        return Cell(value, NumberField(words, cell_unit, in_table=True))
+        return Cell(value, NumberField(words, cell_unit, in_table=True), what)
 
     spread = f"{name}_uncertainty_db" if end == "db" else f"{name}_uncertainty"
     return {
-        f"{name}_{end}": cell(quantity.value, meaning, unit),
-        spread: cell(quantity.uncertainty, f"standard uncertainty: {meaning}", of_spread),
-        f"{name}_verdict": cell(quantity.verdict, f"how far to trust it: {meaning}"),
-        f"{name}_how": cell(quantity.how, f"how it was found: {meaning}"),
-        f"{name}_measure": cell(quantity.measure, f"what it measures: {meaning}"),
+        f"{name}_{end}": cell(quantity.value, word, meaning, unit),
+        spread: cell(
+            quantity.uncertainty,
+            f"standard uncertainty of the {word}",
+            f"standard uncertainty: {meaning}",
+            of_spread,
+        ),
+        f"{name}_verdict": cell(
+            quantity.verdict, f"verdict on the {word}", f"how far to trust it: {meaning}"
+        ),
+        f"{name}_how": cell(quantity.how, f"origin of the {word}", f"how it was found: {meaning}"),
+        f"{name}_measure": cell(
+            quantity.measure, f"measure of the {word}", f"what it measures: {meaning}"
+        ),
         f"{name}_solved_share": Cell(
-            quantity.solved_share, NumberField(f"share that was solved: {meaning}", "1")
+            quantity.solved_share,
+            NumberField(f"share that was solved: {meaning}", "1"),
+            f"solved share of the {word}",
         ),
     }
 

@@ -5,7 +5,8 @@ import math
 from acoustics.numbers import bracketed, rounded, rounded_up
 from acoustics.radiation import RHO_C
 from acoustics.texts import printable
-from rolling.report.text import NOTHING
+from rolling.numbers.ball_numbers import MotionNumbers
+from rolling.results.level_words import NOTHING
 from rolling.results.run_result import Run
 from rolling.scene import surfaces
 from rolling.scene.scene import Scene
@@ -36,7 +37,7 @@ def _source(run: Run) -> dict[str, str]:
     if run.sound.source == "vibration":
         ball = "plate and sphere" if scene.sound.ball else "plate"
         if scene.plate.edges_mm is not None:
-            places = [bracketed(listener["at_mm"]) for listener in run.summary["listeners"]]
+            places = [bracketed(listener.at_mm) for listener in run.numbers.levels.listeners or ()]
             return {
                 "source": f"vibration of {ball}, the plate in an infinite rigid baffle",
                 "listener [mm] from the corner of the plate": "; ".join(places),
@@ -63,43 +64,51 @@ def _source(run: Run) -> dict[str, str]:
 
 def _bodies(run: Run) -> dict[str, str]:
     """Return the assumptions about the vibration; none without dynamics."""
-    if run.vibration_sound is None:
+    motion = run.numbers.motion
+    if motion is None:
         return {}
     scene = run.scene
     plate = scene.plate
-    summary = run.summary
-    grams = rounded(1e3 * summary["ball_mass_kg"], 3)
+    grams = rounded(1e3 * motion.ball_mass_kg, 3)
     ball = f"sphere of {grams} g ({scene.sphere.density_kg_m3:g} kg/m³)"
-    quality = summary["resonance_q"]
+    quality = motion.resonance_q
     damping = "undamped" if quality is None else f"Q {rounded(quality, 3)}"
-    least = rounded(summary["force_law_min_n"], 3)
-    most = rounded(summary["force_law_max_n"], 3)
-    law = f"{summary['force_law_loads']} loads from {least} to {most} N"
-    error = summary["force_law_error_n"]
-    if error is not None:
-        law += f", rms error {rounded(error)} N between them"
     loss = plate.loss_factor
     return {
-        "vibrating bodies": f"{ball}, {_bending(run)}, {plate.density_kg_m3:g} kg/m³",
+        "vibrating bodies": f"{ball}, {_bending(scene, motion)}, {plate.density_kg_m3:g} kg/m³",
         "resonance of the sphere on its contact": (
-            f"{rounded(summary['resonance_hz'], 4)} Hz, {damping}"
+            f"{rounded(motion.resonance_hz, 4)} Hz, {damping}"
         ),
-        "force law": law,
+        "force law": _force_law(motion),
         "loss factor of bending waves": NOTHING if loss is None else loss_text(loss),
     }
 
 
-def _bending(run: Run) -> str:
+def _force_law(motion: MotionNumbers) -> str:
+    """Describe the loads of the force law, and its error between them."""
+    if motion.force_law_min_n is None or motion.force_law_max_n is None:
+        return NOTHING
+    least = rounded(motion.force_law_min_n, 3)
+    most = rounded(motion.force_law_max_n, 3)
+    law = f"{motion.force_law_loads} loads from {least} to {most} N"
+    if motion.force_law_error_n is not None:
+        law += f", rms error {rounded(motion.force_law_error_n)} N between them"
+    return law
+
+
+def _bending(scene: Scene, motion: MotionNumbers) -> str:
     """Describe the bending of the plate."""
-    plate = run.scene.plate
+    plate = scene.plate
     if plate.thickness_mm is None:
         return "half-space"
     size = "infinite plate"
     if plate.edges_mm is not None:
         length, width = plate.edges_mm
         size = f"plate of {length:g} mm x {width:g} mm"
-    critical_hz = rounded(run.summary["critical_hz"], 4)
-    return f"{size} {plate.thickness_mm:g} mm thick, coincidence at {critical_hz} Hz"
+    words = f"{size} {plate.thickness_mm:g} mm thick"
+    if motion.critical_hz is not None:
+        words += f", coincidence at {rounded(motion.critical_hz, 4)} Hz"
+    return words
 
 
 def _contact(run: Run) -> dict[str, str]:

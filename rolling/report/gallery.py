@@ -14,7 +14,7 @@ from acoustics.arrays import Array
 from acoustics.texts import printable
 from rolling import __version__
 from rolling.figures.settings import left_out_if_it_fails
-from rolling.report import film, records, text
+from rolling.report import film, quantities, records, text
 from rolling.report.templates import environment
 from rolling.results import answer
 from rolling.results.listening import record_for_ear
@@ -68,22 +68,29 @@ def _card(run: Run, seconds: float, folder: Path) -> dict[str, Any]:
     """Return title, picture, sound, level and sentence of a run, and the link to its page."""
     sound = _excerpt(run, seconds)
     peak = float(np.abs(sound).max())
-    listening = run.summary.get("listening") or {}
     still = None
     with left_out_if_it_fails(f"of the contact of {run.label}"):
         still = film.still(run)
     return {
         "title": text.titles([run]),
         "label": run.label,
-        "judged": text.judged(run),
+        "answers": quantities.shown_columns([run]),
         "sentence": _sentence(run),
         "heard": text.heard(run, is_alone=True),
         "picture": still,
         "sound": records.compressed(wav.PEAK / peak * sound) if peak > 0 else None,
         "peak": peak,
-        "level_db": listening.get("laeq_db", run.summary["laeq_db"]),
+        "level_db": _heard_laeq_db(run),
         "report": _link(run.home / PAGE, folder),
     }
+
+
+def _heard_laeq_db(run: Run) -> float | None:
+    """Return LAeq of the record that is heard [dB(A)]: of the long record if there is one."""
+    long = run.numbers.listening
+    if long is not None and long.refused is None:
+        return long.laeq_db
+    return run.numbers.played.laeq_db
 
 
 def _link(page: Path, folder: Path) -> str | None:

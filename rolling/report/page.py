@@ -20,10 +20,10 @@ from rolling.figures.catalogue import COMPARING, SINGLE, comparing_pictures, sin
 from rolling.figures.picture import Picture
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.numbers.doubt import Doubt
-from rolling.report import assumed, film, live, maps, records, text
+from rolling.report import assumed, film, live, maps, number_table, quantities, records, text
 from rolling.report.charts import Chart, chart_of
 from rolling.report.templates import environment, joined_script
-from rolling.results import answer, description, run_lines, runs_table, verdict
+from rolling.results import answer, description, run_lines, verdict
 from rolling.results.listening import QUIET_DB, Raised
 from rolling.results.notes import REPEATS
 from rolling.results.run_result import Run
@@ -61,6 +61,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     players = [_player(view, scale) for view in views]
     charts = PageCharts(views)
     data = {"runs": players, "view": scale, "bands": BAND_NAMES, "charts": charts.shown}
+    solved = [(run.label, run.numbers) for run in runs]
     templates = environment()
     templates.globals["numbered"] = charts.add
     templates.globals["is_known"] = charts.is_known
@@ -73,12 +74,17 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         descriptions=_descriptions(shown),
         text=text,
         film=film,
-        verdict=verdict,
-        answer=answer,
-        description=description,
-        runs_table=runs_table,
-        summaries=[(run.label, run.summary) for run in runs],
-        judged=[text.judged(run) for run in runs],
+        sentence=description.runs_sentence(runs),
+        follows=answer.follows(runs),
+        columns=quantities.shown_columns(runs),
+        meanings=quantities.meanings(runs),
+        units=quantities.units(runs),
+        verdict_words=quantities.verdict_words(runs),
+        doubts=quantities.doubts(runs),
+        headline=verdict.headline(solved),
+        notes=[note.text for note in verdict.notes(solved)],
+        table=number_table.number_table(runs),
+        listeners=number_table.listeners(runs),
         assumptions=text.facts(runs, [assumed.assumptions(run) for run in runs]),
         provenance=text.provenance(runs),
         recipes=text.recipes(runs),
@@ -170,7 +176,7 @@ def _views(runs: Sequence[Run]) -> list[RunView]:
     for number, (run, record) in enumerate(zip(runs, records.of_runs(runs), strict=True)):
         repeats = []
         if record.records[0].name == "run":  # a long record goes on
-            repeats = [doubt for doubt in verdict.listed(run.summary) if doubt.key in REPEATS]
+            repeats = [doubt for doubt in verdict.listed(run.numbers) if doubt.key in REPEATS]
         view = RunView(
             label=run.label,
             run=run,
@@ -251,7 +257,7 @@ def _player(view: RunView, scale: dict[str, Any] | None) -> dict[str, Any]:
         "maps": run_maps,
         "film": slow_motion,
         "bands": _rounded(run.sound.levels.third_octave_db),
-        "spreads": _rounded(run.summary["third_octave_uncertainty_db"]),
+        "spreads": _rounded(run.sound.uncertainty.third_octave_db),
     }
 
 
@@ -341,12 +347,23 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
             "labels": [run.label for run in members],
             "numbers": [number for number, run in enumerate(runs) if run in members],
             "words": assumed.surface_words(first.scene),
-            "statistics": first.summary["surface"],
-            "parts": run_lines.surface_parts(first.summary),
+            "roughness": _roughness(first),
+            "has_ball": first.numbers.surface.ball_ra_m is not None,
             "pictures": exhibits,
         }
         surfaces.append(surface)
     return surfaces
+
+
+def _roughness(run: Run) -> str:
+    """Write the roughness of the surface of a run; that of plate and ball together says so."""
+    surface = run.numbers.surface
+    parts = run_lines.surface_parts(run.numbers)
+    return (
+        f"{'; both together' if parts else ''}: Ra {surface.ra_m * 1e6:.4g} µm, "
+        f"Rq {surface.rq_m * 1e6:.4g} µm, skewness {surface.skewness:.2f}, "
+        f"kurtosis {surface.kurtosis:.2f}, rms slope {surface.rms_slope:.3g}{parts}."
+    )
 
 
 def _surface_key(run: Run) -> str:

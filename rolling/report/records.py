@@ -76,7 +76,7 @@ def of_runs(runs: Sequence[Run]) -> list[RunRecords]:
             levels_db.append(run.record_laeq_db)
         else:
             ear = listening.long_ear_record(run, long)
-            levels_db.append(long.numbers["laeq_db"])
+            levels_db.append(long.numbers.laeq_db)
         ears.append(ear)
     peaks_pa = [float(np.abs(ear.pressure).max()) for ear in ears]
     sources = [run.sound.source for run in runs]
@@ -89,7 +89,8 @@ def of_runs(runs: Sequence[Run]) -> list[RunRecords]:
             if source == sources[number] and level is not None
         ]
         own_db = levels_db[number]
-        ends = run.ends_within(run.sound.duration if long is None else long.numbers["seconds"])
+        heard_s = run.sound.duration if long is None else _seconds(long)
+        ends = run.ends_within(heard_s)
         records.append(
             RunRecords(
                 records=_records(run, ear),
@@ -193,8 +194,13 @@ def solved(sound: ContactSound, long: Listening | None) -> float:
     own_s = len(sound.pressure) / sound.sample_rate
     if long is None:
         return own_s
-    long_s = len(long.pressure) / long.sample_rate
-    return min(own_s, long_s * float(long.numbers["solved_share"]))
+    share = long.numbers.solved_share
+    return min(own_s, _seconds(long) * (1.0 if share is None else share))
+
+
+def _seconds(long: Listening) -> float:
+    """Return the length of a long record [s]."""
+    return len(long.pressure) / long.sample_rate
 
 
 # ---- gains

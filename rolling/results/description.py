@@ -523,9 +523,7 @@ def _loudest_band_hz(numbers: RunNumbers) -> float | None:
 
 def _a_weighted(numbers: RunNumbers) -> dict[str, float | None]:
     """Return the A-weighted third octaves of the sound that plays [dB(A)]."""
-    bands = numbers.bands.vibration_a
-    if numbers.record.source == "release":
-        bands = numbers.bands.released_power_a
+    bands = numbers.played_bands_a
     return {} if bands is None else bands.by_name
 
 

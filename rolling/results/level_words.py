@@ -2,45 +2,97 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from typing import NamedTuple
 
-from rolling.numbers.ball_numbers import RunNumbers, SourceLevels
-from rolling.numbers.fields import NumberField, said_of
-from rolling.numbers.quantity import uncertain
+from rolling.numbers import views
+from rolling.numbers.ball_numbers import DB, DB_A, RunNumbers
+from rolling.numbers.fields import Leaf, NumberField
+from rolling.numbers.quantity import Quantity, uncertain
 from rolling.results.answer import of_solved_part
-from rolling.results.quantities import LAE, heard_levels, measure
+from rolling.results.quantities import LAE, as_heard, measure
 
 NOTHING = "-"  # for a number that does not exist
+SILENT = "silent"
 
 
-class LevelText(NamedTuple):
-    """A level of the sound that plays: what is said of it, and its value with its uncertainty."""
+class NumberText(NamedTuple):
+    """A number of a run as people read it.
 
-    said: NumberField
-    text: str
-
-
-def level_texts(numbers: RunNumbers) -> list[LevelText]:
-    """Return the levels of the sound that plays, or of the whole of what ends, that say something.
-
-    A level of a silent record is `silent`, and one that the record is too short for is `-`.
+    Attributes
+    ----------
+    place : tuple of int
+        Where it stands among the fields, by which rows are sorted.
+    head : str
+        Its name and unit.
+    text : str
+        The number with its uncertainty, `silent` without sound, or `-` where there is none.
+    said : NumberField
+        What is said of it.
+    is_played : bool
+        Whether it is a level of the sound that plays.
+    is_repeated : bool
+        Whether it is one of the two numbers of the run again.
     """
-    levels = heard_levels(numbers)
-    skipped = "event" if not numbers.record.single_event else "lasting"
+
+    place: tuple[int, ...]
+    head: str
+    text: str
+    said: NumberField
+    is_played: bool
+    is_repeated: bool
+
+
+def number_texts(numbers: RunNumbers) -> list[NumberText]:
+    """Return the numbers of a run that have a word, but for levels that say nothing of its record.
+
+    The levels of what ends are those of the whole record.
+    """
+    shown = as_heard(numbers)
+    played = shown.played
+    answers = (numbers.vibration.value, numbers.released_power.value)
+    skipped = "lasting" if numbers.record.single_event else "event"
     texts = []
-    for one in fields(SourceLevels):
-        said = said_of(one)
-        if said is None or said.is_group or said.holds_for == skipped:
+    for row in views.rows(shown):
+        if row.said.holds_for == skipped:
             continue
-        value = getattr(levels, one.name)
-        spread = None if levels.spreads is None else getattr(levels.spreads, one.name)
-        if value is not None:
-            text = uncertain(value, spread)
-        else:
-            text = "silent" if levels.laeq_db is None else NOTHING
-        texts.append(LevelText(said, text))
+        number_text = NumberText(
+            place=row.place,
+            head=_head(row, numbers),
+            text=_text(row, is_silent=row.group is played and played.laeq_db is None),
+            said=row.said,
+            is_played=row.group is played,
+            is_repeated=row.value is not None and row.value in answers,
+        )
+        texts.append(number_text)
     return texts
+
+
+def _head(row: Leaf, numbers: RunNumbers) -> str:
+    """Return name and unit of a row: of a quantity with its origin, of an event with LAE."""
+    if isinstance(row.value, Quantity):
+        name = f"{row.name}, {row.value.how}"
+        return f"{name}{_reference(numbers)} [{row.value.unit}]"
+    name = row.name
+    if row.said.as_measured:
+        name += _reference(numbers)
+    return row.said.headed(name)
+
+
+def _reference(numbers: RunNumbers) -> str:
+    """Say of a level of an event that it is an LAE; nothing for LAeq."""
+    return ", LAE (re 1 s)" if measure(numbers) == LAE else ""
+
+
+def _text(row: Leaf, is_silent: bool) -> str:
+    """Write a number with its uncertainty; a level of sound pressure is silent without sound."""
+    if isinstance(row.value, Quantity):
+        return row.value.number
+    if row.value is None:
+        return SILENT if is_silent and row.said.unit in (DB, DB_A) else NOTHING
+    spread = views.spread_of(row)
+    if spread is not None:
+        return uncertain(row.value, spread)
+    return row.said.text(row.value)
 
 
 def level_name(numbers: RunNumbers) -> str:
@@ -71,11 +123,9 @@ def level_rows(numbers: RunNumbers) -> dict[str, str]:
         rows[name] = str(quantity)
         if quantity.judged is not None:
             rows[f"verdict on the {name}"] = quantity.judged.sentence
-    source = "vibration" if numbers.record.source == "vibration" else "released power"
-    for level in level_texts(numbers)[1:]:  # the first one is a number above
-        if level.text != NOTHING:
-            unit = level.said.shown_unit or level.said.unit
-            rows[f"{level.said.word} of the {source}"] = f"{level.text} {unit}"
+    for level in number_texts(numbers):
+        if level.is_played and not level.is_repeated and level.text != NOTHING:
+            rows[level.head] = level.text
     part = of_solved_part([numbers])
     if part:
         rows["record"] = part

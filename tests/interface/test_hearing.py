@@ -9,12 +9,15 @@ import pytest
 from report_runs import runs_of
 
 from rolling.report import text
+from rolling.report.number_table import number_table
 from rolling.results.run_result import Run
 
 
 def with_record(run: Run, pressure: np.ndarray, laeq_db: float) -> Run:
     sound = replace(run.sound, pressure=pressure)
-    return replace(run, sound=sound, summary=run.summary | {"laeq_db": laeq_db})
+    levels = replace(run.numbers.played, laeq_db=laeq_db)
+    of_sources = replace(run.numbers.levels, released_power=levels)
+    return replace(run, sound=sound, numbers=replace(run.numbers, levels=of_sources))
 
 
 def tone(hertz: float, samples: int = 48000) -> np.ndarray:
@@ -57,18 +60,22 @@ def test_silence_has_no_reason() -> None:
 
 
 def test_weighting_is_explained_where_it_raises_a_level(heard) -> None:
-    words = dict(text.explanations(heard))
-    raised = any(run.summary["laeq_db"] > run.summary["level_db"] for run in heard)
+    words = dict(number_table(heard).explained)
+    raised = any(
+        run.numbers.played.laeq_db > run.numbers.played.level_db  # type: ignore[operator]
+        for run in heard
+    )
     assert ("LAeq above LZeq" in words) == raised
-    above = replace(heard[0], summary=heard[0].summary | {"laeq_db": 61.0, "level_db": 60.0})
-    assert "LAeq above LZeq" in dict(text.explanations([above]))
+    levels = replace(heard[0].numbers.played, level_db=heard[0].record_laeq_db - 1.0)
+    of_sources = replace(heard[0].numbers.levels, released_power=levels)
+    above = replace(heard[0], numbers=replace(heard[0].numbers, levels=of_sources))
+    assert "LAeq above LZeq" in dict(number_table([above]).explained)
     assert {"steady level", "plastic ratio"} == set(words) - {"LAeq above LZeq"}
 
 
 def test_runs_heard_by_their_vibration_have_the_words_of_their_own_columns() -> None:
     flying = runs_of("flying")
-    words = dict(text.explanations(flying))
-    _, rows = text.levels(flying)
-    assert "steady level" not in words
-    for word in ("q that equals them", "F/W"):
-        assert word in words and any(word in head for head, _ in rows)
+    table = number_table(flying)
+    words = dict(table.explained)
+    for word in ("q that equals them", "maximum of F/W"):
+        assert word in words and any(word in row.head for row in table.rows)

@@ -13,12 +13,14 @@ import numpy as np
 import pytest
 from PIL import Image
 from report_browser import data_of
-from report_runs import HOSTILE, runs_of
+from report_runs import HOSTILE, runs_of, solved
 from ruamel.yaml import YAML
 
 from acoustics.wav import PEAK
-from rolling.report import film, maps, records, text
+from rolling.numbers.doubt import sized
+from rolling.report import film, maps, quantities, records, text
 from rolling.report.assumed import assumptions
+from rolling.report.number_table import number_table
 from rolling.report.page import page
 from rolling.report.templates import css_text
 from rolling.results import verdict
@@ -166,7 +168,7 @@ def test_the_map_shown_is_the_nearest_at_any_time(speed, laps, closes) -> None:
 def test_the_curves_of_a_film_are_the_motion_of_the_run() -> None:
     """Values of a chart have four digits of their differences: 1 mN of 2 N, 1 nm of 2000 nm."""
     _, fast = runs_of("flying")
-    motion = fast.vibration.motion
+    motion = fast.vibration_sound.motion
     slow = fast.result.slow_motion
     times = fast.position_time[slow.positions]
     _, chart = film.curves(fast)
@@ -174,7 +176,7 @@ def test_the_curves_of_a_film_are_the_motion_of_the_run() -> None:
     height, force = (part["y"] for part in chart["parts"] if part["kind"] == "line")
     ms = chart["xs"][0]
     (rule,) = [part for part in chart["parts"] if part["kind"] == "rule"]
-    assert rule["at"] == fast.vibration.load == 0.3
+    assert rule["at"] == fast.vibration_sound.load == 0.3
     # A film that begins with the record begins with the first step of the motion.
     assert ms[0] <= 1e3 * max(times[0], motion.time_s[0])
     assert ms[-1] >= 1e3 * (times[-1] - motion.time_step_s)
@@ -186,7 +188,7 @@ def test_the_curves_of_a_film_are_the_motion_of_the_run() -> None:
 
 def test_the_flights_of_a_film_are_the_times_without_force() -> None:
     _, fast = runs_of("flying")
-    motion = fast.vibration.motion
+    motion = fast.vibration_sound.motion
     begin = motion.time_s[40] + 1e-9
     end = motion.time_s[-40]
     flown = film.flights(fast, np.array([begin, end]))
@@ -200,13 +202,50 @@ def test_the_flights_of_a_film_are_the_times_without_force() -> None:
 
 
 def test_levels_have_their_uncertainty_rounded_up(three) -> None:
-    labels, rows = text.levels(three)
-    assert labels == [run.label for run in three]
-    cells = dict(rows)["level of the released power (q = 1) [dB(A)]"]
-    for run, cell in zip(three, cells, strict=True):
-        value, uncertainty = cell.split(" ± ")
-        assert float(value) == pytest.approx(run.summary["laeq_db"], abs=0.05)
-        assert 0.0 <= float(uncertainty) - run.summary["uncertainty_db"]["laeq"] < 0.1
+    table = number_table(three)
+    assert table.labels == [run.label for run in three]
+    rows = dict(table.rows)
+    for run, own, peak in zip(
+        three,
+        rows["released power, upper bound [dB(A)]"],
+        rows["LZpeak of the released power [dB]"],
+        strict=True,
+    ):
+        levels = run.numbers.played
+        for cell, level, spread in (
+            (own, run.released_power.value, run.released_power.uncertainty),
+            (peak, levels.lz_peak_db, levels.spreads.lz_peak_db),
+        ):
+            value, uncertainty = cell.split(" ± ")
+            assert float(value) == pytest.approx(level, abs=0.05)
+            assert 0.0 <= float(uncertainty) - spread < 0.1
+
+
+def test_a_number_has_one_uncertainty_on_the_page(three) -> None:
+    """The table repeats no level with another ± than that of the quantity."""
+    for runs in (three, runs_of("flying"), runs_of("falling")):
+        for run in runs:
+            for quantity in (run.vibration, run.released_power):
+                if quantity.value is None:
+                    continue
+                cells = [row.cells[0] for row in number_table([run]).rows if "dB(A)]" in row.head]
+                same = [cell for cell in cells if cell.split(" ± ")[0] == f"{quantity.value:.1f}"]
+                assert quantity.number in same
+
+
+def test_the_table_of_numbers_is_a_view_of_the_fields(three) -> None:
+    """Each number with a word has a row where a run has it, and is written as its field says."""
+    (run,) = runs_of("falling")
+    rows = dict(number_table([*three, run]).rows)
+    contact = three[0].numbers.contact
+    assert rows["maximum pressure [GPa]"][0] == f"{contact.max_pressure_pa * 1e-9:.3g}"
+    assert rows["restitution of the first impact"][:3] == ["-"] * 3
+    assert rows["restitution of the first impact"][3] == f"{run.numbers.motion.restitution:.3f}"
+    heads = [*rows]
+    assert heads.index("released power, upper bound [dB(A)]") < heads.index("plastic ratio")
+    # A level of lasting sound says nothing of an event, and LAE nothing of a lasting sound.
+    assert rows["LZeq of the released power [dB]"][3] == "-"
+    assert "vibration, computed, LAE (re 1 s) [dB(A)]" in rows
 
 
 def test_the_vibration_stands_before_the_released_power(three) -> None:
@@ -216,9 +255,49 @@ def test_the_vibration_stands_before_the_released_power(three) -> None:
     assert first and first[0].index("Vibration") < first[0].index("Released power")
     rows = re.findall(r"<tr>(.*?)</tr>", first[0].partition("<tbody>")[2], re.S)
     for run, row in zip(three, rows, strict=True):
-        heard, released = re.findall(r"<td>(.*?)</td>", row, re.S)
-        assert f"{run.summary['vibration_estimate_laeq_db']:.1f}" in heard
-        assert f"{run.summary['laeq_db']:.1f}" in released
+        heard, released = re.findall(r"<td.*?</td>", row, re.S)
+        assert f"{run.vibration.value:.1f}" in heard and "beside" not in heard
+        assert f"{run.released_power.value:.1f}" in released and 'class="beside"' in released
+
+
+def test_a_bound_is_never_trusted(three) -> None:
+    """Its word is its own, and its numerical error stands beside it."""
+    for runs in (three, runs_of("flying"), runs_of("seeds")):
+        vibration, released = quantities.shown_columns(runs)
+        assert {cell.verdict for cell in released.cells} == {"bound"}
+        assert not any(cell.leads for cell in released.cells)
+        assert not {cell.verdict for cell in vibration.cells} & {"bound", "assumed"}
+        words = dict(quantities.verdict_words(runs))
+        assert "bound" in words and "assumed" not in words
+        content = page(runs).decode()
+        assert 'data-verdict="bound"' in content
+    coarse = replace(
+        three[0],
+        numbers=replace(
+            three[0].numbers,
+            released_power=three[0].released_power.with_doubts(
+                [sized("coarse", "the grid is coarse", 4.2)]
+            ),
+        ),
+    )
+    _, released = quantities.shown_columns([coarse])
+    (cell,) = released.cells
+    assert (cell.verdict, cell.severity, cell.error) == (
+        "bound",
+        "numerically do not quote",
+        "± 4.2 dB",
+    )
+    assert "Released power is numerically do not quote, ± 4.2 dB: the grid is coarse." in (
+        quantities.doubts([coarse])
+    )
+
+
+def test_an_assumed_share_has_a_word_of_its_own() -> None:
+    (run,) = runs_of("lap")
+    assumed = solved(run.scene.with_({"sound.q": 0.5}))
+    _, released = quantities.shown_columns([assumed])
+    assert released.cells[0].verdict == "assumed" and "assumed" in released.remark
+    assert "assumed" in dict(quantities.verdict_words([assumed]))
 
 
 @pytest.mark.parametrize("names", [["three"], ["one", "flying"], ["falling"], ["smooth"]])
@@ -232,24 +311,26 @@ def test_louder_is_said_of_no_release(names: list[str]) -> None:
 
 def test_silence_and_missing_numbers_are_named() -> None:
     (silent,) = runs_of("smooth")
-    _, rows = text.levels([silent])
-    cells = dict(rows)
-    for name in ("LZeq [dB]", "LAFmax [dB]", "LZpeak [dB]"):
-        assert cells[name] == ["silent"]
+    cells = dict(number_table([silent]).rows)
+    for name in ("LZeq", "LZpeak"):
+        assert cells[f"{name} of the released power [dB]"] == ["silent"]
+    assert cells["LAFmax of the released power [dB(A)]"] == ["silent"]
     assert "is silent" in text.heard(silent, is_alone=True)
     both = runs_of("smooth", "one")
-    few = {key: number for key, number in silent.summary.items() if not key.startswith("la")}
-    _, rows = text.levels([replace(both[0], summary=few), both[1]])
-    assert dict(rows)["LAFmax [dB]"][0] == "-"
-    steady = silent.summary["steady_level_db"]  # a constant power has a level, and no sound
-    assert f"{steady:.1f}" in cells["steady level [dB re 1 pW/m²]"][0]
+    short = both[1].numbers.played
+    levels = replace(both[1].numbers.levels, released_power=replace(short, laf_max_db=None))
+    few = replace(both[1], numbers=replace(both[1].numbers, levels=levels))
+    rows = dict(number_table([both[0], few, both[1]]).rows)
+    assert rows["LAFmax of the released power [dB(A)]"][:2] == ["silent", "-"]
+    steady = silent.numbers.played.steady_level_db  # a constant power has a level, and no sound
+    assert f"{steady:.1f}" in cells["steady level of the released power [dB re 1 pW/m²]"][0]
 
 
 def test_no_row_of_the_numbers_is_empty(three) -> None:
     for runs in (three, runs_of("flying"), runs_of("smooth"), runs_of("falling", "one")):
-        labels, rows = text.levels(runs)
-        for head, cells in rows:
-            assert len(cells) == len(labels) and set(cells) != {"-"}, head
+        table = number_table(runs)
+        for head, cells in table.rows:
+            assert len(cells) == len(table.labels) and set(cells) != {"-"}, head
 
 
 def test_letters_that_turn_the_text_around_are_escaped() -> None:
@@ -261,7 +342,7 @@ def test_letters_that_turn_the_text_around_are_escaped() -> None:
 
 
 def test_each_kind_of_warning_and_equal_assumptions_stand_once(three) -> None:
-    warnings = verdict.warnings([(run.label, run.summary) for run in three])
+    warnings = verdict.warnings([(run.label, run.numbers) for run in three])
     keys = [warning.key for warning in warnings]
     assert keys and len(set(keys)) == len(keys)
     assert any("similarly for" in warning.text for warning in warnings)  # other resonances
@@ -288,8 +369,7 @@ def test_levels_that_are_missing_are_gaps_in_the_data_of_the_page(tmp_path) -> N
     (lap,) = runs_of("lap")
     none = dict.fromkeys(lap.sound.levels.third_octave_db)
     quiet = replace(lap.sound, levels=replace(lap.sound.levels, third_octave_db=none))
-    numbers = {"third_octave_db": none, "third_octave_uncertainty_db": none}
-    gaps = replace(lap, label="gaps", sound=quiet, summary=lap.summary | numbers)
+    gaps = replace(lap, label="gaps", sound=quiet)
     path = tmp_path / "page.html"
     path.write_bytes(page([lap, gaps]))
     assert data_of(path)["runs"][1]["bands"] == [None] * 31
@@ -298,6 +378,7 @@ def test_levels_that_are_missing_are_gaps_in_the_data_of_the_page(tmp_path) -> N
 def test_a_fall_without_an_impact_is_silent_for_a_reason() -> None:
     (run,) = runs_of("edged")
     levels = replace(run.sound.levels, laeq_db=None)
-    summary = {**run.summary, "flight_share": 1.0, "impacts": 0}
-    silent = SimpleNamespace(summary=summary, sound=replace(run.sound, levels=levels))
+    motion = replace(run.numbers.motion, flight_share=1.0, impacts=0)
+    numbers = replace(run.numbers, motion=motion)
+    silent = SimpleNamespace(numbers=numbers, sound=replace(run.sound, levels=levels))
     assert "ends before the ball hits the plate" in text.silence(silent)

@@ -1,0 +1,111 @@
+"""The table of all numbers of runs, a view over the fields of the numbers, with its words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from acoustics.numbers import bracketed
+from rolling.results.level_words import NOTHING, SILENT, NumberText, number_texts
+from rolling.results.quantities import LAE, level_beside, measure
+from rolling.results.run_result import Run
+
+A_ABOVE_Z = (
+    "LAeq above LZeq",
+    "the A-weighting follows the ear, which is most sensitive between 1 and 6 kHz, and raises "
+    "sound there by up to 1.3 dB.",
+)
+
+
+class TableRow(NamedTuple):
+    """A number of each run, as text, below the name and unit of the number."""
+
+    head: str
+    cells: list[str]
+
+
+class NumberTable(NamedTuple):
+    """The table of all numbers of runs: their labels, a row for each number, words explained."""
+
+    labels: list[str]
+    rows: list[TableRow]
+    explained: list[tuple[str, str]]
+
+
+def number_table(runs: Sequence[Run]) -> NumberTable:
+    """Return the table of all numbers of runs, and the words in it at which a stranger stumbles.
+
+    A row is shown if a run has its number. A row that only repeats the two numbers of the runs is
+    left out.
+    """
+    columns = [{text.head: text for text in number_texts(run.numbers)} for run in runs]
+    by_head: dict[str, list[NumberText]] = {}
+    for column in columns:
+        for head, text in column.items():
+            by_head.setdefault(head, []).append(text)
+    heads = sorted(by_head, key=lambda head: min(text.place for text in by_head[head]))
+    rows = []
+    explained = dict[str, str]()
+    for head in heads:
+        known = [text for text in by_head[head] if text.text != NOTHING]
+        if not known:
+            continue
+        said = known[0].said
+        if said.explained:
+            explained[said.word] = said.explained
+        if not all(text.is_repeated for text in known):
+            rows.append(TableRow(head, [_cell(column, head) for column in columns]))
+    words = [*explained.items()]
+    if any(map(_is_raised_by_a_weighting, runs)):
+        words.append(A_ABOVE_Z)
+    return NumberTable([run.label for run in runs], rows, words)
+
+
+def _cell(column: dict[str, NumberText], head: str) -> str:
+    """Return the text of a number of a run; `-` where the run does not have it."""
+    return column[head].text if head in column else NOTHING
+
+
+def _is_raised_by_a_weighting(run: Run) -> bool:
+    """Tell whether the A-weighted level of a run lies above that without weighting."""
+    a_weighted = run.record_laeq_db
+    unweighted = run.numbers.played.level_db
+    return a_weighted is not None and unweighted is not None and a_weighted > unweighted
+
+
+# ---- several listeners
+
+
+class ListenerRow(NamedTuple):
+    """Levels of a run at one of several listeners, as text."""
+
+    head: str
+    place: str
+    a_weighted: str
+    unweighted: str
+
+
+def listeners(runs: Sequence[Run]) -> list[ListenerRow]:
+    """Return the levels at the listeners of runs that have several."""
+    rows = []
+    for run in runs:
+        own = run.numbers.levels.listeners or ()
+        if len(own) < 2:
+            continue
+        for listener in own:
+            place = f"{bracketed(listener.at_mm)} mm"
+            if len(runs) > 1:
+                place = f"{run.label}: {place}"
+            row = ListenerRow(
+                head="LAE (re 1 s)" if measure(run.numbers) == LAE else "LAeq",
+                place=place,
+                a_weighted=_level_or_silent(level_beside(run.numbers, listener.laeq_db)),
+                unweighted=_level_or_silent(listener.level_db),
+            )
+            rows.append(row)
+    return rows
+
+
+def _level_or_silent(level_db: float | None) -> str:
+    """Write a level [dB], or that there is no sound."""
+    return SILENT if level_db is None else f"{level_db:.1f}"

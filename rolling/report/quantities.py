@@ -1,0 +1,210 @@
+"""The two numbers of runs as the page shows them: value, uncertainty, verdict, and their words.
+
+The vibration leads. A bound or an assumption has a word of its own, and its numerical error beside
+it in small type.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from rolling.numbers.doubt import Severity
+from rolling.numbers.quantity import ASSUMED, BOUND, Judged, Quantity
+from rolling.results import description, verdict
+from rolling.results.quantities import LAE
+from rolling.results.run_result import Run
+
+NAMES = ("Vibration", "Released power")  # in the order in which they are read
+
+WORDS = {  # of verdicts
+    "trust": "no error above 1 dB is known",
+    "indicative": "good for comparing, because its error is up to 3 dB or of unknown size",
+    "do not quote": "its error exceeds 3 dB",
+    BOUND: "what one would hear lies below it; in small type stands its numerical error",
+    ASSUMED: "it rests on a share q or a gain that the scene assumes; in small type stands its "
+    "numerical error",
+}
+AT_LEAST = (">", "a part of the error has this size, and the rest is not known")
+
+
+class ShownQuantity(NamedTuple):
+    """A quantity as the page shows it.
+
+    Attributes
+    ----------
+    value, spread : str
+        The number, such as `11.0`, and its uncertainty, such as `± 1.2`; empty where there is none.
+    measure : str
+        LAE or LAeq where the page has both, otherwise empty.
+    missing : str
+        Why there is no number, otherwise empty.
+    verdict : str
+        Word of the verdict; empty without a number.
+    severity : str
+        How good a bound or an assumed number is as a number, if it is not trusted.
+    error : str
+        Size of its numerical error, as the verdict has it; empty where it is unknown.
+    leads : bool
+        Whether it is the number that is read first.
+    """
+
+    value: str
+    spread: str
+    measure: str
+    missing: str
+    verdict: str
+    severity: str
+    error: str
+    leads: bool
+
+
+class ShownColumn(NamedTuple):
+    """A column of one of the two numbers: its name, how it was found and its unit, its cells."""
+
+    name: str
+    remark: str
+    cells: list[ShownQuantity]
+
+
+def shown_columns(runs: Sequence[Run]) -> list[ShownColumn]:
+    """Return vibration and released power of runs as the page shows them.
+
+    The first of them that a run has leads; all others stand in its shadow.
+    """
+    is_mixed = len({run.vibration.measure for run in runs}) > 1
+    columns = []
+    is_led = False
+    for name, quantities in zip(NAMES, _quantities(runs), strict=True):
+        has_number = any(one.value is not None for one in quantities)
+        leads = has_number and not is_led
+        column = ShownColumn(
+            name=name,
+            remark=_remark(quantities, is_mixed),
+            cells=[_shown(one, is_mixed, leads) for one in quantities],
+        )
+        columns.append(column)
+        is_led = is_led or leads
+    return columns
+
+
+def _quantities(runs: Sequence[Run]) -> tuple[list[Quantity], list[Quantity]]:
+    """Return the vibrations and the released powers of runs."""
+    return [run.vibration for run in runs], [run.released_power for run in runs]
+
+
+def _remark(quantities: Sequence[Quantity], is_mixed: bool) -> str:
+    """Say how quantities were found, and in which unit they are."""
+    hows = dict.fromkeys(one.how for one in quantities if one.value is not None)
+    of_event = not is_mixed and quantities[0].measure == LAE
+    unit = f"LAE {quantities[0].unit}" if of_event else quantities[0].unit
+    return ", ".join(filter(None, (" or ".join(hows), unit)))
+
+
+def _shown(quantity: Quantity, is_mixed: bool, leads: bool) -> ShownQuantity:
+    """Return a quantity as the page shows it."""
+    judged = quantity.judged
+    if judged is None:
+        return ShownQuantity("", "", "", quantity.reason, "", "", "", leads)
+    value, _, spread = quantity.number.partition(" ± ")
+    return ShownQuantity(
+        value=value,
+        spread=f"± {spread}" if spread else "",
+        measure=quantity.measure if is_mixed else "",
+        missing="",
+        verdict=judged.word,
+        severity=_severity(judged),
+        error=judged.error,
+        leads=leads,
+    )
+
+
+def _severity(judged: Judged) -> str:
+    """Return how good a bound or an assumed number is as a number, where that is not trusted."""
+    severity = judged.worst.severity
+    if severity <= Severity.TRUST or judged.word == severity.word:
+        return ""
+    return f"numerically {severity.word}"
+
+
+# ---- words
+
+
+def verdict_words(runs: Sequence[Run]) -> list[tuple[str, str]]:
+    """Explain the words of the verdicts on the numbers of runs."""
+    found = [*_judged(runs)]
+    words = {one.word for one in found}
+    explained = [(word, meaning) for word, meaning in WORDS.items() if word in words]
+    if any(one.error.startswith(">") for one in found):
+        explained.append(AT_LEAST)
+    return explained
+
+
+def _judged(runs: Sequence[Run]) -> Iterator[Judged]:
+    """Yield the verdicts on the numbers of runs."""
+    for quantities in _quantities(runs):
+        for quantity in quantities:
+            if quantity.judged is not None:
+                yield quantity.judged
+
+
+def meanings(runs: Sequence[Run]) -> list[tuple[str, str]]:
+    """Explain the numbers that runs have: name and the rest of the sentence, each meaning once."""
+    explained = []
+    for name, quantities in zip(NAMES, _quantities(runs), strict=True):
+        for meaning in dict.fromkeys(one.meaning for one in quantities if one.value is not None):
+            rest = meaning.removeprefix(name)
+            if rest == meaning:
+                rest = f": {meaning[0].lower()}{meaning[1:]}"
+            explained.append((name, rest))
+    return explained
+
+
+def units(runs: Sequence[Run]) -> str:
+    """Say of what and where the levels of runs are."""
+    mean = "Levels are A-weighted means over the record (LAeq)"
+    if any(run.vibration.measure == LAE for run in runs):
+        mean = "Levels are A-weighted"
+    places = [*dict.fromkeys(run.scene.listener_place for run in runs)]
+    at = f" at {places[0]}" if len(places) == 1 else ""
+    return f"{mean}{at}, in dB re 20 µPa."
+
+
+# ---- doubts
+
+
+def doubts(runs: Sequence[Run]) -> list[str]:
+    """Return the doubts about the numbers of runs as sentences, the worst of each number first."""
+    sentences = []
+    told = set[str]()
+    for name, quantities in zip(NAMES, _quantities(runs), strict=True):
+        by_reason: dict[str, dict[str, Judged]] = {}
+        for run, quantity in zip(runs, quantities, strict=True):
+            judged = quantity.judged
+            if judged is not None and judged.worst.severity > Severity.TRUST:
+                by_reason.setdefault(judged.worst.text, {})[run.label] = judged
+                told.add(judged.worst.key)
+        for by_label in by_reason.values():
+            largest = max(by_label.values(), key=_size)
+            of_some = "" if len(by_label) == len(runs) else f" of {description.listed(by_label)}"
+            sentences.append(f"{name}{of_some} is {_ended(_doubtful(largest))}")
+    for doubt in verdict.warnings([(run.label, run.numbers) for run in runs]):
+        if doubt.key not in told:
+            sentences.append(_ended(f"{doubt.text[0].upper()}{doubt.text[1:]}"))
+    return sentences
+
+
+def _doubtful(judged: Judged) -> str:
+    """Write how good a number is, its error, and the reason."""
+    word = _severity(judged) or judged.word
+    return f"{', '.join(filter(None, (word, judged.error)))}: {judged.worst.text}"
+
+
+def _size(judged: Judged) -> float:
+    """Return the decibels of a verdict, by which verdicts of one reason are sorted."""
+    return abs(judged.worst.decibels or judged.known_db or 0.0)
+
+
+def _ended(sentence: str) -> str:
+    """End a sentence with a full stop."""
+    return sentence if sentence.endswith(".") else f"{sentence}."
