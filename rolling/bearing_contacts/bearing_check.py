@@ -32,6 +32,7 @@ from rolling.bearing_contacts.plan import (
 from rolling.check import cost, forecast, refusals
 from rolling.check.finding import Finding
 from rolling.check.findings import Findings
+from rolling.numbers.bearing_numbers import AXIAL_NAMES
 from rolling.numbers.doubt import TRUSTED_DB, Doubt, Severity, sized
 from rolling.scene import bearing_rules
 from rolling.scene.bearing_scene import BearingScene
@@ -166,6 +167,7 @@ def contact_angle_doubt(scene: BearingScene) -> Doubt | None:
         " that are not known",
         Severity.DO_NOT_QUOTE,
         advice="quote the radial velocities alone",
+        about=AXIAL_NAMES,
     )
 
 

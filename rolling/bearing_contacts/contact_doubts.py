@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -29,6 +28,7 @@ from rolling.bearing_contacts.plan import (
 )
 from rolling.bearing_contacts.solving import ContactMarch, Marches
 from rolling.marches.piece import contact_identity
+from rolling.numbers.bearing_numbers import MarchedContact
 from rolling.numbers.doubt import Doubt, Severity, sized
 from rolling.scene.laws import AUTOCORRELATIONS, Roughness
 from rolling.scene.surfaces import BallHeightFile
@@ -45,31 +45,6 @@ BRIDGED_DB = 1.0  # loss at a ratio of one [dB], which grows with its square
 FORM_POINTS = 2**14  # of a turn, which hold waves as short as any contact
 COARSE_DB = 0.3  # from which on nodes that are too far apart are a doubt
 SOFTER = 0.03  # change of the mean stiffness beside Hertz's, from which on it is a doubt
-
-
-@dataclass(frozen=True)
-class MarchedContact:
-    """Numbers of the march of a rough contact at its middle load.
-
-    name : str. Kind of contact.
-    load_n : float, N. Load.
-    approach_rms_m : float, m. Rms fluctuation of the approach.
-    linear_db : float, dB. Level of the linear response over that of the march.
-    approach_loss : float. Mean approach less Hertz's, over Hertz's.
-    stiffness_change : float. Mean stiffness between the loads beside the middle one over Hertz's,
-        less 1; NaN with fewer marches.
-    max_pressure_pa : float, Pa. Maximum pressure.
-    march_cpu_s : float, s. Processor time of the marches at all loads.
-    """
-
-    name: str
-    load_n: float
-    approach_rms_m: float
-    linear_db: float
-    approach_loss: float
-    stiffness_change: float
-    max_pressure_pa: float
-    march_cpu_s: float
 
 
 def marched_contacts(plan: ContactPlan, marches: Marches) -> list[MarchedContact]:
@@ -97,7 +72,7 @@ def _numbers(
     linear = float(np.std(contact.linear_rows([middle])))
     hertz = waves.hertz_approach(contact.contact, middle)
     means = {load: float(march.approach_m.mean()) for load, march in by_load.items()}
-    change = math.nan
+    change = None
     low = contact.loads_n[max(place - 1, 0)]
     high = contact.loads_n[min(place + 1, len(contact.loads_n) - 1)]
     if low < high and low in means and high in means:
@@ -293,7 +268,7 @@ def _unmarched(plan: ContactPlan, numbers: list[MarchedContact]) -> Iterator[Dou
 def _stiffness(contact: MarchedContact) -> Iterator[Doubt]:
     """State how much a rough contact is softer than Hertz's, which the motion takes."""
     change = contact.stiffness_change
-    if math.isnan(change) or abs(change) <= SOFTER:
+    if change is None or abs(change) <= SOFTER:
         return
     word = "softer" if change < 0 else "stiffer"
     yield sized(

@@ -16,7 +16,7 @@ from acoustics.texts import printable
 from acoustics.traps import ignoring_underflow
 from rolling.bearing_contacts.band_gain import gain_uncertainty_db
 from rolling.bearing_run.band_difference import HOUSING, NAMES, BandDifference, band_difference
-from rolling.results.answer import uncertain
+from rolling.numbers.quantity import uncertain
 from rolling.terminal.streams import columns
 
 if TYPE_CHECKING:

@@ -1,8 +1,8 @@
 """Commands on bearings: run a scene into a folder, and report, tabulate and listen to stored runs.
 
 A folder holds scene.yaml, report.html, runs.csv and contacts/, the marches that runs share. Each
-run has result.h5, summary.json, spectrum.csv, lines.csv, acceleration.wav, listen.wav and figures/,
-a single run in the folder itself, a run of a sweep in a folder below.
+run has result.h5, numbers.json, summary.json, spectrum.csv, lines.csv, acceleration.wav, listen.wav
+and figures/, a single run in the folder itself, a run of a sweep in a folder below.
 """
 
 from __future__ import annotations
@@ -16,20 +16,19 @@ from typing import Any
 from pandas import DataFrame
 
 from acoustics import resampling, wav
-from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.texts import printable
-from rolling.bearing.band_uncertainty import stored_uncertainty
 from rolling.bearing.motion import move_ring
-from rolling.bearing.ring_record import DIRECTIONS, RADIAL
-from rolling.bearing_run import page, simulation, stored_run, summary
-from rolling.bearing_run.bearing_run import BearingRun
-from rolling.bearing_run.without_faults import stored_without_faults
+from rolling.bearing_run import page, sentences, simulation, stored_run
+from rolling.bearing_run.bearing_run import BearingRun, with_numbers
+from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.contact.processor_time import ProcessorTime
 from rolling.contact.solver import ContactError
 from rolling.figures.picture import csv_bytes
-from rolling.marches import effort
-from rolling.numbers.doubt import Severity
+from rolling.numbers import views
+from rolling.numbers.bearing_numbers import BearingNumbers
+from rolling.numbers.doubt import Doubt, Severity
 from rolling.results.run_folder import FAILED, PAGE, RESULT, SUMMARY, TABLE, BearingFolder
+from rolling.results.stored_numbers import with_page, write_stored
 from rolling.run import folder as folders
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.height_files import read_regular
@@ -141,13 +140,15 @@ def _solve(
         place.scene, folder=folder, workers=workers, start_from=source
     )
     for stage in stages:
-        run = replace(stage.run, values=place.values, label=label_of(place), folder=place.folder)
-        if stage.is_final:
+        label = label_of(place)
+        if stage.run is not None:
             with progress.step("writing the files of the run"):
+                run = replace(stage.run, values=place.values, label=label, folder=place.folder)
                 stored_run.write_run(run, place.folder)
         elif first:
-            sound = stored_run.write_acceleration(run, place.folder)
-            stored_run.write_listen(run, place.folder, sound, sound.gain)
+            bearing = replace(stage.bearing, label=label)
+            sound = stored_run.write_acceleration(bearing, place.folder)
+            stored_run.write_listen(bearing, place.folder, sound, sound.gain)
             path = place.folder / stored_run.LISTEN
             progress.line(f"the first sound, of contacts at one load: {path}")
         progress.solved()
@@ -185,27 +186,28 @@ def save_run(run: BearingRun, folder: Path, report: bool) -> Path:
 
 
 def read_run(place: BearingFolder) -> BearingRun:
-    """Read a run from its folder.
+    """Read a run from its folder, with its stored numbers.
 
     Raises
     ------
-    FolderError : a file is missing or damaged.
+    FolderError : a file is missing or damaged, or the result is that of another scene.
     """
-    stored = stored_run.read_summary(place.folder / SUMMARY)
+    stored = stored_run.read_stored_bearing(place.folder)
     record, tracks = stored_run.read_result(place.folder / RESULT, place.scene)
-    return BearingRun(
+    bearing = SolvedBearing(
         scene=place.scene,
         record=record,
         tracks=tracks,
-        solved=tuple(summary.stored_doubts(stored)),
-        contacts=tuple(stored.get("contacts", ())),
-        contact_uncertainty=stored_uncertainty(stored.get("bands_uncertainty_parts_db", {})),
-        parts_cpu_s=stored.get(effort.PARTS, {}),
-        without_faults=stored_without_faults(stored.get("without_faults")),
         values=place.values,
         label=label_of(place),
         folder=place.folder,
     )
+    return with_numbers(bearing, stored.numbers, stored)
+
+
+def _numbers_of(place: BearingFolder) -> BearingNumbers:
+    """Return the numbers of a run that is done, from its folder."""
+    return stored_run.read_stored_bearing(place.folder).numbers
 
 
 # ---- what follows from the runs that are done
@@ -228,8 +230,8 @@ def _write_derived(folder: Path, runs: Sequence[BearingFolder], report: bool) ->
     content = _drawn_report(folder, done, [label_of(run) for run in runs if not run.is_done])
     spent = ProcessorTime.now().since(began)
     for run in done:  # before the page, which must not be older than a summary
-        numbers = stored_run.read_summary(run.folder / SUMMARY)
-        files.write_json(run.folder / SUMMARY, effort.with_page(numbers, spent, len(done)))
+        stored = stored_run.read_stored_bearing(run.folder)
+        write_stored(run.folder, with_page(stored, spent, len(done)))
     files.write_bytes(folder / PAGE, content)
 
 
@@ -259,16 +261,17 @@ def _scene_text(folder: Path) -> str:
 
 def write_with_common_gain(done: Sequence[BearingFolder]) -> None:
     """Write listen.wav of the runs of a sweep with one gain, that of the loudest run."""
-    stored = {run: stored_run.read_summary(run.folder / SUMMARY) for run in done}
-    common = max(numbers["listen"]["own_full_scale_m_s2"] for numbers in stored.values())
-    for place, numbers in stored.items():
-        if numbers["listen"]["full_scale_m_s2"] == common:
+    stored = {run: stored_run.read_stored_bearing(run.folder) for run in done}
+    common = max(one.files.listen.own_full_scale_m_s2 for one in stored.values())
+    for place, one in stored.items():
+        listen = one.files.listen
+        if listen.full_scale_m_s2 == common:
             continue
         run = read_run(place)
         sound = stored_run.ring_sound(run)
         stored_run.write_listen(run, place.folder, sound, 1 / common)
-        numbers["listen"]["full_scale_m_s2"] = common
-        files.write_json(place.folder / SUMMARY, numbers)
+        facts = replace(one.files, listen=replace(listen, full_scale_m_s2=common))
+        write_stored(place.folder, replace(one, files=facts))
     _write_housings([place for place in done if place.scene.plate is not None])
 
 
@@ -281,32 +284,17 @@ def _write_housings(done: Sequence[BearingFolder]) -> None:
 
 
 def run_table(done: Sequence[BearingFolder]) -> DataFrame:
-    """Tabulate runs that are done, a row each: swept values, bands and their uncertainty."""
+    """Tabulate runs that are done, a row each: the numbers that a person reads."""
     rows = []
     for place in done:
-        numbers = stored_run.read_summary(place.folder / SUMMARY)
+        numbers = _numbers_of(place)
         row: dict[str, Any] = {"run": label_of(place) or place.scene.name, **place.values}
-        for direction in DIRECTIONS:
-            for band in VELOCITY_BANDS_HZ:
-                row[f"{direction}_{band}_um_s"] = numbers["bands_um_s"][direction][band]
-                uncertain = numbers["bands_uncertainty_db"][direction][band]
-                row[f"{direction}_{band}_uncertainty_db"] = uncertain
-                row[f"{direction}_{band}_verdict"] = _band_verdict(numbers, direction, band)
-            below = numbers.get("bands_below_bending_um_s", {}).get(direction, {})
-            for band, um_s in below.items():
-                row[f"{direction}_{band}_below_bending_um_s"] = um_s
-        housing = numbers.get("housing") or {}
-        if "laeq_db" in housing:
-            row["housing_laeq_db"] = housing["laeq_db"]
-        row["march_cpu_s"] = numbers.get("march_cpu_s")
+        for name, cell in views.columns(numbers).items():
+            if cell.said.in_table:
+                row[name] = cell.value
+        row["doubts"] = " ".join(dict.fromkeys(doubt.key for doubt in numbers.doubts))
         rows.append(row)
     return DataFrame(rows)
-
-
-def _band_verdict(numbers: dict[str, Any], direction: str, band: str) -> str | None:
-    """Return the verdict on a band that is stored, None where none is."""
-    verdict = numbers.get("bands_verdict", {}).get(direction, {}).get(band)
-    return None if verdict is None else str(verdict)
 
 
 # ---- terminal
@@ -317,11 +305,11 @@ def _print_runs(folder: Path, done: Sequence[BearingFolder]) -> None:
     if progress.is_quiet():
         print(folder)
         return
-    stored = [stored_run.read_summary(run.folder / SUMMARY) for run in done]
+    stored = [_numbers_of(run) for run in done]
     if len(done) > 1:
         print(band_table(done))
     else:
-        for sentence in stored[0]["sentences"]:
+        for sentence in stored[0].sentences:
             print(folded(sentence))
     _print_doubts(stored)
     print(f"listen: {printable(str(done[0].folder / stored_run.LISTEN))}")
@@ -342,66 +330,51 @@ def band_table(done: Sequence[BearingFolder]) -> str:
 
     Bands end where the ring bends. The last column has the high band of a ring that stays rigid.
     """
-    heads = [f"{words}, below the bending" for words in summary.BAND_WORDS.values()]
-    rows = [["run, radial um/s", *heads, f"{summary.BAND_WORDS['high']}, rigid"]]
+    words = sentences.BAND_WORDS
+    heads = [f"{text}, below the bending" for text in words.values()]
+    rows = [["run, radial um/s", *heads, f"{words['high']}, rigid"]]
     for place in done:
-        numbers = stored_run.read_summary(place.folder / SUMMARY)
-        rigid = summary.velocity(numbers["bands_um_s"][RADIAL]["high"])
-        velocities = [_below_bending(place, numbers, band) for band in VELOCITY_BANDS_HZ]
+        numbers = _numbers_of(place)
+        shown = sentences.band_words(numbers.ring.bending_hz)
+        velocities = [
+            sentences.velocity(um_s) if band in shown else sentences.NO_VELOCITY
+            for band, um_s in numbers.below_bending.radial.um_s.items()
+        ]
+        rigid = sentences.velocity(numbers.velocities.radial.high.value)
         rows.append([label_of(place), *velocities, rigid])
     return columns(rows)
 
 
-def _below_bending(place: BearingFolder, numbers: dict[str, Any], band: str) -> str:
-    """Write the radial velocity of a band below the bending of the ring.
-
-    A band above it has none, and a band that the bending cuts is not known of a run of 0.8.0.
-    """
-    low, high = VELOCITY_BANDS_HZ[band]
-    bending_hz = place.scene.ring_bending_hz
-    if bending_hz >= high:
-        return summary.velocity(numbers["bands_um_s"][RADIAL][band])
-    below = numbers.get("bands_below_bending_um_s", {}).get(RADIAL, {})
-    if bending_hz <= low or band not in below:
-        return summary.NO_VELOCITY
-    return summary.velocity(below[band])
-
-
-def line_lines(numbers: dict[str, Any]) -> str:
+def line_lines(numbers: BearingNumbers) -> str:
     """Write the lines of a run in aligned columns."""
     heads = ["line", "Hz"]
-    for direction in DIRECTIONS:
+    for direction, bands in numbers.velocities.by_direction.items():
         head = f"{direction} um/s"
-        verdicts = {_band_verdict(numbers, direction, band) for band in VELOCITY_BANDS_HZ}
+        verdicts = {velocity.verdict for velocity in bands.by_band.values()}
         if verdicts == {Severity.DO_NOT_QUOTE.word}:
             head += f" ({Severity.DO_NOT_QUOTE.word})"
         heads.append(head)
     rows = [heads]
-    for line in numbers["lines"]:
-        velocities = []
-        for name in DIRECTIONS:
-            um_s = line[f"{name}_um_s"]
-            velocities.append("not resolved" if um_s is None else summary.velocity(um_s))
-        rows.append([line["name"], f"{line['frequency_hz']:.2f}", *velocities])
+    for line in numbers.lines:
+        velocities = [
+            "not resolved" if own.um_s is None else sentences.velocity(own.um_s)
+            for own in line.by_direction.values()
+        ]
+        rows.append([line.name, f"{line.frequency_hz:.2f}", *velocities])
     return columns(rows)
 
 
-def _print_doubts(stored: Sequence[dict[str, Any]]) -> None:
+def _print_doubts(stored: Sequence[BearingNumbers]) -> None:
     """Print each kind of doubt at its worst, the worst first; all of them if verbose."""
-    every = [doubt for numbers in stored for doubt in numbers["doubts"]]
-    severities = [severity.word for severity in Severity]
-    every.sort(
-        key=lambda doubt: (severities.index(doubt["severity"]), doubt["decibels"] or 0.0),
-        reverse=True,
-    )
-    by_key: dict[str, dict[str, Any]] = {}
+    every = [doubt for numbers in stored for doubt in numbers.doubts]
+    every.sort(key=lambda doubt: doubt.rank, reverse=True)
+    by_key: dict[str, Doubt] = {}
     for doubt in every:
-        by_key.setdefault(doubt["key"], doubt)
+        by_key.setdefault(doubt.key, doubt)
     doubts = list(by_key.values())
     shown = doubts if progress.is_verbose() else doubts[:_MOST_DOUBTS]
     for doubt in shown:
-        advice = f": {doubt['advice']}" if doubt["advice"] else ""
-        print(folded(f"doubt: {doubt['text']}{advice}."))
+        print(folded(f"doubt: {doubt.line}."))
     if len(doubts) > len(shown):
         print(f"{len(doubts) - len(shown)} more on the page and in {SUMMARY}")
 

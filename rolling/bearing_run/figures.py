@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -22,10 +21,12 @@ from rolling.bearing import lines
 from rolling.bearing.geometry import contact_lines
 from rolling.bearing.lines import BearingLine
 from rolling.bearing.model import BearingModel
-from rolling.bearing.ring_record import AXIAL, DIRECTIONS, PLACES, RADIAL, UM_S
-from rolling.bearing_run import summary
+from rolling.bearing.ring_record import AXIAL, PLACES, RADIAL, UM_S
+from rolling.bearing_run import sentences
 from rolling.figures.picture import DPI, HEIGHT_IN, WIDTH_IN, Picture, axes_of, drawable
 from rolling.figures.settings import own_settings
+from rolling.numbers import views
+from rolling.numbers.bearing_numbers import EnvelopeLine, VelocityLine
 
 if TYPE_CHECKING:
     from rolling.bearing_run.bearing_run import BearingRun
@@ -58,8 +59,8 @@ def spectrum(run: BearingRun, ax: Axes) -> Axes:
         x, y = thinned(log_hz, np.maximum(um_s, _NOTHING_UM_S))
         width = 0.9 if direction == RADIAL else 0.5
         label = direction
-        if direction == AXIAL and run.axial_doubt is not None:
-            label = f"{direction} ({run.axial_doubt.severity.word})"
+        if direction == AXIAL and run.numbers.axial_doubt is not None:
+            label = f"{direction} ({run.numbers.axial_doubt.severity.word})"
         ax.plot(np.exp(x), y, color=colour, linewidth=width, label=label)
     ax.set_xscale("log")
     ax.set_yscale("log")
@@ -67,6 +68,7 @@ def spectrum(run: BearingRun, ax: Axes) -> Axes:
     top = 10 ** math.ceil(math.log10(max(largest, _NOTHING_UM_S)) + 0.6)
     ax.set_ylim(top / 10**_DECADES, top)
     bands_hz = run.bands_below_bending_hz
+    velocities = run.numbers.below_bending.radial.um_s
     for colour, (name, (low, high)) in zip(_BAND_COLOURS, bands_hz.items(), strict=True):
         if not high > low:  # the ring bends from below the band on
             continue
@@ -74,7 +76,7 @@ def spectrum(run: BearingRun, ax: Axes) -> Axes:
         ax.text(
             math.sqrt(low * high),
             0.985,
-            f"{summary.velocity(run.bands_below_bending_um_s[RADIAL][name])} µm/s",
+            f"{sentences.velocity(velocities[name])} µm/s",
             transform=ax.get_xaxis_transform(),
             ha="center",
             va="top",
@@ -170,7 +172,8 @@ def ball_forces(run: BearingRun, ax: Axes) -> Axes:
 def load_distribution(run: BearingRun, ax: Axes) -> Axes:
     """Draw the mean load of a ball over its angle on polar axes, with its range."""
     angle = 2 * np.pi * np.arange(PLACES + 1) / PLACES
-    loads = np.append(run.mean_loads_n, run.mean_loads_n[0])
+    around = mean_loads_n(run)
+    loads = np.append(around, around[0])
     known = ~np.isnan(loads)
     ax.plot(angle[known], loads[known], color=COLOURS[0], linewidth=1.6, label="mean, in motion")
     static = static_loads(run.model, angle)
@@ -181,6 +184,11 @@ def load_distribution(run: BearingRun, ax: Axes) -> Axes:
     polar.set_rlabel_position(135)
     polar.set_ylim(0, 1.08 * max(float(np.nanmax(loads)), float(static.max())))
     return ax
+
+
+def mean_loads_n(run: BearingRun) -> Array:
+    """Return the mean load of a ball [N] at 72 angles; NaN where no ball has been."""
+    return np.array(run.numbers.loads.mean_at_angles_n, dtype=float)
 
 
 def static_loads(model: BearingModel, angle: Array) -> Array:
@@ -212,22 +220,37 @@ def envelope_table(run: BearingRun) -> DataFrame:
 
 def line_table(run: BearingRun) -> DataFrame:
     """Tabulate the lines of a run, those of the envelope below, with a note on what is unknown."""
-    of_velocity = DataFrame(run.lines_with_levels).assign(of="velocity")
-    of_velocity["note"] = [_line_note(run, row, DIRECTIONS) for row in run.lines_with_levels]
-    of_envelope = DataFrame(run.envelope_lines).assign(of="envelope")
-    of_envelope["note"] = [_line_note(run, row) for row in run.envelope_lines]
-    return pd.concat([of_velocity, of_envelope], ignore_index=True)
+    numbers = run.numbers
+    duration_s = numbers.motion.duration_s
+    rows = [
+        _cells(line) | {"of": "velocity", "note": _velocity_note(line, duration_s)}
+        for line in numbers.lines
+    ]
+    rows += [
+        _cells(line) | {"of": "envelope", "note": _unresolved(line.resolved_by_s, duration_s)}
+        for line in numbers.envelope_lines
+    ]
+    return DataFrame(rows)
 
 
-def _line_note(run: BearingRun, row: Mapping[str, Any], directions: Sequence[str] = ("",)) -> str:
+def _cells(line: VelocityLine | EnvelopeLine) -> dict[str, Any]:
+    """Return the numbers of a line by the names of their columns."""
+    return {name: cell.value for name, cell in views.columns(line).items()}
+
+
+def _velocity_note(line: VelocityLine, duration_s: float) -> str:
     """Say in which directions a line is not resolved, and which length would; empty if in none."""
     notes = []
-    for direction in directions:
-        resolving_s = row[f"{direction}_resolved_by_s".removeprefix("_")]
-        if resolving_s is not None:
-            words = summary.unresolved(run.record.duration_s, resolving_s)
-            notes.append(f"{direction}: {words}" if direction else words)
+    for direction, own in line.by_direction.items():
+        text = _unresolved(own.resolved_by_s, duration_s)
+        if text:
+            notes.append(f"{direction}: {text}")
     return "; ".join(notes)
+
+
+def _unresolved(resolving_s: float | None, duration_s: float) -> str:
+    """Say that a line is not resolved, and which length would; empty for one that is."""
+    return "" if resolving_s is None else sentences.unresolved(duration_s, resolving_s)
 
 
 def load_table(run: BearingRun) -> DataFrame:
@@ -236,7 +259,7 @@ def load_table(run: BearingRun) -> DataFrame:
     return DataFrame(
         {
             "angle_deg": np.degrees(angle),
-            "mean_load_n": run.mean_loads_n,
+            "mean_load_n": mean_loads_n(run),
             "static_load_n": static_loads(run.model, angle),
         }
     )
@@ -290,7 +313,7 @@ def picture(run: BearingRun, name: str) -> Picture:
     kind.draw(run, ax)
     title = kind.title.format(ring=run.moving)
     above = figure.suptitle(drawable(title), x=0.012, ha="left", fontsize=12)
-    said = summary.condition(run)
+    said = sentences.condition(run.scene)
     note = f"{said[0].upper()}{said[1:]}; {run.record.duration_s:.3g} s"
     letters = round(figure.get_figwidth() * _LETTERS_PER_IN)
     below = ax.set_title(

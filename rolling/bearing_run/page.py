@@ -16,10 +16,12 @@ from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.texts import printable
 from rolling import __version__
 from rolling.bearing import lines
-from rolling.bearing.ring_record import AXIAL, DIRECTIONS, NOTHING_UM_S, RADIAL, UM_S
+from rolling.bearing.ring_record import NOTHING_UM_S, RADIAL, UM_S
 from rolling.bearing.tracks import BodyTrack
-from rolling.bearing_run import figures, stored_run, summary
+from rolling.bearing_run import figures, sentences, stored_run
 from rolling.figures.settings import left_out_if_it_fails
+from rolling.numbers.bearing_numbers import AXIAL_NAMES, AngleNumbers, BearingNumbers, VelocityLine
+from rolling.numbers.quantity import Quantity
 from rolling.report import maps, records, text
 from rolling.report.templates import environment, joined_script
 from rolling.terminal.streams import unbroken
@@ -61,7 +63,7 @@ def page(runs: Sequence[BearingRun], scene_text: str, not_shown: Sequence[str] =
         version=__version__,
         title=title,
         views=[_view(run, gains) for run in runs],
-        band_names=[f"{words}, below the bending" for words in summary.BAND_WORDS.values()],
+        band_names=[f"{words}, below the bending" for words in sentences.BAND_WORDS.values()],
         not_shown=[printable(label) for label in not_shown],
         data=data,
         js=Markup(joined_script("bearing/begin.js")),
@@ -101,80 +103,80 @@ def _view(run: BearingRun, gains: PageGains) -> dict[str, Any]:
             content = figures.picture(run, name).file("png")
             assert content is not None
             pictures[name] = maps.uri("image/png", content), words
-    first, _, *others = run.summary["sentences"]  # the second has the axial velocities
+    numbers = run.numbers
+    duration_s = numbers.motion.duration_s
+    first, _, *others = numbers.sentences  # the second has the axial velocities
     return {
         "label": printable(run.label or run.scene.name),
         "what": _on_page(first),
         "sentences": [_on_page(sentence) for sentence in others],
-        "rows": _band_rows(run),
-        "bands": _radial_bands(run),
+        "rows": _band_rows(numbers),
+        "bands": _radial_bands(numbers),
         "src": records.compressed(gains.ring * heard) if heard.any() else None,
         "heard": f"acceleration of the {run.moving} ring along x, {heard.size / 48000:.3g} s;"
         f" full scale is {rounded(1 / gains.ring, 3)} m/s2",
         "housing_src": _housing_src(run, gains.housing),
         "housing": f"plate of the housing at {run.scene.sound.distance_m:g} m",
-        "axial_verdict": "" if run.axial_doubt is None else run.axial_doubt.severity.word,
-        "lines": [line_cells(row, run.record.duration_s) for row in run.summary["lines"]],
+        "axial_verdict": "" if numbers.axial_doubt is None else numbers.axial_doubt.severity.word,
+        "lines": [line_cells(line, duration_s) for line in numbers.lines],
         "envelope_lines": [
             (
-                row["name"],
-                f"{row['frequency_hz']:.2f}",
-                _height_cell(row["height"], row["resolved_by_s"], run.record.duration_s),
+                line.name,
+                f"{line.frequency_hz:.2f}",
+                _height_cell(line.height, line.resolved_by_s, duration_s),
             )
-            for row in run.summary["envelope_lines"]
+            for line in numbers.envelope_lines
         ],
         "pictures": pictures,
-        "doubts": [doubt.line for doubt in summary.doubts_of(run)],
+        "doubts": [doubt.line for doubt in numbers.doubts],
         "facts": _facts(run),
     }
 
 
-def _band_rows(run: BearingRun) -> list[tuple[str, list[tuple[str, str]]]]:
+def _band_rows(numbers: BearingNumbers) -> list[tuple[str, list[tuple[str, str]]]]:
     """Return a row for each band with its velocities and their ±, radial and axial.
 
     Bands end where the ring bends. What they have with a rigid ring above follows.
     """
+    bending_hz = numbers.ring.bending_hz
+    below = numbers.below_bending.by_direction.values()
+    rigid = numbers.velocities.by_direction.values()
     rows = []
-    for band, words in summary.band_words(run).items():
-        rows.append((words, [_cell_below_bending(run, way, band) for way in DIRECTIONS]))
+    for band, words in sentences.band_words(bending_hz).items():
+        rows.append((words, [_cell(velocities.by_band[band]) for velocities in below]))
     for band, (_, high) in VELOCITY_BANDS_HZ.items():
-        if run.scene.ring_bending_hz >= high:
+        if bending_hz >= high:
             continue
-        cells = []
-        for direction in DIRECTIONS:
-            um_s = run.bands_um_s[direction][band]
-            spread_db = run.uncertainty.total_db(direction, band)
-            cells.append((summary.velocity(um_s), _spread(run, direction, um_s, spread_db)))
-        rows.append((f"{summary.BAND_WORDS[band]}, of a ring that stays rigid", cells))
+        cells = [_cell(velocities.by_band[band]) for velocities in rigid]
+        rows.append((f"{sentences.BAND_WORDS[band]}, of a ring that stays rigid", cells))
     return rows
 
 
-def _radial_bands(run: BearingRun) -> list[tuple[str, str]]:
+def _radial_bands(numbers: BearingNumbers) -> list[tuple[str, str]]:
     """Return the radial velocity of each of the three bands below the bending, with its ±.
 
     A band that lies above the bending has none.
     """
-    words = summary.band_words(run)
+    words = sentences.band_words(numbers.ring.bending_hz)
     return [
-        _cell_below_bending(run, RADIAL, band) if band in words else (summary.NO_VELOCITY, "")
-        for band in VELOCITY_BANDS_HZ
+        _cell(velocity) if band in words else (sentences.NO_VELOCITY, "")
+        for band, velocity in numbers.below_bending.radial.by_band.items()
     ]
 
 
-def _cell_below_bending(run: BearingRun, direction: str, band: str) -> tuple[str, str]:
-    """Return the velocity of a band below the bending of the ring, and its ±."""
-    um_s = run.bands_below_bending_um_s[direction][band]
-    spread_db = run.below_bending_uncertainty_db[direction][band]
-    return summary.velocity(um_s), _spread(run, direction, um_s, spread_db)
+def _cell(velocity: Quantity) -> tuple[str, str]:
+    """Return the value of a velocity and its ±, or the verdict of one that is not to be quoted.
 
-
-def _spread(run: BearingRun, direction: str, um_s: float, spread_db: float) -> str:
-    """Write the ± of a velocity, or that it is not to be quoted; empty for a ring at rest."""
-    if direction == AXIAL and run.axial_doubt is not None:
-        return run.axial_doubt.severity.word
-    if um_s < NOTHING_UM_S:
-        return ""
-    return f"± {spread_db:.1f} dB" if spread_db >= 0.05 else "± < 0.1 dB"
+    A ring at rest, and a velocity that is not known, have no ±.
+    """
+    text = sentences.velocity(velocity.value)
+    for doubt in velocity.doubts:
+        if doubt.about == AXIAL_NAMES:
+            return text, doubt.severity.word
+    spread_db = velocity.uncertainty
+    if velocity.value is None or spread_db is None or velocity.value < NOTHING_UM_S:
+        return text, ""
+    return text, f"± {spread_db:.1f} dB" if spread_db >= 0.05 else "± < 0.1 dB"
 
 
 def _housing_src(run: BearingRun, gain: float) -> str | None:
@@ -190,56 +192,61 @@ def _on_page(sentence: str) -> str:
     return unbroken(sentence.replace(" um/s", " µm/s"))
 
 
-def line_cells(row: dict[str, Any], duration_s: float) -> list[str]:
+def line_cells(line: VelocityLine, duration_s: float) -> list[str]:
     """Return the cells of a line: name, meaning, frequency, velocities and heights."""
-    cells = [row["name"], row["meaning"], f"{row['frequency_hz']:.2f}"]
-    for direction in DIRECTIONS:
-        um_s = row[f"{direction}_um_s"]
-        height = row[f"{direction}_height"]
-        cells.append("" if um_s is None else summary.velocity(um_s))
-        cells.append(_height_cell(height, row[f"{direction}_resolved_by_s"], duration_s))
+    cells = [line.name, line.meaning, f"{line.frequency_hz:.2f}"]
+    for own in line.by_direction.values():
+        cells.append("" if own.um_s is None else sentences.velocity(own.um_s))
+        cells.append(_height_cell(own.height, own.resolved_by_s, duration_s))
     return cells
 
 
 def _height_cell(height: float | None, resolving_s: float | None, duration_s: float) -> str:
     """Write the height of a line over its surroundings, or that it is not resolved."""
     if resolving_s is not None:
-        return unbroken(summary.unresolved(duration_s, resolving_s))
+        return unbroken(sentences.unresolved(duration_s, resolving_s))
     return rounded(height or 0.0)
 
 
 def _facts(run: BearingRun) -> list[tuple[str, str]]:
     """Return the numbers of a bearing that its page lists."""
-    numbers = run.summary
+    numbers = run.numbers
     bearing = run.scene.bearing
-    speeds = numbers["kinematics"]
+    angles = numbers.angles
+    loads = numbers.loads
+    resonances = [f"{hz:.0f} Hz" for hz in numbers.ring.resonances_hz if hz > 0]
     return [
         ("Balls", f"{bearing.balls} of {bearing.ball_diameter_mm:g} mm"),
         ("Pitch diameter", f"{bearing.pitch_diameter_mm:g} mm"),
         (
             "Contact angle",
-            f"{numbers['contact_angle_deg']:.1f} degrees; the loads would turn it to"
-            f" {_range_of_angles(numbers['contact_angles_under_loads_deg'])}",
+            f"{angles.free_deg:.1f} degrees; the loads would turn it to {_range_of_angles(angles)}",
         ),
-        ("Rolling speed of a contact", f"{rounded(speeds['rolling_speed_m_s'], 3)} m/s"),
-        ("Moving ring", f"the {run.moving} one, {rounded(1e3 * numbers['ring_mass_kg'], 3)} g"),
         (
-            "Resonances of the rigid ring",
-            ", ".join(f"{hz:.0f} Hz" for hz in numbers["resonances_hz"] if hz > 0),
+            "Rolling speed of a contact",
+            f"{rounded(numbers.speeds.rolling_speed_m_s, 3)} m/s",
         ),
-        ("First bending mode", numbers["ring_bending_note"]),
+        (
+            "Moving ring",
+            f"the {numbers.ring.moving} one, {rounded(1e3 * numbers.ring.mass_kg, 3)} g",
+        ),
+        ("Resonances of the rigid ring", ", ".join(resonances)),
+        (
+            "First bending mode",
+            f"above {numbers.ring.bending_hz:.0f} Hz the rigid ring does not hold",
+        ),
         (
             "Load of a ball",
-            f"{rounded(numbers['loads']['least_n'], 3)} to"
-            f" {rounded(numbers['loads']['largest_n'], 3)} N, mean"
-            f" {rounded(numbers['loads']['mean_n'], 3)} N",
+            f"{rounded(loads.least_n, 3)} to {rounded(loads.largest_n, 3)} N, mean"
+            f" {rounded(loads.mean_n, 3)} N",
         ),
-        ("Energy that the balance lacks", f"{rounded(100 * numbers['energy_error'])} %"),
+        ("Energy that the balance lacks", f"{rounded(100 * numbers.motion.energy_error)} %"),
     ]
 
 
-def _range_of_angles(degrees: Sequence[float]) -> str:
-    """Write the least and the largest of some angles, or one where they are alike."""
+def _range_of_angles(angles: AngleNumbers) -> str:
+    """Write the least and the largest angle under the loads, or one where they are alike."""
+    degrees = (angles.least_under_loads_deg, angles.largest_under_loads_deg)
     return " to ".join(dict.fromkeys(f"{degree:.1f}" for degree in degrees))
 
 
@@ -266,7 +273,7 @@ def data_of(run: BearingRun) -> dict[str, Any]:
         },
         "ranges": _ranges(run),
         "bandsHz": [list(edges) for edges in run.bands_below_bending_hz.values()],
-        "bands": [um_s / UM_S for um_s in run.bands_below_bending_um_s[RADIAL].values()],
+        "bands": _bands_m_s(run.numbers),
         "gain": stored_run.ring_sound(run).gain,
         "spectrum": {"hz": _digits(np.exp(log_hz), 6), "um_s": _digits(um_s, 4)},
         "envelope": {"hz": _digits(pulse_hz, 6), "share": _digits(share, 4)},
@@ -274,6 +281,12 @@ def data_of(run: BearingRun) -> dict[str, Any]:
         "bendingHz": run.scene.ring_bending_hz,
         "envelopeLines": [_mark(line) for line in lines.envelope_lines(run.kinematics)],
     }
+
+
+def _bands_m_s(numbers: BearingNumbers) -> list[float | None]:
+    """Return the radial velocities below the bending [m/s]; None where one is not known."""
+    values = numbers.below_bending.radial.um_s.values()
+    return [None if um_s is None else um_s / UM_S for um_s in values]
 
 
 def _mark(line: lines.BearingLine) -> dict[str, Any]:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -21,12 +20,15 @@ from rolling.bearing_contacts.contact_uncertainty import contact_uncertainty
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
 from rolling.bearing_contacts.solving import Marches, solved_stages
-from rolling.bearing_run.bearing_run import BearingRun
+from rolling.bearing_run.bearing_run import BearingRun, numbered
+from rolling.bearing_run.numbers import MarchFindings
+from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.bearing_run.without_faults import without_faults_of_record
 from rolling.contact.processor_time import ProcessorTime
 from rolling.marches import effort
 from rolling.marches.effort import Effort
 from rolling.marches.piece import contact_identity
+from rolling.numbers.bearing_numbers import FaultlessNumbers
 from rolling.run import folder as folders
 from rolling.scene import library
 from rolling.scene.bearing_scene import BearingScene
@@ -36,16 +38,16 @@ from rolling.terminal import progress
 
 @dataclass(frozen=True)
 class BearingStage:
-    """Run of a bearing after a stage of its marches; only the last one is final.
+    """A bearing after a stage of its marches.
 
-    run : BearingRun. The run with the tracks that are known so far.
-    is_final : bool. Whether all marches are done.
+    bearing : SolvedBearing. Motion of its ring over the tracks that are known so far.
+    run : BearingRun or None. The run with its numbers, once all marches are done.
     """
 
     __repr__ = short_repr
 
-    run: BearingRun
-    is_final: bool
+    bearing: SolvedBearing
+    run: BearingRun | None = None
 
 
 def bearing_stages(
@@ -56,7 +58,7 @@ def bearing_stages(
     shown: bool | None = None,
     start_from: Path | None = None,
 ) -> Iterator[BearingStage]:
-    """Simulate a bearing, and yield its run when its first marches are done, and when all are.
+    """Simulate a bearing, and yield it when its first marches are done, and when all are.
 
     A bearing without marches has the final run alone.
 
@@ -82,8 +84,8 @@ def bearing_stages(
     plan = contact_plan(scene)
     stages = [stage for stage in plan.stages if stage]
     if not stages:
-        run, spent = _heard(scene, plan, {}, is_final=True)
-        yield BearingStage(_with_parts(run, Effort(), [spent]), is_final=True)
+        run = _final(scene, plan, {}, motions=[])
+        yield BearingStage(run, run)
         return
     solving = solved_stages(
         stages,
@@ -95,21 +97,32 @@ def bearing_stages(
     )
     motions: list[ProcessorTime] = []
     for number, marches in enumerate(solving, start=1):
-        is_final = number == len(stages)
-        run, spent = _heard(scene, plan, marches, is_final)
-        motions.append(spent)
-        yield BearingStage(_with_parts(run, march_effort(plan, marches), motions), is_final)
+        if number == len(stages):
+            run = _final(scene, plan, marches, motions)
+            yield BearingStage(run, run)
+            return
+        began = ProcessorTime.now()
+        bearing = _moved(scene, plan, marches)
+        motions.append(ProcessorTime.now().since(began))
+        yield BearingStage(bearing)
 
 
-def _heard(
-    scene: BearingScene, plan: ContactPlan, marches: Marches, is_final: bool
-) -> tuple[BearingRun, ProcessorTime]:
-    """Return the run that the marches give, and the processor time that its motions took."""
+def _final(
+    scene: BearingScene, plan: ContactPlan, marches: Marches, motions: Sequence[ProcessorTime]
+) -> BearingRun:
+    """Return the run that all marches give, with its numbers.
+
+    motions : sequence of ProcessorTime. What earlier motions of the ring took.
+    """
     began = ProcessorTime.now()
-    run = _moved(scene, plan, marches)
-    if is_final:
-        run = _final(run, plan, marches)
-    return run, ProcessorTime.now().since(began)
+    bearing = _moved(scene, plan, marches)
+    found = _findings(bearing, plan, marches)
+    moved = ProcessorTime.now().since(began)
+    parts = march_effort(plan, marches).numbers(effort.OF_BEARING)
+    for spent in [*motions, moved]:
+        parts = effort.with_work(parts, effort.SOUND, spent)
+    with progress.step("making the numbers"):
+        return numbered(bearing, replace(found, parts_cpu_s=parts))
 
 
 def march_effort(plan: ContactPlan, marches: Marches) -> Effort:
@@ -130,14 +143,6 @@ def march_effort(plan: ContactPlan, marches: Marches) -> Effort:
     return whole
 
 
-def _with_parts(run: BearingRun, marched: Effort, motions: Sequence[ProcessorTime]) -> BearingRun:
-    """Return a run with the processor times of its marches and motions."""
-    parts = marched.numbers(effort.OF_BEARING)
-    for spent in motions:
-        parts = effort.with_work(parts, effort.SOUND, spent)
-    return replace(run, parts_cpu_s=parts)
-
-
 def refuse(scene: BearingScene, workers: int, folder: Path | None = None) -> None:
     """Refuse a scene with a run that cannot be computed here, before anything is written.
 
@@ -155,38 +160,41 @@ def refuse(scene: BearingScene, workers: int, folder: Path | None = None) -> Non
             raise SceneError(lines)
 
 
-def _moved(scene: BearingScene, plan: ContactPlan, marches: Marches) -> BearingRun:
+def _moved(scene: BearingScene, plan: ContactPlan, marches: Marches) -> SolvedBearing:
     """Move the ring of a bearing over the tracks that the marches give."""
     with progress.step("laying the rough contacts around balls and raceways"):
         tracks = bearing_tracks(plan, marches)
     motion = move_ring(scene.model, tracks, scene.moved, wav.SAMPLE_RATE_HZ)
+    return SolvedBearing(scene, record_of(motion, scene.kinematics), tracks)
+
+
+def _findings(bearing: SolvedBearing, plan: ContactPlan, marches: Marches) -> MarchFindings:
+    """Return what the marches of a bearing say beside its tracks."""
+    scene = bearing.scene
     with progress.step("judging the rough contacts"):
-        contacts = [asdict(contact) for contact in marched_contacts(plan, marches)]
-        record = record_of(motion, scene.kinematics)
-        uncertainty = contact_uncertainty(plan, marches, scene.model, record)
-        doubts = contact_doubts(plan, marches, hardness_pa(scene), uncertainty)
-    return BearingRun(
-        scene=scene,
-        record=record,
-        tracks=tracks,
-        solved=doubts,
-        contacts=tuple(_without_unknown(contact) for contact in contacts),
-        contact_uncertainty=uncertainty,
-    )
+        uncertainty = contact_uncertainty(plan, marches, scene.model, bearing.record)
+        return MarchFindings(
+            doubts=contact_doubts(plan, marches, hardness_pa(scene), uncertainty),
+            contacts=tuple(marched_contacts(plan, marches)),
+            uncertainty=uncertainty,
+            without_faults=_without_faults(bearing, plan, marches),
+        )
 
 
-def _final(run: BearingRun, plan: ContactPlan, marches: Marches) -> BearingRun:
-    """Return a run with the numbers of the same bearing without its single faults, if it has some.
+def _without_faults(
+    bearing: SolvedBearing, plan: ContactPlan, marches: Marches
+) -> FaultlessNumbers | None:
+    """Return the numbers of the same bearing without its single faults, None where it has none.
 
     The heights, the seeds and the places of the balls are the same.
     """
-    if not run.faulty:
-        return run
+    if not bearing.faulty:
+        return None
     tracks = bearing_tracks(plan.without_faults(), marches)
-    scene = run.scene
+    scene = bearing.scene
     motion = move_ring(scene.model, tracks, scene.moved, wav.SAMPLE_RATE_HZ)
     record = record_of(motion, scene.kinematics)
-    return replace(run, without_faults=without_faults_of_record(record, scene.kinematics))
+    return without_faults_of_record(record, scene.kinematics)
 
 
 def hardness_pa(scene: BearingScene) -> float:
@@ -194,15 +202,6 @@ def hardness_pa(scene: BearingScene) -> float:
     named = library.named_values("plate", scene.bearing.material)
     hardness_gpa = named.get("hardness_gpa")
     return 1e9 * hardness_gpa if isinstance(hardness_gpa, float | int) else math.inf
-
-
-def _without_unknown(numbers: Mapping[str, Any]) -> dict[str, Any]:
-    """Return numbers for JSON, with None for those that are not known."""
-    plain = {}
-    for name, value in numbers.items():
-        is_unknown = isinstance(value, float) and not math.isfinite(value)
-        plain[name] = None if is_unknown else value
-    return plain
 
 
 def record_of(motion: RingMotion, kinematics: Kinematics) -> RingRecord:

@@ -1,8 +1,7 @@
-"""Files of a bearing run: result.h5, summary.json, tables, sounds and figures of a run folder."""
+"""Files of a bearing run: result.h5, numbers, tables, sounds and figures of a run folder."""
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -11,27 +10,27 @@ import numpy as np
 
 from acoustics import resampling, wav
 from acoustics.arrays import Array
-from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.texts import printable
-from rolling.bearing.band_uncertainty import stored_uncertainty
-from rolling.bearing.ring_record import DIRECTIONS, RingRecord
+from rolling.bearing.ring_record import RingRecord
 from rolling.bearing.tracks import BearingTracks, BodyTrack
 from rolling.bearing_contacts import needs
 from rolling.bearing_contacts.plan import contact_plan
 from rolling.bearing_run import figures
-from rolling.bearing_run.without_faults import stored_without_faults
+from rolling.bearing_run.former_bearing import former_bearing
+from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.contact.processor_time import ProcessorTime
 from rolling.figures.picture import csv_bytes
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.marches import effort
-from rolling.numbers.doubt import Severity
+from rolling.numbers.files import BearingFiles, RingListenFacts
+from rolling.numbers.run_file import StoredBearing
 from rolling.results import result_file
-from rolling.results.run_folder import MAX_SUMMARY, RESULT, SUMMARY
-from rolling.results.summary import program_provenance
+from rolling.results.provenance import program_provenance
+from rolling.results.run_folder import RESULT
+from rolling.results.stored_numbers import read_kind, with_parts, write_stored
 from rolling.scene import hdf5_files
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.hdf5_files import ArrayRule
-from rolling.scene.height_files import read_regular
 from rolling.terminal import files, progress
 from rolling.terminal.files import FolderError
 
@@ -48,16 +47,6 @@ ACCELERATION = "acceleration.wav"
 LISTEN = "listen.wav"
 HOUSING = "housing.wav"
 FIGURES = "figures"
-_NEEDED = {
-    "bands_um_s": dict,
-    "bands_uncertainty_db": dict,
-    "lines": list,
-    "doubts": list,
-    "contact_doubts": list,
-    "sentences": list,
-    "listen": dict,
-}
-_BELOW_BENDING = "bands_below_bending_um_s"
 _TITLE_LETTERS = 400
 FADE_S = 0.05  # at the ends of a sound
 _MIN_COMPRESSED = 10_000  # bytes of an array
@@ -119,7 +108,7 @@ _FACTS = ("energy_error", "lost_contact_share", "rate_hz", "cage_hz")
 # ---- result.h5
 
 
-def _arrays(run: BearingRun) -> dict[str, Array]:
+def _arrays(run: SolvedBearing) -> dict[str, Array]:
     """Return the arrays of a run by their names."""
     tracks = run.tracks
     every = (tracks.inner, tracks.outer, *tracks.balls_on_inner, *tracks.balls_on_outer)
@@ -156,7 +145,7 @@ def _places(turn_m: float, points: int) -> Array:
     return turn_m * np.arange(points) / points
 
 
-def result_dataset(run: BearingRun) -> xarray.Dataset:
+def result_dataset(run: SolvedBearing) -> xarray.Dataset:
     """Return the arrays of a run with dimensions and units, and its facts as attributes."""
     import xarray  # slow to import
 
@@ -182,7 +171,7 @@ def result_dataset(run: BearingRun) -> xarray.Dataset:
     )
 
 
-def result_bytes(run: BearingRun) -> bytes:
+def result_bytes(run: SolvedBearing) -> bytes:
     """Return the bytes of result.h5, which are equal for equal runs."""
     content = bytes(result_dataset(run).to_netcdf(engine="h5netcdf"))
     return content + result_file.seal(content)
@@ -264,7 +253,7 @@ class RingSound(NamedTuple):
     gain: float
 
 
-def ring_sound(run: BearingRun) -> RingSound:
+def ring_sound(run: SolvedBearing) -> RingSound:
     """Return the acceleration of a run as it is heard: `sound.listen_s` long, with faded ends."""
     rate = wav.SAMPLE_RATE_HZ
     record = run.record.acceleration_m_s2[:, 0]
@@ -273,7 +262,7 @@ def ring_sound(run: BearingRun) -> RingSound:
     return RingSound(faded, wav.listening_gain(faded))
 
 
-def write_acceleration(run: BearingRun, folder: Path) -> RingSound:
+def write_acceleration(run: SolvedBearing, folder: Path) -> RingSound:
     """Write acceleration.wav, in which 1.0 is 1 m/s2, and return its sound."""
     sound = ring_sound(run)
     comment = f"{_heard(run)}; 1.0 is 1 m/s2"
@@ -282,14 +271,14 @@ def write_acceleration(run: BearingRun, folder: Path) -> RingSound:
     return sound
 
 
-def write_listen(run: BearingRun, folder: Path, sound: RingSound, gain: float) -> None:
+def write_listen(run: SolvedBearing, folder: Path, sound: RingSound, gain: float) -> None:
     """Write listen.wav, the sound with a gain [full scale per m/s2]."""
     comment = f"{_heard(run)} for listening; full scale is {1 / gain:.6g} m/s2"
     content = wav.listening(sound.acceleration_m_s2, gain, comment, _title(run))
     files.write_bytes(folder / LISTEN, content)
 
 
-def write_housing(run: BearingRun, folder: Path, common: float | None = None) -> None:
+def write_housing(run: SolvedBearing, folder: Path, common: float | None = None) -> None:
     """Write housing.wav, the sound of the housing plate with a gain, where there is one.
 
     The gain [full scale per Pa] is that of the sound, unless it is given.
@@ -314,7 +303,7 @@ class HousingRecord(NamedTuple):
     gain: float
 
 
-def housing_sound(run: BearingRun) -> HousingRecord | None:
+def housing_sound(run: SolvedBearing) -> HousingRecord | None:
     """Return the sound of the housing plate as it is heard, None for a scene without one."""
     if run.housing is None:
         return None
@@ -325,27 +314,27 @@ def housing_sound(run: BearingRun) -> HousingRecord | None:
     return HousingRecord(faded, wav.listening_gain(faded))
 
 
-def _heard(run: BearingRun) -> str:
+def _heard(run: SolvedBearing) -> str:
     """Say what is heard of a run."""
     return f"acceleration of the {run.moving} ring along x"
 
 
-def _title(run: BearingRun) -> str:
+def _title(run: SolvedBearing) -> str:
     """Return the title of the sounds of a run."""
     name = run.scene.title or run.scene.name
     return printable(f"{name}, {run.label}" if run.label else name)[:_TITLE_LETTERS]
 
 
-def listen_facts(sound: RingSound, gain: float) -> dict[str, float]:
-    """Return length and gains of a sound as summary.json has them."""
-    return {
-        "seconds": len(sound.acceleration_m_s2) / wav.SAMPLE_RATE_HZ,
-        "own_full_scale_m_s2": 1 / sound.gain,
-        "full_scale_m_s2": 1 / gain,
-    }
+def listen_facts(sound: RingSound, gain: float) -> RingListenFacts:
+    """Return length and gains of a sound."""
+    return RingListenFacts(
+        duration_s=len(sound.acceleration_m_s2) / wav.SAMPLE_RATE_HZ,
+        own_full_scale_m_s2=1 / sound.gain,
+        full_scale_m_s2=1 / gain,
+    )
 
 
-def play(run: BearingRun) -> Any:
+def play(run: SolvedBearing) -> Any:
     """Return a player in a notebook; in a script, write a sound to listen to and name it."""
     housing = housing_sound(run)
     if housing is not None:
@@ -380,14 +369,14 @@ def write_run(run: BearingRun, folder: Path) -> None:
     write_housing(run, folder)
     files.write_bytes(folder / SPECTRUM, csv_bytes(figures.spectrum_table(run)))
     files.write_bytes(folder / LINES, csv_bytes(figures.line_table(run)))
-    facts = {
-        "listen": listen_facts(sound, sound.gain),
-        "provenance": program_provenance(run.label),
-    }
-    numbers = {**run.summary, **facts}
+    stored = StoredBearing(
+        numbers=run.numbers,
+        files=BearingFiles(listen=listen_facts(sound, sound.gain)),
+        provenance=program_provenance(run.label),
+    )
     spent = ProcessorTime.now().since(began)
-    numbers[effort.PARTS] = effort.with_work(numbers[effort.PARTS], effort.SOUND, spent)
-    files.write_json(folder / SUMMARY, numbers)
+    known = run.numbers.effort.parts_cpu_s or {}
+    write_stored(folder, with_parts(stored, effort.with_work(known, effort.SOUND, spent)))
 
 
 def write_figures(run: BearingRun, folder: Path) -> None:
@@ -400,42 +389,11 @@ def write_figures(run: BearingRun, folder: Path) -> None:
             files.write_bytes(folder / FIGURES / f"{name}.png", content)
 
 
-def read_summary(path: Path) -> dict[str, Any]:
-    """Read the numbers of a bearing run.
+def read_stored_bearing(folder: Path) -> StoredBearing:
+    """Read the numbers of a run from its folder; those of version 0.8 from its summary.json.
 
     Raises
     ------
     FolderError : the file is damaged, or not written by this program.
     """
-    advice = "delete it, and the same command solves the run again"
-    try:
-        summary = json.loads(read_regular(path, MAX_SUMMARY))
-        for key, kind in _NEEDED.items():
-            if not isinstance(summary[key], kind):
-                raise ValueError(f"{key} is of another kind")
-        bands_of_run = [summary["bands_um_s"], summary["bands_uncertainty_db"]]
-        if _BELOW_BENDING in summary:  # runs of 0.8.0 lack it
-            bands_of_run.append(summary[_BELOW_BENDING])
-        for bands in bands_of_run:
-            for direction in DIRECTIONS:
-                for band in VELOCITY_BANDS_HZ:
-                    float(bands[direction][band])
-        float(summary["listen"]["own_full_scale_m_s2"])
-        float(summary["listen"]["full_scale_m_s2"])
-        stored_without_faults(summary.get("without_faults"))
-        stored_uncertainty(summary.get("bands_uncertainty_parts_db", {}))
-        for seconds in summary.get(effort.PARTS, {}).values():
-            float(seconds or 0.0)
-        severities = [severity.word for severity in Severity]
-        for doubt in summary["doubts"]:
-            severities.index(doubt["severity"])
-        for bands in summary.get("bands_verdict", {}).values():
-            for band in VELOCITY_BANDS_HZ:
-                severities.index(bands[band])
-    except OSError as error:
-        raise FolderError(f"{path}: not readable ({error.strerror or error}); {advice}") from error
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise FolderError(
-            f"{path}: not readable ({type(error).__name__}: {error}); {advice}"
-        ) from error
-    return dict(summary)
+    return read_kind(folder, StoredBearing, former_bearing)

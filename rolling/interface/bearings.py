@@ -59,8 +59,10 @@ def simulate_bearing(
     ...     sound={"duration_s": 0.5, "listen_s": 0.5},
     ... )
     >>> run = rolling.simulate_bearing(scene, progress=False)
-    >>> run.bands_um_s["radial"]["low"] > 50, run.summary["lines"][-1]["name"]
-    (True, 'inner 9')
+    >>> print(run.numbers.below_bending.radial.low)
+    81 um/s ± 0.1 dB, computed
+    >>> run.numbers.lines[-1].name
+    'inner 9'
     """
     instance("scene", scene, BearingScene)
     command.refuse_sweep(scene)
@@ -70,6 +72,7 @@ def simulate_bearing(
         source = folders.bearing_home(Path(start_from))
     with terminal.shown(progress), interrupt_with_message():
         *_, last = bearing_stages(scene, workers=workers, shown=progress, start_from=source)
+    assert last.run is not None  # all marches are done
     return last.run
 
 
@@ -85,7 +88,8 @@ def open_bearing(folder: Path | str) -> BearingRun:
     Returns
     -------
     run : BearingRun
-        The run as `simulate_bearing` returns it, in single precision.
+        The run as `simulate_bearing` returns it, with the stored numbers; its series are in single
+        precision.
 
     Raises
     ------
@@ -142,7 +146,7 @@ def save_bearing(run: BearingRun, folder: Path | str, report: bool = True) -> Pa
     >>> run = rolling.simulate_bearing(scene, progress=False)
     >>> folder = rolling.save_bearing(run, "kept-bearing", report=False)
     >>> sorted(path.suffix for path in folder.iterdir())
-    ['.csv', '.csv', '.csv', '.h5', '.json', '.wav', '.wav', '.yaml']
+    ['.csv', '.csv', '.csv', '.h5', '.json', '.json', '.wav', '.wav', '.yaml']
     """
     instance("run", run, BearingRun)
     instance("folder", folder, str, Path)

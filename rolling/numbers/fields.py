@@ -25,6 +25,8 @@ class NumberField:
     as_measured : bool. Whether people read it as LAE for an event, like the level that leads.
     explained : str. What a stranger must know of the word, as a sentence. Default: nothing.
     is_group : bool. Whether it is a group of numbers: a data class, a tuple of them, a mapping.
+    origin_in_table : bool. Whether runs.csv has origin and measure of a quantity, because they
+        differ between runs.
     """
 
     meaning: str
@@ -38,6 +40,7 @@ class NumberField:
     as_measured: bool = False
     explained: str = ""
     is_group: bool = False
+    origin_in_table: bool = True
 
     @property
     def head(self) -> str:
@@ -93,12 +96,14 @@ def number(
     return field(default=default, metadata={"number": said})
 
 
-def group(meaning: str, *, word: str = "", default: Any = MISSING) -> Any:
+def group(
+    meaning: str, *, word: str = "", origin_in_table: bool = True, default: Any = MISSING
+) -> Any:
     """Return the field of a group of numbers: a data class, a tuple of them, or a mapping.
 
     A word names a quantity, or the source to which the numbers of the group belong.
     """
-    said = NumberField(meaning, word=word, is_group=True)
+    said = NumberField(meaning, word=word, is_group=True, origin_in_table=origin_in_table)
     return field(default=default, metadata={"number": said})
 
 

@@ -68,6 +68,24 @@ class Provenance:
 
 
 @dataclass(frozen=True, kw_only=True)
+class RingListenFacts:
+    """Length and gains of the listen.wav of a bearing."""
+
+    duration_s: float = number("length", "s")
+    own_full_scale_m_s2: float = number(
+        "acceleration at full scale, with the gain that makes all runs equally loud", "m/s2"
+    )
+    full_scale_m_s2: float = number("acceleration at full scale of the file", "m/s2")
+
+
+@dataclass(frozen=True, kw_only=True)
+class BearingFiles:
+    """Facts about the files of a run of a bearing."""
+
+    listen: RingListenFacts = group("listen.wav")
+
+
+@dataclass(frozen=True, kw_only=True)
 class FileFacts:
     """Facts about the files of a run of a ball."""
 

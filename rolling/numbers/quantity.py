@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple
 
+from acoustics.numbers import rounded
 from rolling.numbers.doubt import Doubt, Severity
 
 How = Literal["computed", "estimated", "upper bound", "assumed", "forecast"]
@@ -124,6 +125,9 @@ class Quantity:
         computed, estimated, upper bound, assumed or forecast.
     uncertainty : float or None
         Standard uncertainty in the unit of the value, dB for a level; None where it is unknown.
+    uncertainty_unit : str
+        Unit of the uncertainty and its parts where it is another one: dB for a velocity. Default:
+        that of the value.
     parts : dict
         Parts of the uncertainty by their source, such as `record` or `grid`; the uncertainty is the
         root of the sum of their squares.
@@ -159,6 +163,7 @@ class Quantity:
     measure: str = ""
     how: How = "computed"
     uncertainty: float | None = None
+    uncertainty_unit: str = ""
     parts: dict[str, float] = field(default_factory=dict)
     signed: dict[str, float] = field(default_factory=dict)
     record: RecordOfNumber | None = None
@@ -171,9 +176,14 @@ class Quantity:
 
     @property
     def number(self) -> str:
-        """The value with its uncertainty, such as `14.5 ± 0.6`; `-` where there is none."""
+        """The value with its uncertainty, such as `14.5 ± 0.6`; `-` where there is none.
+
+        A value whose uncertainty has another unit stands alone.
+        """
         if self.value is None:
             return "-"
+        if self.uncertainty_unit:
+            return rounded(self.value, 2)
         return uncertain(self.value, self.uncertainty)
 
     def __str__(self) -> str:
@@ -182,6 +192,9 @@ class Quantity:
         if self.value is None:
             return f"none, because {self.reason}"
         words = f"{self.number} {self.unit}".rstrip()
+        if self.uncertainty_unit and self.uncertainty is not None:
+            spread = math.ceil(10 * self.uncertainty) / 10
+            words += f" ± {spread:.1f} {self.uncertainty_unit}"
         if self.measure == "LAE":
             words = f"LAE {words}"
         return f"{words}, {self.how}"
@@ -195,6 +208,13 @@ class Quantity:
         if self.meaning:
             text += f"<br>{html.escape(self.meaning)}"
         return text
+
+    @property
+    def unit_of_uncertainty(self) -> str:
+        """Unit of the uncertainty and its parts: dB for every level."""
+        if self.uncertainty_unit:
+            return self.uncertainty_unit
+        return "dB" if self.unit.startswith("dB") else self.unit
 
     @property
     def solved_share(self) -> float:

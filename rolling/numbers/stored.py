@@ -120,6 +120,7 @@ def _quantity_view(quantity: Quantity) -> dict[str, Any]:
         "value": summary_of(quantity.value),
         "unit": quantity.unit,
         "uncertainty": summary_of(quantity.uncertainty),
+        "uncertainty_unit": quantity.unit_of_uncertainty,
         "how": quantity.how,
         "verdict": None,
         "measure": quantity.measure,

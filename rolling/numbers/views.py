@@ -57,15 +57,16 @@ def quantity_cells(name: str, said: NumberField, quantity: Quantity) -> dict[str
     """Return the columns of a quantity."""
     unit = quantity.unit
     end = "db" if unit.startswith("dB") else unit.replace("/", "_")
-    of_spread = "dB" if unit.startswith("dB") else unit
+    of_spread = quantity.unit_of_uncertainty
     meaning = said.meaning
     word = said.word or name.replace("_", " ")
 
-    def cell(value: Any, what: str, words: str, cell_unit: str = "") -> Cell:
-        """Return a cell that runs.csv has."""
-        return Cell(value, NumberField(words, cell_unit, in_table=True), what)
+    def cell(value: Any, what: str, words: str, cell_unit: str = "", shown: bool = True) -> Cell:
+        """Return a cell, which runs.csv has unless it is told otherwise."""
+        return Cell(value, NumberField(words, cell_unit, in_table=shown), what)
 
-    spread = f"{name}_uncertainty_db" if end == "db" else f"{name}_uncertainty"
+    spread = f"{name}_uncertainty_db" if of_spread == "dB" else f"{name}_uncertainty"
+    has_origin = said.origin_in_table
     return {
         f"{name}_{end}": cell(quantity.value, word, meaning, unit),
         spread: cell(
@@ -77,9 +78,17 @@ def quantity_cells(name: str, said: NumberField, quantity: Quantity) -> dict[str
         f"{name}_verdict": cell(
             quantity.verdict, f"verdict on the {word}", f"how far to trust it: {meaning}"
         ),
-        f"{name}_how": cell(quantity.how, f"origin of the {word}", f"how it was found: {meaning}"),
+        f"{name}_how": cell(
+            quantity.how,
+            f"origin of the {word}",
+            f"how it was found: {meaning}",
+            shown=has_origin,
+        ),
         f"{name}_measure": cell(
-            quantity.measure, f"measure of the {word}", f"what it measures: {meaning}"
+            quantity.measure,
+            f"measure of the {word}",
+            f"what it measures: {meaning}",
+            shown=has_origin,
         ),
         f"{name}_solved_share": Cell(
             quantity.solved_share,

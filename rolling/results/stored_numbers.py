@@ -1,17 +1,20 @@
 """The numbers of a run in its folder: numbers.json, and summary.json, their view for people.
 
-They are read with a bound on their size, and have the types of their fields.
+They are read with a bound on their size, and have the types of their fields. Runs of balls and of
+bearings are written and read in the same way.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, TypeVar
 
 from rolling.contact.processor_time import ProcessorTime
 from rolling.marches import effort
 from rolling.numbers.ball_numbers import RunNumbers
-from rolling.numbers.run_file import FORMAT, KIND, StoredNumbers
+from rolling.numbers.run_file import StoredBearing, StoredNumbers
 from rolling.numbers.stored import from_bytes, summary_of, to_bytes
 from rolling.results.former_numbers import former_numbers
 from rolling.results.run_folder import NUMBERS, SUMMARY, RunFolder
@@ -21,24 +24,37 @@ from rolling.terminal.files import FolderError
 
 MAX_NUMBERS = 10_000_000  # bytes
 _ADVICE = "delete it, and the same command solves the run again"
+_Stored = TypeVar("_Stored", StoredNumbers, StoredBearing)
 
 
 def read_stored(folder: Path) -> StoredNumbers:
-    """Read the numbers of a run from its folder; those of a folder of 0.8 from its summary.json.
+    """Read the numbers of a run of a ball from its folder.
+
+    Raises
+    ------
+    FolderError : the file is damaged, or not written by this program.
+    """
+    return read_kind(folder, StoredNumbers, former_numbers)
+
+
+def read_kind(folder: Path, kind: type[_Stored], former: Callable[[bytes], _Stored]) -> _Stored:
+    """Read the numbers of a kind of run from its folder.
+
+    Those of a folder of version 0.8 are read from its summary.json, by the function `former`.
 
     Raises
     ------
     FolderError : the file is damaged, or not written by this program.
     """
     path = folder / NUMBERS
-    if not path.is_file() and (folder / SUMMARY).is_file():
+    if is_former(folder):
         path = folder / SUMMARY
     try:
         content = read_regular(path, MAX_NUMBERS)
         if path.name == SUMMARY:
-            return former_numbers(content)
-        stored = from_bytes(StoredNumbers, content)
-        if stored.format != FORMAT or stored.kind != KIND:
+            return former(content)
+        stored = from_bytes(kind, content)
+        if stored.format != kind.format or stored.kind != kind.kind:
             raise ValueError(f"format {stored.format} of a {stored.kind}")
     except OSError as error:
         reason = error.strerror or str(error)
@@ -48,7 +64,12 @@ def read_stored(folder: Path) -> StoredNumbers:
     return stored
 
 
-def write_stored(folder: Path, stored: StoredNumbers) -> None:
+def is_former(folder: Path) -> bool:
+    """Tell whether a run folder has the numbers of version 0.8, or lacks its own."""
+    return not (folder / NUMBERS).is_file() and (folder / SUMMARY).is_file()
+
+
+def write_stored(folder: Path, stored: StoredNumbers | StoredBearing) -> None:
     """Write the numbers of a run into its folder, last their view, which tells that it is whole.
 
     Raises
@@ -56,7 +77,7 @@ def write_stored(folder: Path, stored: StoredNumbers) -> None:
     OSError : a file cannot be written. An earlier file is kept.
     """
     files.write_bytes(folder / NUMBERS, to_bytes(stored))
-    view = {
+    view: dict[str, Any] = {
         "format": stored.format,
         "kind": stored.kind,
         **summary_of(stored.numbers),
@@ -74,9 +95,13 @@ def numbers_of(run: RunFolder) -> RunNumbers | None:
     return numbers
 
 
-def with_page(stored: StoredNumbers, spent: ProcessorTime, runs: int) -> StoredNumbers:
+def with_page(stored: _Stored, spent: ProcessorTime, runs: int) -> _Stored:
     """Return stored numbers with the share of the run in the time of a page of so many runs."""
-    numbers = stored.numbers
-    parts = effort.with_page(numbers.effort.parts_cpu_s or {}, spent, runs)
-    own = replace(numbers.effort, parts_cpu_s=parts)
-    return replace(stored, numbers=replace(numbers, effort=own))
+    known = stored.numbers.effort.parts_cpu_s or {}
+    return with_parts(stored, effort.with_page(known, spent, runs))
+
+
+def with_parts(stored: _Stored, parts_cpu_s: dict[str, float | None]) -> _Stored:
+    """Return stored numbers with other processor times [s] of the parts of the run."""
+    own = replace(stored.numbers.effort, parts_cpu_s=parts_cpu_s)
+    return replace(stored, numbers=replace(stored.numbers, effort=own))

@@ -1,0 +1,319 @@
+"""The numbers of a run of a bearing, by subject. They are made once, after the motion of the ring.
+
+A new number is a field here, with its unit, meaning and format, and an assignment in
+`rolling.bearing_run.numbers`. Tables and files follow from the fields.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rolling.numbers.doubt import Doubt
+from rolling.numbers.fields import group, number
+from rolling.numbers.quantity import BandQuantity, Quantity
+
+RMS_VELOCITY = "rms velocity"
+UM_PER_S = "um/s"
+HOUSING = "housing"  # name of the level of a housing plate
+AXIAL_NAMES = (
+    *("axial_low", "axial_medium", "axial_high"),
+    *("axial_low_below_bending", "axial_medium_below_bending", "axial_high_below_bending"),
+)
+"""Names of all axial velocities, for a doubt that touches them alone."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BandVelocities:
+    """Velocity of the ring in the three bands of ISO 15242-1, in one direction.
+
+    Values are in um/s rms. Their standard uncertainties and the parts of these are in dB.
+    """
+
+    low: Quantity = group("50 to 300 Hz", origin_in_table=False)
+    medium: Quantity = group("300 to 1,800 Hz", origin_in_table=False)
+    high: Quantity = group("1,800 to 10,000 Hz", origin_in_table=False)
+
+    @property
+    def by_band(self) -> dict[str, Quantity]:
+        """The velocities by the names of their bands, lowest first."""
+        return {"low": self.low, "medium": self.medium, "high": self.high}
+
+    @property
+    def um_s(self) -> dict[str, float | None]:
+        """The values by the names of their bands [um/s]; None where one is not known."""
+        return {band: velocity.value for band, velocity in self.by_band.items()}
+
+
+@dataclass(frozen=True, kw_only=True)
+class RingVelocities:
+    """Velocity of the ring by direction and band."""
+
+    radial: BandVelocities = group("mean over all radial directions, by power")
+    axial: BandVelocities = group("along the shaft")
+
+    @property
+    def by_direction(self) -> dict[str, BandVelocities]:
+        """The velocities by the names of their directions."""
+        return {"radial": self.radial, "axial": self.axial}
+
+
+@dataclass(frozen=True, kw_only=True)
+class BandValues:
+    """Velocities in the three bands without an uncertainty of their own."""
+
+    low: float = number("50 to 300 Hz", UM_PER_S)
+    medium: float = number("300 to 1,800 Hz", UM_PER_S)
+    high: float = number("1,800 to 10,000 Hz", UM_PER_S)
+
+    @property
+    def by_band(self) -> dict[str, float]:
+        """The velocities by the names of their bands [um/s], lowest first."""
+        return {"low": self.low, "medium": self.medium, "high": self.high}
+
+
+@dataclass(frozen=True, kw_only=True)
+class EnvelopeHeight:
+    """Height of a line of the envelope."""
+
+    name: str = number("name of the line", "")
+    height: float | None = number(
+        "height over its surroundings; none where the record does not separate it from a stronger "
+        "line",
+        default=None,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class FaultlessNumbers:
+    """Numbers of the same bearing as it would run without its single faults."""
+
+    radial: BandValues = group("radial velocities")
+    axial: BandValues = group("axial velocities")
+    envelope: tuple[EnvelopeHeight, ...] = group("lines of the envelope")
+
+    @property
+    def heights(self) -> dict[str, float | None]:
+        """Heights of the lines of the envelope by their names."""
+        return {line.name: line.height for line in self.envelope}
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineVelocity:
+    """A line of the spectrum in one direction."""
+
+    um_s: float | None = number(
+        "rms velocity; none where the record does not separate the line from a stronger one, and "
+        "0 where the line does not move the ring in this direction",
+        UM_PER_S,
+        default=None,
+    )
+    height: float | None = number("height over its surroundings", default=None)
+    resolved_by_s: float | None = number(
+        "length of a record that would separate it; none where this one does", "s", default=None
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class VelocityLine:
+    """A line of the spectrum of the velocity: of speeds, load or waviness, or a large peak."""
+
+    name: str = number("short name, as figures mark it", "")
+    meaning: str = number("what happens at this frequency", "")
+    frequency_hz: float = number("frequency", "Hz")
+    radial: LineVelocity = group("radially")
+    axial: LineVelocity = group("along the shaft")
+
+    @property
+    def by_direction(self) -> dict[str, LineVelocity]:
+        """The velocities by the names of their directions."""
+        return {"radial": self.radial, "axial": self.axial}
+
+
+@dataclass(frozen=True, kw_only=True)
+class EnvelopeLine:
+    """A line of the spectrum of the squared envelope along x, where faults show."""
+
+    name: str = number("short name", "")
+    meaning: str = number("what happens at this frequency", "")
+    frequency_hz: float = number("frequency", "Hz")
+    share: float | None = number(
+        "amplitude over the mean; none where the record does not separate the line from a stronger "
+        "one",
+        default=None,
+    )
+    height: float | None = number("height over its surroundings", default=None)
+    resolved_by_s: float | None = number(
+        "length of a record that would separate it; none where this one does", "s", default=None
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class RingNumbers:
+    """The ring that does not turn, and therefore vibrates."""
+
+    moving: str = number("which ring vibrates: inner or outer", "")
+    mass_kg: float = number("its mass", "kg")
+    resonances_hz: tuple[float, ...] = number("resonances of the rigid ring on its balls", "Hz")
+    bending_hz: float = number("first bending mode, above which it is not rigid", "Hz")
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionOfRing:
+    """The record of the motion, and how well its energy balances."""
+
+    duration_s: float = number("length of the record", "s")
+    energy_error: float = number("energy that the balance lacks, over the exchanged energy")
+    lost_contact_share: float = number("share of the time that a ball bears nothing")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeedNumbers:
+    """Turns and rates of a bearing whose balls roll without slip."""
+
+    cage_hz: float = number("turns of the cage", "Hz")
+    ball_pass_outer_hz: float = number("balls pass a place of the outer raceway: BPFO", "Hz")
+    ball_pass_inner_hz: float = number("balls pass a place of the inner raceway: BPFI", "Hz")
+    ball_spin_hz: float = number("turns of a ball beside its cage", "Hz")
+    rolling_speed_m_s: float = number("speed of a contact along its raceway", "m/s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class BallLoads:
+    """Loads of the balls."""
+
+    largest_n: float = number("largest load", "N")
+    least_n: float = number("least load", "N")
+    mean_n: float = number("mean load", "N")
+    mean_at_angles_n: tuple[float | None, ...] = number(
+        "mean load at equal angles around the bearing, from the middle of the load zone on; none "
+        "where no ball has been",
+        "N",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class AngleNumbers:
+    """Contact angles."""
+
+    free_deg: float = number("the free angle, which the motion keeps", "degrees")
+    least_under_loads_deg: float = number("least angle to which the loads would turn it", "degrees")
+    largest_under_loads_deg: float = number("largest such angle", "degrees")
+
+
+@dataclass(frozen=True, kw_only=True)
+class HousingNumbers:
+    """Sound and motion of the housing plate."""
+
+    laeq: Quantity = group("LAeq of the plate at the listener", origin_in_table=False)
+    third_octaves: BandQuantity = group("third octaves of its sound")
+    distance_m: float = number("distance of the listener", "m")
+    force_n: float = number("rms of the force of the ring on the plate", "N")
+    velocity_um_s: float = number("rms velocity of plate and ring together", UM_PER_S)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MarchedContact:
+    """Numbers of the march of a rough contact at its middle load."""
+
+    name: str = number("kind of contact", "")
+    load_n: float = number("load", "N")
+    approach_rms_m: float = number("rms fluctuation of the approach", "m")
+    linear_db: float = number("level of the linear response over that of the march", "dB")
+    approach_loss: float = number("mean approach less Hertz's, over Hertz's")
+    stiffness_change: float | None = number(
+        "mean stiffness between the loads beside the middle one over Hertz's, less 1; none with "
+        "fewer marches",
+        default=None,
+    )
+    max_pressure_pa: float = number("maximum pressure", "Pa")
+    march_cpu_s: float = number("processor time of the marches at all loads", "s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class BearingEffort:
+    """How long a run of a bearing took."""
+
+    march_cpu_s: float | None = number(
+        "processor time of the rough contacts at their middle load", "s", in_table=True
+    )
+    parts_cpu_s: dict[str, float | None] | None = group(
+        "processor time [s] of each part of the run", default=None
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class BearingNumbers:
+    """The numbers of a run of a bearing.
+
+    Attributes
+    ----------
+    name : str
+        Name of the scene.
+    title : str or None
+        Its title.
+    sentences : tuple of str
+        The answer in words, the most important sentence first.
+    below_bending : RingVelocities
+        Velocity of the ring in the parts of the three bands below its first bending mode. These
+        lead, because the ring is rigid here. A part above it is 0.
+    velocities : RingVelocities
+        Velocity of a ring that stays rigid, in the whole bands.
+    lines, envelope_lines : tuple of VelocityLine, tuple of EnvelopeLine
+        Lines of the spectrum of the velocity and of its envelope.
+    without_faults : FaultlessNumbers or None
+        The same bearing without its single faults; None for one that has none.
+    ring, motion, speeds, loads, angles, effort
+        Numbers of the ring, of its record, of the kinematics, of the balls, of the contact angle,
+        and processor times.
+    housing : HousingNumbers or None
+        The housing plate, if the scene has one.
+    contacts : tuple of MarchedContact
+        Rough contacts that were marched.
+    departures : tuple of str
+        What the run does otherwise than ISO 15242 asks for.
+    doubts : tuple of Doubt
+        All that limits the numbers.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> waves = {"inner": {"kind": "smooth", "waviness": {9: 0.1}}}
+    >>> scene = rolling.BearingScene(
+    ...     bearing={"named": "6204", "speed_rpm": 1800, "axial_load_n": 70, "surfaces": waves},
+    ...     sound={"duration_s": 0.2, "listen_s": 0.2},
+    ... )
+    >>> numbers = rolling.simulate_bearing(scene, progress=False).numbers
+    >>> print(numbers.below_bending.radial.low)
+    80 um/s ± 0.1 dB, computed
+    """
+
+    name: str = ""
+    title: str | None = None
+    sentences: tuple[str, ...] = number("the answer in words", "", default=())
+    below_bending: RingVelocities = group(
+        "velocity of the ring in the three bands up to its first bending mode"
+    )
+    velocities: RingVelocities = group("velocity of a ring that stays rigid, in the three bands")
+    lines: tuple[VelocityLine, ...] = group("lines of the spectrum")
+    envelope_lines: tuple[EnvelopeLine, ...] = group("lines of the envelope")
+    without_faults: FaultlessNumbers | None = group(
+        "the same bearing without its single faults", default=None
+    )
+    ring: RingNumbers = group("the ring that vibrates")
+    motion: MotionOfRing = group("the record of its motion")
+    speeds: SpeedNumbers = group("turns and rates")
+    loads: BallLoads = group("loads of the balls")
+    angles: AngleNumbers = group("contact angles")
+    housing: HousingNumbers | None = group("the housing plate", default=None)
+    contacts: tuple[MarchedContact, ...] = group("rough contacts that were marched", default=())
+    effort: BearingEffort = group("processor times")
+    departures: tuple[str, ...] = number(
+        "what the run does otherwise than ISO 15242 asks for", "", default=()
+    )
+    doubts: tuple[Doubt, ...] = group("what limits the numbers", default=())
+
+    @property
+    def axial_doubt(self) -> Doubt | None:
+        """Doubt about the axial velocities alone; None where there is none."""
+        found = [doubt for doubt in self.doubts if doubt.about == AXIAL_NAMES]
+        return found[0] if found else None
