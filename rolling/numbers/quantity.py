@@ -356,6 +356,9 @@ class BandQuantity:
         Standard uncertainties of the values; None where they are unknown.
     how : str
         computed, estimated, upper bound or assumed.
+    parts : dict of tuples of float
+        Parts of the uncertainties by their source, 0 in bands where one is unknown; an uncertainty
+        is the root of the sum of their squares. Empty where the sources are unknown.
     """
 
     unit: str
@@ -363,6 +366,7 @@ class BandQuantity:
     value: tuple[float | None, ...]
     uncertainty: tuple[float | None, ...] | None = None
     how: How = "computed"
+    parts: dict[str, tuple[float, ...]] = field(default_factory=dict)
 
     @classmethod
     def of(

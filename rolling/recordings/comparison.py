@@ -7,7 +7,7 @@ ISO 1683, their uncertainties are standard uncertainties.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,6 +19,7 @@ from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, EDGES_HZ, MID_HZ, NOMINAL_HZ
 from acoustics.numbers import rounded_up
 from acoustics.wav import SAMPLE_RATE_HZ as RATE
+from rolling.numbers.quantity import PART_WORDS, uncertain
 from rolling.recordings.levels import (
     MODULATION_HZ,
     Bands,
@@ -40,8 +41,14 @@ from rolling.recordings.recorded import (
     read_channels,
     usable,
 )
-from rolling.recordings.run_spread import PART_WORDS, RunSpread, run_spread
-from rolling.results.answer import uncertain
+from rolling.recordings.run_spread import (
+    RECORD,
+    WHY_LEFT_OUT,
+    RunSpread,
+    TotalSpread,
+    run_spread,
+    stated_quantity,
+)
 from rolling.results.run_result import Run
 from rolling.terminal.files import FolderError
 
@@ -98,14 +105,15 @@ def compare(
     spread = run_spread(run, measured)
     tables = []
     notes = [_run_note(run, pairs), *place_notes(pairs, placed)]
-    for pair in placed.pairs:
+    for pair, whole in zip(placed.pairs, pairs, strict=True):
         noise = None
         if background is not None:
             noise = _background(background, measured, pair.number, count)
-        compared = _compare_pair(pair, spread, path, scales[pair.number], noise)
+        of_pair = spread.of_stretch(pair.lap_s / whole.lap_s)
+        compared = _compare_pair(pair, of_pair, path, scales[pair.number], noise)
         tables.append(compared.table)
         notes += compared.notes
-    if measured is PRESSURE and run.summary["source"] == "release":
+    if measured is PRESSURE and run.numbers.record.source == "release":
         notes.append(
             "a recording holds what is heard, and the run its released power: compare the shape of"
             " the spectrum, not its level"
@@ -167,11 +175,18 @@ def _compare_pair(
         calibration_db = full_scale.uncertainty_db
     levels = slice(0, first_total + len(totals))  # the modulation behind them is no level
     recorded.levels_db[levels] += shift_db
-    records_db = np.hypot(own.uncertainties_db, recorded.uncertainties_db)
+    of_bands = spread.of_bands(own.uncertainties_db[:first_total])
+    of_totals = _total_spreads(spread, own, bands.run, quantity)
+    own_records_db = own.uncertainties_db.copy()
+    own_records_db[levels] = [*of_bands.record_db, *(one.record_db for one in of_totals)]
+    records_db = np.hypot(own_records_db, recorded.uncertainties_db)
     recorded.uncertainties_db[levels] = np.hypot(recorded.uncertainties_db[levels], calibration_db)
-    own.uncertainties_db[levels] = _whole_uncertainties_db(spread, own, bands.run, quantity)
+    own.uncertainties_db[levels] = [*of_bands.whole_db, *(one.whole_db for one in of_totals)]
     a_weighting_db = bands.run.a_weighted_db - bands.run.level_db
     table = _pair_table(pair, own, recorded, records_db, a_weighting_db)
+    table["left_out"] = ""
+    for total, of_total in zip(totals, of_totals, strict=True):
+        table.loc[table["quantity"] == total.name, "left_out"] = " ".join(of_total.left_out)
     which = "first channel" if pair.number == 0 else f"channel {pair.number + 1}"
     with_run = f" with the run's {pair.name}" if pair.name else ""
     loudest_of = f", where the run{f' ({pair.name})' if pair.name else ''} is loudest"
@@ -179,44 +194,46 @@ def _compare_pair(
         f"recording: {pair.recording.name}, {which}{with_run}, {pair.recording.seconds:.3g} s;"
         f" {scale}",
         f"modulation: from {octave[0]:.0f} to {octave[1]:.0f} Hz{loudest_of}",
-        *_spread_note(spread, bands.run, totals[0]),
+        *_spread_notes(of_totals[0], totals[0]),
         *bands.left_out,
     ]
     return _PairComparison(table=table, notes=notes)
 
 
-def _whole_uncertainties_db(
+def _total_spreads(
     spread: RunSpread, own: ComparedLevels, bands: Bands, quantity: MeasuredQuantity
-) -> Array:
-    """Return the whole uncertainties of a run's third octaves and of their totals [dB].
+) -> list[TotalSpread]:
+    """Return the uncertainties of the totals of a run's third octaves that are compared.
 
-    `own` has those of its record.
+    `own` has those of the compared record.
     """
-    count = len(BAND_NAMES)
-    records_db = own.uncertainties_db
-    of_totals = [
-        spread.of_total(records_db[count + number], _powers(bands, total))
+    first_total = len(BAND_NAMES)
+    return [
+        spread.of_total(
+            total=total,
+            compared=np.isfinite(bands.level_db),
+            powers=np.asarray(10 ** (bands.weighted(total.weighting) / 10)),
+            record_db=float(own.uncertainties_db[first_total + number]),
+        )
         for number, total in enumerate(totals_of(quantity))
     ]
-    return np.hstack([spread.of_bands(records_db[:count]), of_totals])
 
 
-def _powers(bands: Bands, total: Total) -> Array:
-    """Return the powers of third octaves, (31,), with the weighting of their total."""
-    return np.asarray(10 ** (bands.weighted(total.weighting) / 10))
+def _spread_notes(of_total: TotalSpread, total: Total) -> Iterator[str]:
+    """Say what the ± of a run's total holds beside the length of its record, and what it lacks.
 
-
-def _spread_note(spread: RunSpread, bands: Bands, total: Total) -> list[str]:
-    """Say what the ± of a run's total holds beside the length of its record."""
-    parts = spread.parts_of_total(_powers(bands, total))
+    Nothing is left out because a run shared it with the recording: they share nothing.
+    """
     large = [
-        f"{rounded_up(part)} dB by {PART_WORDS[name]}"
-        for name, part in sorted(parts.items(), key=lambda item: -item[1])
-        if part >= NAMED_DB
+        f"{rounded_up(part)} dB by {PART_WORDS[source]}"
+        for source, part in sorted(of_total.parts.items(), key=lambda item: -item[1])
+        if part >= NAMED_DB and source != RECORD
     ]
-    if not large:
-        return []
-    return [f"± of the run's {total.name}, beside the length of its record: {', '.join(large)}"]
+    if large:
+        yield f"± of the run's {total.name}, beside the length of its record: {', '.join(large)}"
+    if of_total.left_out:
+        named = [f"{PART_WORDS[source]}, {WHY_LEFT_OUT[source]}" for source in of_total.left_out]
+        yield f"left out of the ± of the run's {total.name}: {'; '.join(named)}"
 
 
 class _CommonBands(NamedTuple):
@@ -303,7 +320,7 @@ def _run_note(run: Run, pairs: Sequence[RecordPair]) -> str:
     """Say what the levels of a run are of."""
     first = pairs[0]
     if first.recording.quantity is PRESSURE:
-        return f"run: {_quantity(run)}, {first.run.name} of {first.run.seconds:.3g} s"
+        return f"run: {_stated_level(run)}; {first.run.name} of {first.run.seconds:.3g} s"
     quantity = first.recording.quantity
     places = ", ".join(pair.name for pair in pairs)
     return (
@@ -312,17 +329,15 @@ def _run_note(run: Run, pairs: Sequence[RecordPair]) -> str:
     )
 
 
-def _quantity(run: Run) -> str:
-    """Name what the levels of a run are of, with the verdict on them."""
-    verdict = run.summary.get("verdict") or {}
-    word = verdict.get("word", "-")
-    if run.summary["source"] == "vibration":
-        return f"levels of the vibration (verdict: {word})"
-    if run.summary.get("q", 1) is None:
-        return f"levels of the released power under the gain of the scene (verdict: {word})"
-    q = run.summary.get("q") or 1
-    bound = ", an upper bound" if q == 1 else ""
-    return f"levels of the released power with q = {q:g}{bound} (verdict: {word})"
+def _stated_level(run: Run) -> str:
+    """Name what the levels of a run are of, with the level that it states and the verdict on it."""
+    quantity = stated_quantity(run)
+    of = "vibration"
+    if run.numbers.record.source == "release":
+        q = run.numbers.record.q
+        under = "under the gain of the scene" if q is None else f"with q = {q:g}"
+        of = f"released power {under}"
+    return f"levels of the {of}, which `rolling run` states as {quantity} ({quantity.verdict})"
 
 
 # ---- tables in words

@@ -418,7 +418,12 @@ def former_numbers(content: bytes) -> StoredNumbers:
         "record": summary["uncertainty_db"].get("laeq")
     }
     of_estimate = {"chain": summary.get("vibration_estimate_uncertainty_db")}
-    numbers = with_quantities(numbers, _numbers_of(parts), _numbers_of(of_estimate))
+    numbers = with_quantities(
+        numbers,
+        of_sound=_numbers_of(parts),
+        of_vibration={},
+        of_estimate=_numbers_of(of_estimate),
+    )
     numbers = judged(numbers, [*doubts, *estimate_doubts(numbers)])
     return StoredNumbers(numbers=numbers, files=facts, provenance=provenance)
 

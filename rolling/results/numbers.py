@@ -56,12 +56,12 @@ from rolling.results.quantities import UNKNOWN, judged, with_quantities
 from rolling.results.run_errors import (
     error_bands,
     error_numbers,
-    error_parts,
     known,
     known_bands,
     run_errors,
 )
 from rolling.results.solved_run import SolvedRun
+from rolling.results.uncertainty_parts import played_parts, vibration_parts, with_band_parts
 from rolling.scene.scene import Scene
 from rolling.sound import radiators
 from rolling.sound.contact_sound import ContactSound
@@ -109,7 +109,9 @@ def run_numbers(run: SolvedRun, release: ContactSound) -> RunNumbers:
         released_power=UNKNOWN,
         record=_record(run, is_event),
         levels=_levels(run, release),
-        bands=error_bands(errors, _bands(run, release)),
+        bands=with_band_parts(
+            error_bands(errors, _bands(run, release)), run, motion, instrument, errors
+        ),
         errors=error_numbers(errors, band),
         energy=_energy(run, release),
         contact=_contact(scene, result),
@@ -124,8 +126,12 @@ def run_numbers(run: SolvedRun, release: ContactSound) -> RunNumbers:
         passes=None if result.passes is None else _passes(run, result.passes, stiffness),
         listening=_listening(run),
     )
-    of_sound = _uncertainty_parts(run, motion, instrument, band) | error_parts(errors)
-    numbers = with_quantities(numbers, of_sound, of_estimate)
+    numbers = with_quantities(
+        numbers,
+        of_sound=played_parts(run, motion, instrument, band, errors),
+        of_vibration=vibration_parts(run, motion, instrument),
+        of_estimate=of_estimate,
+    )
     moving = result.moving if scene.moves_release else None
     return judged(numbers, doubts(scene, run.sound, numbers, vibration, moving))
 
@@ -338,7 +344,9 @@ def _bands(run: SolvedRun, release: ContactSound) -> BandNumbers:
     bands = BandNumbers(
         released_power=BandQuantity.of(release.levels.third_octave_db, "dB"),
         released_power_at_listener=BandQuantity.of(at_listener, "dB"),
-        vibration=BandQuantity.of(vibration.stated_levels.third_octave_db, "dB"),
+        vibration=BandQuantity.of(
+            vibration.stated_levels.third_octave_db, "dB", vibration.uncertainty.third_octave_db
+        ),
         plate_power=BandQuantity.of(by_band(vibration.plate_power), "dB re 1 pW"),
         ball_power=BandQuantity.of(by_band(vibration.ball_power), "dB re 1 pW"),
         force=BandQuantity.of(known_bands(vibration.force_bands), "N"),
@@ -349,27 +357,6 @@ def _bands(run: SolvedRun, release: ContactSound) -> BandNumbers:
 
 
 # ---- uncertainty
-
-
-def _uncertainty_parts(
-    run: SolvedRun,
-    motion: MotionNumbers | None,
-    instrument: InstrumentNumbers | None,
-    band: MissingBand | None,
-) -> dict[str, float | None]:
-    """Return the uncertainties of LAeq [dB] by their source, but for grid and solver."""
-    parts: dict[str, float | None] = {"record": run.sound.uncertainty.laeq_db}
-    of_instrument = None if instrument is None else instrument.released_power
-    if run.vibration_sound is not None and run.sound.source == "vibration":
-        parts = {**run.vibration_sound.parts}
-        if motion is not None and motion.force_law_error_db is not None:
-            parts["force_law"] = motion.force_law_error_db
-        of_instrument = None if instrument is None else instrument.vibration
-    if band is not None:
-        parts["band"] = float(np.hypot(band.error_db, band.uncertainty_db))
-    if of_instrument is not None:
-        parts["instrument"] = of_instrument.spread_db
-    return parts
 
 
 def record_scatter(pressure: Array, laps: float = 1.0) -> float | None:

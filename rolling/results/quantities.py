@@ -29,7 +29,9 @@ UNKNOWN = Quantity(VIBRATION, None, reason="it is not computed")
 Parts = Mapping[str, float | None]
 
 
-def with_quantities(numbers: RunNumbers, of_sound: Parts, of_estimate: Parts) -> RunNumbers:
+def with_quantities(
+    numbers: RunNumbers, of_sound: Parts, of_vibration: Parts, of_estimate: Parts
+) -> RunNumbers:
     """Return the numbers of a run with its two quantities, without doubts.
 
     Parameters
@@ -38,12 +40,16 @@ def with_quantities(numbers: RunNumbers, of_sound: Parts, of_estimate: Parts) ->
         All other numbers of the run.
     of_sound : dict, dB
         Parts of the uncertainty of the sound that plays, by their source; None: unknown.
+    of_vibration : dict, dB
+        Parts of the uncertainty of a computed vibration that does not play.
     of_estimate : dict, dB
         Parts of the uncertainty of an estimated vibration.
     """
+    if numbers.record.source == "vibration":
+        of_vibration = of_sound
     return replace(
         numbers,
-        vibration=_vibration(numbers, _known(of_sound), _known(of_estimate)),
+        vibration=_vibration(numbers, _known(of_vibration), _known(of_estimate)),
         released_power=_released_power(numbers, _known(of_sound)),
     )
 
@@ -163,14 +169,14 @@ def _record(numbers: RunNumbers) -> RecordOfNumber:
 
 
 def _vibration(
-    numbers: RunNumbers, of_sound: Mapping[str, float], of_estimate: Mapping[str, float]
+    numbers: RunNumbers, of_vibration: Mapping[str, float], of_estimate: Mapping[str, float]
 ) -> Quantity:
     """Return the vibration of a run: computed with dynamics, otherwise estimated where possible."""
     if numbers.record.source == "vibration":
-        return _computed(numbers, heard_level_db(numbers), of_sound)
+        return _computed(numbers, heard_level_db(numbers), of_vibration)
     if numbers.levels.vibration is not None:
         level_db = level_beside(numbers, numbers.levels.vibration.laeq_db)
-        return _computed(numbers, level_db, {})
+        return _computed(numbers, level_db, of_vibration)
     return _estimated(numbers, of_estimate)
 
 

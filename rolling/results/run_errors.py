@@ -93,11 +93,24 @@ def error_parts(errors: RunErrors | None) -> dict[str, float | None]:
     levels = errors.levels
     parts = {
         "grid": known(math.hypot(levels.grid_db[-1], levels.grid_uncertainty_db[-1])),
-        "solver": known(abs(levels.solver_db[-1])),
+        "solver": known(abs(float(levels.solver_db[-1]))),
     }
     if np.nan_to_num(errors.detail_db).any():
         parts["subgrid"] = known(math.hypot(*errors.detail_db[:, -1]))
     return parts
+
+
+def band_error_parts(errors: RunErrors | None) -> dict[str, Array]:
+    """Return the same parts of third octaves (31,) [dB]; 0 where one is unknown."""
+    if errors is None:
+        return {}
+    levels = errors.levels
+    parts = {
+        "grid": np.hypot(levels.grid_db, levels.grid_uncertainty_db),
+        "solver": np.abs(levels.solver_db),
+        "subgrid": np.hypot(*errors.detail_db),
+    }
+    return {source: np.nan_to_num(part[:-1]) for source, part in parts.items()}
 
 
 def error_numbers(errors: RunErrors | None, band: MissingBand | None) -> ErrorNumbers:

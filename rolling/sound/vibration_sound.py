@@ -75,7 +75,7 @@ class Vibration:
         Known parts of the uncertainty of LAeq: record, comb, time_step, contact_loss and, on a free
         plate, baffle.
     band_spreads : dict of (31,) arrays, dB
-        The same parts of the third octaves, but for that of the record.
+        The same parts of the third octaves; 0 where one is unknown.
     excess : ExcessVariance or None
         How much more the record varies than Gaussian noise; None where it is not known: in a record
         that does not repeat, and in one whose few lines in a resonance make a comb.
@@ -132,6 +132,16 @@ class Vibration:
         if "record" in parts and "comb" in parts:
             comb_counts = self.is_mean_of_comb or parts["comb"] > parts["record"]
             parts["record" if comb_counts else "comb"] = 0.0
+        return parts
+
+    @property
+    def band_parts(self) -> dict[str, Array]:
+        """Parts of the uncertainty of third octaves (31,) [dB] whose squares add up, as `parts`."""
+        parts = dict(self.band_spreads)
+        if "record" in parts and "comb" in parts:
+            comb_counts = parts["comb"] > parts["record"]
+            parts["record"] = np.where(comb_counts, 0.0, self.band_spreads["record"])
+            parts["comb"] = np.where(comb_counts, self.band_spreads["comb"], 0.0)
         return parts
 
     @property
@@ -242,6 +252,9 @@ def vibrate(
         spread = spread.mapped(lambda _: known)
     plate_power, ball_power = powers(scene, force, highest)
     band_spreads = _band_spreads(step_error_db, chain, combed, loss, unbaffled)
+    if spread.laeq_db is not None and not once:
+        of_record = [spread.third_octave_db[name] or 0.0 for name in BAND_NAMES]
+        band_spreads["record"] = np.array(of_record)
     return Vibration(
         motion=motion,
         law=law,

@@ -15,8 +15,10 @@ from finished import VIBRATING, heard_again, marched
 
 from acoustics import BAND_NAMES, resampling
 from rolling import cli, open_run, save_run
+from rolling.numbers.quantity import joined
 from rolling.recordings import comparison
-from rolling.recordings.levels import third_octave_levels
+from rolling.recordings.levels import Total, third_octave_levels
+from rolling.recordings.pairs import of_run
 from rolling.recordings.recorded import PRESSURE, QUANTITIES, Recording, full_scales
 from rolling.recordings.run_spread import run_spread
 from rolling.results import listening
@@ -157,34 +159,86 @@ FREE = {
 }
 
 
-@pytest.mark.law("Recordings: a difference has the whole uncertainty of the run, in each band.")
-def test_the_difference_has_the_whole_uncertainty_of_the_run(run: Run, tmp_path: Path) -> None:
-    """A free plate lacks its baffle, and of a contact nobody may have measured the loss.
+SMALL = {
+    "plate.length_mm": 60,
+    "plate.width_mm": 50,
+    "plate.thickness_mm": 1.5,
+    "plate.edges": "free",
+    "plate.loss_factor": 0.1,
+}
 
-    Run and comparison state the same ±, up to the record's part: one takes it from the signal, the
-    other from the long record. The motion of the plate needs no baffle.
+
+def with_itself(run: Run, folder: Path) -> comparison.RecordingComparison:
+    """Compare a run with its own record, repeated until it is long enough for a recording."""
+    pressure = of_run(run).samples
+    scale = 2 * np.abs(pressure).max()
+    laps = int(np.ceil(RATE / len(pressure)))
+    soundfile.write(folder / "own.wav", np.tile(pressure, laps) / scale, 48000, "FLOAT")
+    return comparison.compare(run, folder / "own.wav", f"{scale:.9g}")
+
+
+@pytest.mark.law("Recordings: a difference has the ± that the run states, in each band.")
+@pytest.mark.parametrize("estimate", [False, True], ids=["", "error estimate"])
+def test_run_and_comparison_state_the_same_uncertainty(
+    run: Run, tmp_path: Path, estimate: bool
+) -> None:
+    """The ± of a small free plate is mostly its baffle. The error estimate needs 256 steps."""
+    if estimate:
+        run = marched(VIBRATING, ["rolling.distance_mm=0.516", "numerics.error_estimate=true"])
+    free = heard_again(run, run.scene.with_(SMALL))
+    stated = free.vibration
+    assert stated.parts["baffle"] > 5
+    assert ("grid" in stated.parts) == estimate
+    table, notes, _ = with_itself(free, tmp_path)
+    laeq = table[table["quantity"] == "LAeq"].iloc[0]
+    assert laeq["run_uncertainty_db"] == pytest.approx(stated.uncertainty, rel=1e-3)
+    assert f"which `rolling run` states as {stated.number} dB(A), computed" in notes[0]
+    assert laeq["left_out"] == ""
+    stated_bands = free.numbers.bands.vibration
+    own = pd.Series(stated_bands.uncertainty_by_name, dtype=float).dropna()
+    found = bands(table).set_index(bands(table)["frequency_hz"].map("{:g}".format))
+    shared = found.index.intersection(own.index)
+    assert len(shared) > 10
+    assert found.loc[shared]["run_uncertainty_db"].to_numpy() == pytest.approx(
+        own[shared], rel=1e-9
+    )
+    of_parts = np.sqrt(sum(np.square(part) for part in stated_bands.parts.values()))
+    of_parts = pd.Series(of_parts, index=stated_bands.by_name)
+    assert of_parts[own.index].to_numpy() == pytest.approx(own.to_numpy(), rel=1e-9)
+
+
+@pytest.mark.law("Recordings: what a comparison cannot have of the ± of a run is left out by name.")
+def test_what_the_comparison_cannot_have_is_left_out_by_name(run: Run, tmp_path: Path) -> None:
+    """The motion of a plate needs no baffle. Slow steps end the band below the end of hearing.
+
+    A recording shares nothing with a run, so the difference has the whole ± of both.
     """
     free = heard_again(run, run.scene.with_(FREE))
-    scale = 2 * np.abs(free.long.pressure).max()
-    wav = tmp_path / "free.wav"
-    soundfile.write(wav, free.long.pressure / scale, 48000, "FLOAT")
-    table, notes, _ = comparison.compare(free, wav, f"{scale:.9g}")
-    stated_db = free.summary["uncertainty_db"]["laeq"]
+    stated = free.vibration
+    assert stated.parts["band"] > 0.05
+    table, notes, _ = with_itself(free, tmp_path)
     laeq = table[table["quantity"] == "LAeq"].iloc[0]
-    assert stated_db > 2 * free.vibration.spreads["record"]
-    assert laeq["run_uncertainty_db"] == pytest.approx(stated_db, rel=0.1)
+    without = joined(stated.parts, left_out=["band"])
+    assert laeq["run_uncertainty_db"] == pytest.approx(without, rel=1e-3)
+    assert laeq["left_out"] == "band"
     said = " ".join(notes)
     assert "dB by the baffle that a free plate does not have" in said
     assert "dB by the unknown loss of the contact" in said
-    own = pd.Series(free.summary["third_octave_uncertainty_db"]).dropna()
-    found = bands(table)
-    of_bands = found.set_index(found["frequency_hz"].map("{:g}".format)).loc[own.index]
-    assert of_bands["run_uncertainty_db"].to_numpy() == pytest.approx(own.to_numpy(float), rel=0.15)
+    assert "left out of the ± of the run's LAeq: the end of the simulated band, because" in said
     whole = np.hypot(table["run_uncertainty_db"], table["recording_uncertainty_db"])
     assert table["difference_uncertainty_db"].to_numpy() == pytest.approx(whole.to_numpy())
-    assert (of_bands["records_uncertainty_db"] < of_bands["difference_uncertainty_db"]).all()
+    found = bands(table)
+    assert (found["records_uncertainty_db"] < found["difference_uncertainty_db"]).all()
     of_motion = run_spread(free, QUANTITIES["acceleration"])
-    assert "baffle" not in of_motion.third_octaves and of_motion.laeq["contact_loss"] > 0.1
+    none = np.zeros(len(BAND_NAMES))
+    everywhere = np.ones(len(BAND_NAMES), dtype=bool)
+    of_total = of_motion.of_total(
+        Total("all bands", "Z"), everywhere, everywhere + none, record_db=0.5
+    )
+    assert of_total.left_out == ("baffle",)
+    assert of_total.parts.keys() == stated.parts.keys() - {"baffle"}
+    assert of_total.parts["record"] == 0.5
+    assert (of_motion.of_bands(none).whole_db < of_motion.band_parts["baffle"]).all()
 
 
 def test_the_scatter_of_a_tone_is_in_the_uncertainty_of_the_recording(
