@@ -766,6 +766,16 @@ class ListeningNumbers:
     lz_peak_db: float | None = number("LZpeak of what ends", DB, default=None)
     limits: tuple[str, ...] | None = number("limits that were met, in words", "", default=None)
 
+    def __post_init__(self) -> None:
+        """Refuse a record of something that ends, whose level leads, without its length.
+
+        Raises
+        ------
+        ValueError : its length or the share that is solved is missing.
+        """
+        if self.ends and (self.seconds is None or self.solved_share is None):
+            raise ValueError("a record of what ends has its seconds and solved_share")
+
 
 @dataclass(frozen=True, kw_only=True)
 class RunNumbers:

@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Any
 
 from rolling.check import level
-from rolling.numbers.ball_numbers import RunNumbers
+from rolling.numbers.ball_numbers import ListeningNumbers, RunNumbers
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.numbers.files import FileFacts, Provenance
 from rolling.numbers.quantity import RELEASED_POWER, VIBRATION, BandQuantity, joined
@@ -242,9 +242,7 @@ def former_names(numbers: RunNumbers) -> Mapping[str, Any]:
         spread = joined(parts, left_out=("instrument",)) if parts else None
         names["vibration_estimate_uncertainty_db"] = spread
     if numbers.listening is not None:
-        names["listening"] = {
-            name: value for name, value in asdict(numbers.listening).items() if value is not None
-        }
+        names["listening"] = _listening(numbers.listening)
     if numbers.passes is not None:
         names["passes"] = [_renamed(asdict(one), _PASSES) for one in numbers.passes]
     names["doubts"] = [
@@ -372,6 +370,18 @@ def _channel(values: dict[str, Any]) -> dict[str, Any]:
         bands = values.pop(name)
         values[former] = None if bands is None else BandQuantity(**bands).by_name
     return values
+
+
+def _listening(long: ListeningNumbers) -> dict[str, Any]:
+    """Return the numbers of a long record by their former names, or the reason against it."""
+    if long.refused is not None:
+        return {"refused": long.refused}
+    names = asdict(long)
+    absent = {"refused"}
+    if not long.ends:
+        absent.update(_LONG_LEVELS)
+    absent.update(name for name in _LONG_MOTION if names[name] is None)
+    return {name: value for name, value in names.items() if name not in absent}
 
 
 def _motion(numbers: RunNumbers) -> dict[str, Any]:

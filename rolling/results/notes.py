@@ -154,6 +154,8 @@ def _uncertainty(numbers: RunNumbers, vibration: Vibration | None) -> Doubt:
         covered = [PART_WORDS[source] for source, part in quantity.parts.items() if part]
         if covered and quantity.value is not None:
             texts.append(f"± of the {words} covers {listed(covered)}.")
+    if not texts:  # a silent release has a steady level alone
+        texts.append(f"± covers {PART_WORDS['record']}.")
     texts += ["It holds no error of the model.", _rule_of_length(numbers, vibration)]
     if numbers.errors.is_asked and numbers.errors.reason is None:
         texts.append("Levels are not corrected for their errors of grid and solver.")

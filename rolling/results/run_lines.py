@@ -320,15 +320,14 @@ def other_levels(numbers: RunNumbers) -> list[str]:
         return []
     levels = numbers.levels
     name = measure(numbers)
-    texts = []
-    for level, words in (
-        (levels.compact_source_level_db, "a compact source of the same power"),
-        (levels.hemisphere_mean_level_db, "the mean over the half sphere"),
-    ):
-        shown = level_beside(numbers, level)
-        if shown is not None:
-            texts.append(f"{name} of {words}: {shown:.1f} dB(A)")
     listeners = levels.listeners or ()
+    words = "a compact source of the same power"
+    even_db = level_beside(numbers, levels.compact_source_level_db)
+    if listeners:
+        words = "the mean over the half sphere"
+        even_db = level_beside(numbers, levels.hemisphere_mean_level_db)
+    text = "not available" if even_db is None else f"{even_db:.1f} dB(A)"
+    texts = [f"{name} of {words}: {text}"]
     if listeners and levels.plate_power_level_db is not None:
         texts.append(f"sound power of the plate: {levels.plate_power_level_db:.1f} dB re 1 pW")
     for listener in listeners[1:]:

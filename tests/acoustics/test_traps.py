@@ -56,7 +56,7 @@ def test_a_run_and_its_numbers_meet_no_trap(tmp_path: Path) -> None:
     run = rolling.simulate(loads(TINY), workers=1, progress=False)
     saved = run.save(tmp_path / "run")
     assert (saved / "report.html").is_file()
-    assert rolling.open_run(saved).summary["laeq_db"] == run.summary["laeq_db"]
+    assert rolling.open_run(saved).numbers.played.laeq_db == run.numbers.played.laeq_db
     heights = 1e-7 * NUMBERS[:4096].reshape(64, 64)
     assert rolling.surface_parameters(heights, 1e-6)["Sq"] > 0
     assert np.geterr() == {"divide": "raise", "over": "raise", "under": "raise", "invalid": "raise"}

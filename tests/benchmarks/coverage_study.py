@@ -149,14 +149,14 @@ def levels_of(scene: rc.Scene) -> dict[str, Levels]:
     energy, closed = released_energy(scene, result)
     release = contact_sound(scene, energy, result.step, closed, result.solved_steps)
     run = make_run(RunFolder({}, scene, Path()), "", result, {})
-    assert run.vibration is not None  # scenes of the study have dynamics
+    assert run.vibration_sound is not None  # scenes of the study have dynamics
     return {
         "release": Levels(release.levels, release.uncertainty, release.levels.laeq_db, False),
         "vibration": Levels(
             run.sound.levels,
             run.sound.uncertainty,
             run.record_laeq_db,
-            run.vibration.is_mean_of_comb,
+            run.vibration_sound.is_mean_of_comb,
         ),
     }
 
@@ -216,45 +216,37 @@ def of_grid(number: int, seed: int) -> Iterator[Difference]:
         "vibration": vibrating,
         "release": make_run(RunFolder({}, released_scene, Path()), "", result),
     }
-    assert vibrating.vibration is not None  # scenes of the study have dynamics
+    assert vibrating.vibration_sound is not None  # scenes of the study have dynamics
     known = {source: run for source, run in runs.items() if _has_estimate(run)}
     for source, run in runs.items():
         if source not in known:
-            reason = run.summary["error_estimate"]["reason"]
+            reason = run.numbers.errors.reason
             print(f"scene {number}, {source}: no estimate, {reason}", file=sys.stderr)
     if not known:
         return
-    true = reference(scene, result, vibrating.vibration)
+    true = reference(scene, result, vibrating.vibration_sound)
     for source, run in known.items():
-        numbers = run.summary
+        numbers = run.numbers
         levels = true[source]
-        pairs = [
-            (
-                "LAeq, grid",
-                "laeq_grid_error_db",
-                "laeq_solver_error_db",
-                "laeq_grid_error_uncertainty_db",
-            )
-        ]
-        for kind, grid, solver, spread in pairs:
-            if levels.laeq_db is not None and numbers[grid] is not None:
-                off = numbers[grid] + (numbers[solver] or 0.0)
-                off -= numbers["laeq_db"] - levels.laeq_db
-                yield Difference(source, kind, number, off / numbers[spread])
+        errors = numbers.errors
+        if levels.laeq_db is not None and errors.grid_db is not None:
+            off = errors.grid_db + (errors.solver_db or 0.0)
+            off -= numbers.played.laeq_db - levels.laeq_db
+            yield Difference(source, "LAeq, grid", number, off / errors.grid_uncertainty_db)
         for band in BAND_NAMES:
-            error = numbers["grid_error_db"][band]
-            own = numbers["third_octave_db"][band]
+            error = numbers.bands.grid_error.by_name[band]
+            own = run.sound.levels.third_octave_db[band]
             level = levels.third_octave_db[band]
-            spread_db = numbers["grid_error_uncertainty_db"][band]
+            spread_db = numbers.bands.grid_error.uncertainty_by_name[band]
             if error is None or own is None or level is None or not spread_db:
                 continue
-            off = error + (numbers["solver_error_db"][band] or 0.0) - (own - level)
+            off = error + (numbers.bands.solver_error.by_name[band] or 0.0) - (own - level)
             yield Difference(source, "third octaves, grid", number, off / spread_db)
 
 
 def _has_estimate(run: Run) -> bool:
     """Tell whether a run knows the errors of its grid."""
-    return "reason" not in run.summary["error_estimate"]
+    return run.numbers.errors.reason is None
 
 
 def reference(scene: rc.Scene, result: Result, vibration: Vibration) -> dict[str, SoundLevels]:

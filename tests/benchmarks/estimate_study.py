@@ -26,6 +26,7 @@ from acoustics.level import SoundLevels
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
+from rolling.numbers.ball_numbers import RunNumbers
 from rolling.sound.contact_sound import contact_sound
 from rolling.studies.accuracy_variants import Variant, march_variant
 from rolling.surface.contact_of_scene import rolling_contact
@@ -151,22 +152,23 @@ def compare(scene: rc.Scene) -> tuple[pd.DataFrame, dict[str, Any]]:
     """
     run = rc.simulate(scene, workers=1, progress=False)
     fine, plastic = reference(scene)
-    numbers = run.summary
+    numbers = run.numbers
+    grid, solver = numbers.bands.grid_error, numbers.bands.solver_error
     levels = _levels(scene, fine)
     certain = dict(zip(BAND_NAMES, reliable(run.sound.duration), strict=True))
     errors = {
         name: {
-            "estimated": numbers["grid_error_db"][name] + numbers["solver_error_db"][name],
-            "uncertainty": numbers["grid_error_uncertainty_db"][name],
-            "true": numbers["third_octave_db"][name] - levels.third_octave_db[name],
+            "estimated": grid.by_name[name] + solver.by_name[name],
+            "uncertainty": grid.uncertainty_by_name[name],
+            "true": run.sound.levels.third_octave_db[name] - levels.third_octave_db[name],
         }
         for name in BANDS
-        if certain[name] and numbers["grid_error_db"][name] is not None
+        if certain[name] and grid.by_name[name] is not None
     }
     errors["LAeq"] = {
-        "estimated": numbers["laeq_grid_error_db"] + numbers["laeq_solver_error_db"],
-        "uncertainty": numbers["laeq_grid_error_uncertainty_db"],
-        "true": numbers["laeq_db"] - levels.laeq_db,
+        "estimated": numbers.errors.grid_db + numbers.errors.solver_db,
+        "uncertainty": numbers.errors.grid_uncertainty_db,
+        "true": numbers.played.laeq_db - levels.laeq_db,
     }
     table = pd.DataFrame.from_dict(errors, orient="index")
     table["off"] = (table.estimated - table.true).abs()
@@ -174,12 +176,12 @@ def compare(scene: rc.Scene) -> tuple[pd.DataFrame, dict[str, Any]]:
     row = _row(table, numbers) | {
         "signal true dB": f"{_signal_db(scene, run.series['release_energy'], fine):.0f}"
     }
-    if numbers["plastic_ratio_grid_error"] is not None:
-        spread = numbers["plastic_ratio_grid_error_uncertainty"]
-        row["plastic ratio"] = f"{numbers['plastic_ratio_grid_error']:+.3f} ± {spread:.3f}"
+    if numbers.errors.plastic_ratio_grid is not None:
+        spread = numbers.errors.plastic_ratio_grid_uncertainty
+        row["plastic ratio"] = f"{numbers.errors.plastic_ratio_grid:+.3f} ± {spread:.3f}"
         row["plastic true"] = f"{run.series['plastic_area'][1:].mean() / plastic - 1:+.3f}"
-    if numbers["laeq_subgrid_error_db"]:
-        row |= _detail_row(scene, numbers)
+    if numbers.errors.subgrid_db:
+        row |= _detail_row(scene, run)
     return table, row
 
 
@@ -198,36 +200,35 @@ def _signal_db(scene: rc.Scene, own: Array, fine: Array) -> float:
     return float(10 * np.log10(off.sum() / signal.sum()))
 
 
-def _detail_row(scene: rc.Scene, numbers: dict[str, Any]) -> dict[str, str]:
+def _detail_row(scene: rc.Scene, run: rc.Run) -> dict[str, str]:
     """Return stated and true errors [dB] against a surface with two octaves of detail."""
+    numbers = run.numbers
     detailed = _levels(scene, with_detail(scene))
-    spread = math.hypot(
-        numbers["laeq_subgrid_error_uncertainty_db"], numbers["laeq_grid_error_uncertainty_db"]
-    )
-    stated = numbers["laeq_subgrid_error_db"] + numbers["laeq_grid_error_db"]
+    spread = math.hypot(numbers.errors.subgrid_uncertainty_db, numbers.errors.grid_uncertainty_db)
+    stated = numbers.errors.subgrid_db + numbers.errors.grid_db
     columns = {
         "LAeq with detail": f"{stated:+.2f} ± {spread:.2f}",
-        "LAeq with detail, true": f"{numbers['laeq_db'] - detailed.laeq_db:+.2f}",
+        "LAeq with detail, true": f"{numbers.played.laeq_db - detailed.laeq_db:+.2f}",
     }
     for name in ("8000", "16000"):
-        stated = numbers["subgrid_error_db"][name] + numbers["grid_error_db"][name]
-        true = numbers["third_octave_db"][name] - detailed.third_octave_db[name]
-        spread = numbers["subgrid_error_uncertainty_db"][name]
+        stated = numbers.bands.subgrid_error.by_name[name] + numbers.bands.grid_error.by_name[name]
+        true = run.sound.levels.third_octave_db[name] - detailed.third_octave_db[name]
+        spread = numbers.bands.subgrid_error.uncertainty_by_name[name]
         columns[f"{name} Hz with detail"] = f"{stated:+.1f} ± {spread:.1f} (true {true:+.1f})"
     return columns
 
 
-def _row(table: pd.DataFrame, numbers: dict[str, Any]) -> dict[str, Any]:
+def _row(table: pd.DataFrame, numbers: RunNumbers) -> dict[str, Any]:
     """Return stated and true errors of LAeq and bands."""
     laeq = table.loc["LAeq"]
     bands = table.drop(index="LAeq")
-    spread = numbers["grid_signal_uncertainty_db"]
+    spread = numbers.errors.grid_signal_uncertainty_db
     return {
         "LAeq error, estimated dB": f"{laeq.estimated:+.2f} ± {laeq.uncertainty:.2f}",
         "true dB": f"{laeq.true:+.2f}",
         "bands right": f"{bands.right.sum()} of {len(bands)}",
         "worst off dB": f"{bands.off.max():.1f}",
-        "signal dB": f"{numbers['grid_signal_db']:.0f} ± {spread:.0f}",
+        "signal dB": f"{numbers.errors.grid_signal_db:.0f} ± {spread:.0f}",
     }
 
 

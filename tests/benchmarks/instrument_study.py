@@ -21,7 +21,6 @@ from scipy import ndimage
 
 import rolling as rc
 from acoustics.arrays import Array
-from rolling.results import answer
 from rolling.surface.instrument import sight
 
 SPACING = 0.5e-6
@@ -142,13 +141,13 @@ def measurements(drawn: Case) -> list[Measurement]:
 
 
 def solved(scene: dict[str, Any], heights: Array, spacing: float, keys: dict[str, Any]) -> Any:
-    """Return the summary of a run over heights."""
+    """Return the numbers of a run over heights."""
     values = dict(scene)
     if spacing > SPACING:
         values["numerics"] = scene["numerics"] | {"step_nodes": 1}
     surface = rc.HeightArray(heights, spacing_um=1e6 * spacing, level="none", **keys)
     values["surface"] = surface.model_dump(exclude_none=True)
-    return rc.simulate(rc.Scene.from_dict(values), workers=1, progress=False).summary
+    return rc.simulate(rc.Scene.from_dict(values), workers=1, progress=False).numbers
 
 
 def levels(first: int, last: int, only: str) -> None:
@@ -166,19 +165,19 @@ def levels(first: int, last: int, only: str) -> None:
                 continue
             keys = {"instrument": made.instrument}
             numbers = solved(drawn.scene, made.heights, made.spacing, keys)
-            seen = numbers["instrument"]
-            line = f"{seed} {drawn.words}; {made.name}: above {1e6 * seen['cutoff_m']:.2f} um"
-            if seen["noise_m"]:
-                line += f", noise {1e9 * seen['noise_m']:.2f} nm"
-            for name, number in (
-                ("vibration", answer.vibration),
-                ("released_power", answer.released_power),
+            seen = numbers.surface.instrument
+            line = f"{seed} {drawn.words}; {made.name}: above {1e6 * seen.cutoff_m:.2f} um"
+            if seen.noise_m:
+                line += f", noise {1e9 * seen.noise_m:.2f} nm"
+            for stated, true in (
+                (numbers.vibration, truth.vibration),
+                (numbers.released_power, truth.released_power),
             ):
-                spread = seen[f"{name}_spread_db"]
-                levels_db = number(numbers).level_db, number(truth).level_db
-                if spread is None or None in levels_db:
+                name = stated.name
+                spread = stated.parts.get("instrument")
+                if spread is None or stated.value is None or true.value is None:
                     continue
-                error = levels_db[0] - levels_db[1]
+                error = stated.value - true.value
                 line += f"; {name} {error:+.2f}, stated {spread:.2f}"
                 if max(abs(error), spread) > LEAST_DB:
                     for group in (f"{made.name}, {name}", f"all, {name}"):

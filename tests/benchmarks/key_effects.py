@@ -174,8 +174,11 @@ def _numbers(run: Run) -> dict[str, float]:
     numbers = {"centroid": math.nan}
     if pressure.any():
         numbers["centroid"] = 100 * math.log(centroid_hz(pressure, rate))
-    for name in ("laeq_db", "release_laeq_db"):
-        level = run.summary.get(name, run.summary["laeq_db"])
+    own = run.numbers.played.laeq_db
+    released = own
+    if run.numbers.levels.vibration is not None:
+        released = run.numbers.levels.released_power_at_listener_db
+    for name, level in (("laeq_db", own), ("release_laeq_db", released)):
         numbers[name] = math.nan if level is None else level
     return numbers
 

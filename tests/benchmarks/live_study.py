@@ -95,8 +95,8 @@ def main() -> None:
     """Print the tables of equality, of kept modes and of speed."""
     base = live_engine.scene({"surface.width_um": 256})
     marched = rc.simulate(base, workers=1, progress=False)
-    assert marched.vibration is not None
-    law = marched.vibration.law
+    assert marched.vibration_sound is not None
+    law = marched.vibration_sound.law
     print("| scene | modes | largest difference of a third octave | difference of LAeq |")
     print("|---|---|---|---|")
     runs = {}

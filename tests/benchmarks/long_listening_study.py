@@ -95,7 +95,7 @@ def rates(listening: Listening) -> tuple[float, float]:
     """Return impacts per second and kurtosis of a long record without its faded ends."""
     ends = listening.sample_rate // 100
     inner = listening.pressure[ends:-ends]
-    return float(listening.numbers["impacts"] or 0) / _seconds(listening), kurtosis(inner)
+    return float(listening.numbers.impacts or 0) / _seconds(listening), kurtosis(inner)
 
 
 def _seconds(listening: Listening) -> float:
@@ -110,15 +110,15 @@ def levels_of(pressure: Array, rate: int, highest: float) -> tuple[SoundLevels, 
 
 def compare(run: Run, parts: int = PARTS, lengths: float = LENGTHS) -> pd.DataFrame:
     """Compare the continuation of each part of a solved track with the whole track."""
-    assert run.vibration is not None
+    assert run.vibration_sound is not None
     scene = run.scene
-    law = run.vibration.law
+    law = run.vibration_sound.law
     rate = run.sound.sample_rate
-    solved = run.vibration.levels
-    spread = run.vibration.uncertainty
+    solved = run.vibration_sound.levels
+    spread = run.vibration_sound.uncertainty
     seconds = run.sound.duration * lengths
     solved_kurtosis = kurtosis(run.sound.pressure)
-    motion = run.vibration.motion
+    motion = run.vibration_sound.motion
     rows = []
     for part in range(parts):
         short = part_of(law, part, parts)

@@ -37,10 +37,10 @@ def compare(seed: int) -> list[dict[str, Any]]:
         levels = {}
         for nodes in (LONGEST, 2, 1):
             own = {"numerics.step_nodes": nodes, "sound.source": source, "dynamics.release": False}
-            numbers = rc.simulate(scene.with_(own), workers=1, progress=False).summary
-            error = numbers["laeq_band_error_db"] or 0.0
-            spread = numbers["laeq_band_error_uncertainty_db"] or 0.0
-            levels[nodes] = numbers["laeq_db"], error, spread
+            numbers = rc.simulate(scene.with_(own), workers=1, progress=False).numbers
+            error = numbers.errors.band_db or 0.0
+            spread = numbers.errors.band_uncertainty_db or 0.0
+            levels[nodes] = numbers.played.laeq_db, error, spread
         level, error, spread = levels[1]
         for nodes in (LONGEST, 2):
             own_level, own_error, own_spread = levels[nodes]

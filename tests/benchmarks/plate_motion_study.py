@@ -56,8 +56,8 @@ def main() -> None:
     """Print both tables."""
     scene = rc.read_scene(SCENE).with_(sweep={}, error_estimate=False, speed_m_s=0.3)
     run = rc.simulate(scene, workers=2, progress=False)
-    assert run.vibration is not None
-    law = run.vibration.law
+    assert run.vibration_sound is not None
+    law = run.vibration_sound.law
     load = scene.load
     assert law.period_m is not None
     roughness = -np.fft.rfft(law.approach(law.position_m, load)) / len(law.position_m)

@@ -86,13 +86,13 @@ def measures(listening: Listening) -> dict[str, float]:
     rate = listening.sample_rate
     numbers = listening.numbers
     return {
-        "LAeq, dB(A)": numbers["laeq_db"],
+        "LAeq, dB(A)": numbers.laeq_db,
         "centroid, Hz": centroid_hz(pressure, rate),
         "correlation time, ms": correlation_time_ms(pressure, rate),
         "modulation 0.5 to 8 Hz": modulation(pressure, rate, SLOW_HZ),
         "modulation 8 to 50 Hz": modulation(pressure, rate, FAST_HZ),
         "log10 kurtosis": float(np.log10(kurtosis(pressure))),
-        "impacts per second": numbers.get("impacts", 0) / numbers["seconds"],
+        "impacts per second": (numbers.impacts or 0) / numbers.seconds,
     }
 
 

@@ -58,8 +58,8 @@ def scene_of(changes: dict[str, Any], seed: int) -> rc.Scene:
 def vibration_of(scene: rc.Scene) -> Vibration:
     """March a scene in this process, and return its vibration."""
     run = make_run(RunFolder({}, scene, Path()), "", solved(scene), {})
-    assert run.vibration is not None  # the scene has dynamics
-    return run.vibration
+    assert run.vibration_sound is not None  # the scene has dynamics
+    return run.vibration_sound
 
 
 def row_of(vibrations: Sequence[Vibration]) -> Row:

@@ -59,12 +59,12 @@ def rows(turns: tuple[float, ...]) -> Iterator[dict[str, Any]]:
             }
             for name, surface in SPHERES.items():
                 scene = base.with_({**changes, "sphere.surface": surface})
-                summary = rc.simulate(scene, workers=1, progress=False).summary
+                numbers = rc.simulate(scene, workers=1, progress=False).numbers
                 yield {
                     "sphere": name,
-                    "turns per second": round(summary["turn_hz"]),
+                    "turns per second": round(numbers.turns.frequency_hz),
                     "turns": number,
-                    "prominence": summary["turn_prominence"],
+                    "prominence": numbers.turns.prominence,
                 }
 
 

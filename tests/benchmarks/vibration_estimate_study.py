@@ -31,8 +31,8 @@ def compare(seed: int) -> dict[str, float | str]:
     scene, ground = small_scene(seed)
     run = rc.simulate(scene, workers=1, progress=False)
     result = run.result
-    numbers = run.summary
-    law = numbers["contact_stiffness_n_m"]
+    numbers = run.numbers
+    law = numbers.motion.contact_stiffness_n_m
     area = 2 * scene.contact_modulus * np.sqrt(result.series["contact_area"] / math.pi)
     solved = solved_stiffness(scene, result)
     stiffness = {
@@ -47,12 +47,12 @@ def compare(seed: int) -> dict[str, float | str]:
     return {
         "seed": seed,
         "ground": ground,
-        "Nyquist kHz": numbers["highest_frequency_hz"] / 1e3,
-        "resonance kHz": numbers["resonance_hz"] / 1e3,
-        "plastic": numbers["plastic_area_mean_m2"] / numbers["contact_area_mean_m2"],
-        "force ratio": numbers["force_rms_ratio"],
-        "run dB(A)": numbers["vibration_laeq_db"],
-        "off dB": estimate.laeq_db - numbers["vibration_laeq_db"],
+        "Nyquist kHz": numbers.record.highest_frequency_hz / 1e3,
+        "resonance kHz": numbers.motion.resonance_hz / 1e3,
+        "plastic": numbers.contact.plastic_area_mean_m2 / numbers.contact.area_mean_m2,
+        "force ratio": numbers.motion.force_rms_ratio,
+        "run dB(A)": numbers.levels.vibration.laeq_db,
+        "off dB": estimate.laeq_db - numbers.levels.vibration.laeq_db,
         "± dB": estimate.uncertainty_db,
         **{name: value / law for name, value in stiffness.items()},
     }

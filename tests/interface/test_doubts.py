@@ -13,14 +13,16 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from finished import VIBRATING, doubt_lines, marched
+from made_numbers import bands, changed, computed, released, run_with
 from scene_text import PLAIN, TINY
 
 from acoustics.bands import BAND_NAMES
-from rolling.check import level
-from rolling.numbers.doubt import Doubt, Severity, severity_of
 from rolling.check.findings import check_run, check_scene, conclusion
+from rolling.numbers.ball_numbers import RunNumbers
+from rolling.numbers.doubt import Doubt, Severity, severity_of
+from rolling.numbers.quantity import Judged, Quantity, worst_of
 from rolling.results import doubts, notes, run_lines, verdict
-from rolling.results.run_folder import RunFolder
+from rolling.results.quantities import judged
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
@@ -48,7 +50,8 @@ def said(
 ) -> dict[str, str]:
     """Return the lines of the standing doubts, and of the solver, by key."""
     scene = scene_of(seconds, *overrides)
-    listed = doubts.doubts(scene, sound_of(scene, closed, noise), {})
+    sound = sound_of(scene, closed, noise)
+    listed = doubts.doubts(scene, sound, released(sound.levels.laeq_db))
     kept = (*notes.HEADLINE, "solver")
     return {x.key: x.line for x in listed if x.severity is Severity.NOTE or x.key in kept}
 
@@ -113,7 +116,7 @@ def test_a_plate_that_bends_by_a_tenth_of_its_thickness(
     )
     law = SimpleNamespace(load_n=np.array([10.0, 20.0]))
     vibration = cast(Vibration, SimpleNamespace(motion=motion, law=law))
-    listed = doubts.doubts(scene, sound_of(scene), {}, vibration)
+    listed = doubts.doubts(scene, sound_of(scene), released(), vibration)
     texts = {doubt.key: doubt.text for doubt in listed}
     assert ("plate_deflection" in texts) == bent
     assert not bent or "by 0.11 of its thickness" in texts["plate_deflection"]
@@ -122,18 +125,19 @@ def test_a_plate_that_bends_by_a_tenth_of_its_thickness(
 def test_doubts_of_the_check_stand_after_the_run_too() -> None:
     scene = scene_of(0.03)
     _, before = check_run(scene)
-    after = doubts.doubts(scene, sound_of(scene), {})
-    assert before and set(before) - set(after) == {x for x in before if x.key == "grid"}
+    after = doubts.doubts(scene, sound_of(scene), released())
+    about = {x.key: x.about for x in after}
+    before = [replace(x, about=about.get(x.key, ())) for x in before]
+    assert before and set(before) <= set(after)
     assert len({doubt.key for doubt in after}) == len(after)
 
 
 def test_several_runs_say_each_doubt_once() -> None:
-    def summary(**texts: str) -> dict[str, Any]:
-        listed = [Doubt(key, text, Severity.NOTE) for key, text in texts.items()]
-        return {"doubts": verdict.as_json(listed)}
+    def numbers(**texts: str) -> RunNumbers:
+        return judged(released(), [Doubt(key, x, Severity.NOTE) for key, x in texts.items()])
 
-    runs = [("x", summary(a="All.")), ("y", summary(a="All.", b="Of one."))]
-    assert verdict.gathered([*runs, ("z", summary(a="All.", b="Of another."))]) == [
+    runs = [("x", numbers(a="All.")), ("y", numbers(a="All.", b="Of one."))]
+    assert verdict.gathered([*runs, ("z", numbers(a="All.", b="Of another."))]) == [
         Doubt("a", "All.", Severity.NOTE),
         Doubt("b", "Of one. (for y; similarly for z)", Severity.NOTE),
     ]
@@ -149,43 +153,51 @@ def vibrating() -> Run:
 
 
 # A vibration of which all is known, with errors below 1 dB.
-KNOWN: dict[str, Any] = {
-    "laeq_db": 40.0,
-    "source": "vibration",
-    "uncertainty_db": {"laeq": 0.4},
-    "laeq_grid_error_db": 0.2,
-    "laeq_grid_error_uncertainty_db": 0.1,
-    "laeq_solver_error_db": -0.1,
-    "laeq_subgrid_error_db": 0.3,
-    "laeq_subgrid_error_uncertainty_db": 0.1,
+KNOWN: dict[str, float | None] = {
+    "grid_db": 0.2,
+    "grid_uncertainty_db": 0.1,
+    "solver_db": -0.1,
+    "subgrid_db": 0.3,
+    "subgrid_uncertainty_db": 0.1,
 }
 
 
-def doubts_of(
+def verdict_of(
     changes: dict[str, Any], overrides: tuple[str, ...] = (), **motion: float
-) -> list[Doubt]:
-    """Return the doubts about a vibration with other numbers, keys and a motion."""
+) -> tuple[Quantity, Judged]:
+    """Return the quantity that leads and its verdict, with other numbers, keys and a motion."""
     run = vibrating()
-    assert run.vibration is not None
+    assert run.vibration_sound is not None
     calm = {"outside_share": 0.0, "flight_share": 0.0, "settled": True} | motion
-    vibration = replace(run.vibration, motion=replace(run.vibration.motion, **calm))
-    sound = replace(run.sound, source=changes.get("source", "vibration"))
+    vibration = replace(run.vibration_sound, motion=replace(run.vibration_sound.motion, **calm))
+    numbers = known(**changes)
+    sound = replace(run.sound, source=numbers.record.source)
     scene = loads(VIBRATING, [*overrides, f"sound.source={sound.source}"])
-    return doubts.doubts(scene, sound, KNOWN | changes, vibration)
+    found = doubts.doubts(scene, sound, numbers, vibration)
+    leading = judged(numbers, found).leading
+    assert leading.judged is not None
+    return leading, leading.judged
+
+
+def known(source: str = "vibration", spread_db: float = 0.4, **changes: Any) -> RunNumbers:
+    """Return numbers of which all is known, with errors below 1 dB, and with changes."""
+    own = {"laeq_db": 40.0, "spreads": {"laeq_db": spread_db}}
+    if source == "vibration":
+        numbers = computed(40.0, levels={"vibration": own}, errors=KNOWN)
+    else:
+        numbers = released(40.0, levels={"released_power": own}, errors=KNOWN)
+    return changed(numbers, changes)
 
 
 def near_half_space(band: str) -> dict[str, Any]:
     """Return the changes for a ball that is heard in one band."""
-    return {"third_octave_a_db": dict.fromkeys(BAND_NAMES) | {band: 40.0}}
+    return {"bands": {"vibration_a": bands(dict.fromkeys(BAND_NAMES) | {band: 40.0})}}
 
 
 def cut_off(error_db: float, uncertainty_db: float) -> dict[str, Any]:
     """Return the changes for a run whose steps end within hearing."""
-    return {
-        "laeq_band_error_db": error_db,
-        "laeq_band_error_uncertainty_db": uncertainty_db,
-        "laeq_band_end_hz": 5000.0,
-    }
+    band = {"band_db": error_db, "band_uncertainty_db": uncertainty_db, "band_end_hz": 5000.0}
+    return {"errors": band}
 
 
 HALF_SPACE = ("plate.thickness_mm=", "plate.loss_factor=")
@@ -198,45 +210,81 @@ STEEP = ("surface.roughness_ra_um=2", "numerics.error_estimate=true")
     ("changes", "overrides", "motion", "word", "reason"),
     [
         ({}, (), {}, "trust", "length of the record leaves ± 0.4 dB"),
-        ({"uncertainty_db": {"laeq": 1.2}}, (), {}, "indicative", "length of the record"),
-        ({"uncertainty_db": {"laeq": 3.2}}, (), {}, "do not quote", "length of the record"),
+        ({"spread_db": 1.2}, (), {}, "indicative", "length of the record"),
+        ({"spread_db": 3.2}, (), {}, "do not quote", "length of the record"),
         (
-            {"laeq_grid_error_db": -0.9, "laeq_grid_error_uncertainty_db": 0.9},
+            {"errors": {"grid_db": -0.9, "grid_uncertainty_db": 0.9}},
             *((), {}, "indicative", "grid"),
         ),
-        ({"laeq_solver_error_db": -4.0}, (), {}, "do not quote", "solver leaves 4 dB"),
-        ({"laeq_grid_error_db": None}, (), {}, "indicative", "grid is unknown"),
-        ({"laeq_subgrid_error_db": 5.6}, (), {}, "do not quote", "below its spacing"),
+        ({"errors": {"solver_db": -4.0}}, (), {}, "do not quote", "solver leaves 4 dB"),
+        ({"errors": {"grid_db": None}}, (), {}, "indicative", "grid is unknown"),
+        ({"errors": {"subgrid_db": 5.6}}, (), {}, "do not quote", "below its spacing"),
         (
-            {"uncertainty_db": {"laeq": 2.1}, "comb_spread_db": 2.0},
+            {"spread_db": 2.1, "motion": {"comb_spread_db": 2.0}},
             *((), {}, "indicative", "by 2 dB"),
         ),
         (
-            {"uncertainty_db": {"laeq": 3.1}, "comb_spread_db": 2.2},
+            {"spread_db": 3.1, "motion": {"comb_spread_db": 2.2}},
             *((), {}, "do not quote", "together leave ± 3.1"),
         ),
-        ({"motion_step_error_db": 4.0}, (), {}, "do not quote", "the time steps of the motion"),
         (
-            {"laeq_grid_error_db": None, "force_law_error_db": 4.0},
+            {"motion": {"step_error_db": 4.0}},
+            (),
+            {},
+            "do not quote",
+            "the time steps of the motion",
+        ),
+        (
+            {"errors": {"grid_db": None}, "motion": {"force_law_error_db": 4.0}},
             *((), {}, "do not quote", "force law"),
         ),
         # An upper bound is a property of a released power, and no doubt about it.
-        ({"source": "release", "force_law_error_db": 4.0}, (), {}, "trust", "length of the record"),
-        ({"source": "release", "comb_spread_db": 4.0}, (), {}, "trust", "length of the record"),
-        ({"source": "release", "laeq_grid_error_db": 9}, (), {}, "do not quote", "the grid leaves"),
-        ({"source": "release"}, ("sound.q=0.5",), {}, "indicative", "q = 0.5"),
+        (
+            {"source": "release", "motion": {"force_law_error_db": 4.0}},
+            (),
+            {},
+            "trust",
+            "length of the record",
+        ),
+        (
+            {"source": "release", "motion": {"comb_spread_db": 4.0}},
+            (),
+            {},
+            "trust",
+            "length of the record",
+        ),
+        (
+            {"source": "release", "errors": {"grid_db": 9.0}},
+            (),
+            {},
+            "do not quote",
+            "the grid leaves",
+        ),
+        (
+            {"source": "release", "record": {"q": 0.5}},
+            ("sound.q=0.5",),
+            {},
+            "indicative",
+            "q = 0.5",
+        ),
         ({}, (), {"outside_share": 0.02}, "trust", "extrapolated for 2 %"),
         ({}, (), {"outside_share": 0.51}, "do not quote", "extrapolated for 51 %"),
-        ({"record_scatter_db": 0.2}, (), {"flight_share": 0.1}, "indicative", "lost for 10 %"),
-        ({"record_scatter_db": 4.0}, (), {"flight_share": 0.1}, "do not quote", "lost for 10 %"),
-        ({"impacts_yield": True}, (), {}, "do not quote", "impacts would yield"),
+        ({"record": {"scatter_db": 0.2}}, (), {"flight_share": 0.1}, "indicative", "lost for 10 %"),
+        (
+            {"record": {"scatter_db": 4.0}},
+            (),
+            {"flight_share": 0.1},
+            "do not quote",
+            "lost for 10 %",
+        ),
+        ({"motion": {"impacts_yield": True}}, (), {}, "do not quote", "impacts would yield"),
         ({}, STEEP, {}, "do not quote", "rms slope: the rms slope is"),
         # The published excess of a half-space is 5.2 dB at 1 kHz m, and 0.5 dB from 10 kHz m on.
         (near_half_space("1000"), HALF_SPACE, {}, "do not quote", "5.2 dB too loud so near"),
         (near_half_space("12500"), HALF_SPACE, {}, "trust", "0.5 dB too loud so near"),
         # A measured error of the grid decides, and not a rule of thumb.
         ({}, LIGHT, {}, "trust", "length of the record"),
-        ({"laeq_grid_error_db": None}, LIGHT, {}, "indicative", "nodes per Hertz radius"),
+        ({"errors": {"grid_db": None}}, LIGHT, {}, "indicative", "nodes per Hertz radius"),
         # The part above the Nyquist frequency of the steps counts by its decibels.
         ({}, SLOW, {}, "indicative", "simulated Nyquist"),
         (cut_off(-8.4, 3.4), SLOW, {}, "do not quote", "8.4 ± 3.4 dB too low"),
@@ -251,8 +299,11 @@ def test_the_worst_doubt_is_the_verdict(
     word: str,
     reason: str,
 ) -> None:
-    judged = verdict.verdict(doubts_of(changes, overrides, **motion))
-    assert judged["word"] == word and reason in judged["reason"]
+    quantity, found = verdict_of(changes, overrides, **motion)
+    assert found.worst.severity.word == word and reason in found.worst.text
+    # A bound and an assumption keep their own word; the error stands beside it.
+    own = {"upper bound": "bound", "assumed": "assumed"}
+    assert found.word == own.get(quantity.how, word)
 
 
 def test_decibels_decide_the_severity() -> None:
@@ -260,11 +311,11 @@ def test_decibels_decide_the_severity() -> None:
     trust = Severity.TRUST
     indicative = Severity.INDICATIVE
     assert found == [trust, trust, indicative, indicative, Severity.DO_NOT_QUOTE]
-    assert level.worst_of([]).text == "no limit is broken"
-    assert level.worst_of([Doubt("a", "Standing.", Severity.NOTE)]).severity is trust
+    assert worst_of([]).text == "no limit is broken"
+    assert worst_of([Doubt("a", "Standing.", Severity.NOTE)]).severity is trust
 
 
-def test_three_warnings_the_worst_first(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_three_warnings_the_worst_first() -> None:
     listed = [
         Doubt("air_load", "air_load", Severity.TRUST),
         Doubt("nyquist", "nyquist", Severity.INDICATIVE),
@@ -272,23 +323,14 @@ def test_three_warnings_the_worst_first(monkeypatch: pytest.MonkeyPatch) -> None
         Doubt("slope", "slope", Severity.DO_NOT_QUOTE),
         Doubt("seam", "seam", Severity.INDICATIVE, advice="cut it off"),
     ]
-    summary = KNOWN | FILLED | {"doubts": verdict.as_json(listed)}
-    assert verdict.of_summary(summary) == listed
-    summary["verdict"] = verdict.verdict(listed)
-    ordered = [doubt.key for doubt in verdict.warnings([("run", summary)])]
+    numbers = judged(known(), listed)
+    assert [*numbers.doubts] == listed
+    ordered = [doubt.key for doubt in verdict.warnings([("run", numbers)])]
     assert ordered == ["slope", "nyquist", "seam", "step_length", "air_load"]
-    monkeypatch.setattr(run_lines, "stored_summary", lambda run: summary)
-    runs = [RunFolder({}, vibrating().scene, Path())]
+    runs = [run_with(vibrating().scene, numbers)]
     assert len(" ".join(run_lines.doubt_lines(runs))) < 400
     text = "\n".join(run_lines.further_lines(runs))
     assert text.count("warning: ") == 5 and "warning: seam: cut it off" in text
-
-
-FILLED = {
-    "levelling": None,
-    "plastic_ratio": 0.0,
-    "surface": dict.fromkeys(("ra", "rq", "skewness", "kurtosis", "rms_slope"), 1.0),
-}
 
 
 def test_lines_are_as_wide_as_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,4 @@
-"""A run whose sphere falls: summary, verdict, record and sound."""
+"""A run whose sphere falls: numbers, verdict, record and sound."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_numbers import changed
 
 import rolling
 from acoustics.wav import SAMPLE_RATE_HZ
 from rolling.figures import levels, vibration
-from rolling.report import text
-from rolling.results import answer, listening, run_lines, runs_table
+from rolling.results import answer, listening, run_lines
+from rolling.results.level_words import level_texts
+from rolling.results.quantities import with_quantities
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
 
@@ -32,20 +34,20 @@ def run() -> Run:
     return rolling.simulate(loads(TEXT, []), progress=False, workers=1)
 
 
-def test_summary(run: Run) -> None:
+def test_numbers(run: Run) -> None:
     """A rigid ball at 0.0443 m/s on 10 mm: Zener's exp(-1.719 l) with l = 0.0298, 0.950."""
-    summary = run.summary
-    assert summary["drop_mm"] == 0.1
+    numbers = run.numbers
+    assert numbers.motion.drop_mm == 0.1
     # The marched law of a smooth contact is off by the error of its grid, some percent.
-    assert summary["restitution"] == pytest.approx(0.950, abs=0.005)
-    assert summary["load_n"] == pytest.approx(9.80665 * summary["ball_mass_kg"])
-    assert summary["impacts"] > 1 and not summary["impacts_yield"]
+    assert numbers.motion.restitution == pytest.approx(0.950, abs=0.005)
+    assert numbers.record.load_n == pytest.approx(9.80665 * numbers.motion.ball_mass_kg)
+    assert numbers.motion.impacts > 1 and not numbers.motion.impacts_yield
     # Loads in the ratio of 4 up to the largest force, beyond which the law goes on as Hertz's.
-    assert 1 / 4 < summary["force_law_max_n"] / summary["largest_force_n"] < 1
-    assert summary["force_law_top_error"] < 0.01
-    assert summary["release_over_vibration_db"] is None
-    assert {"not_settled", "short_loop"}.isdisjoint(item["key"] for item in summary["doubts"])
-    assert summary["verdict"]["word"] != "do not quote"
+    assert 1 / 4 < numbers.motion.force_law_max_n / numbers.motion.largest_force_n < 1
+    assert numbers.motion.force_law_top_error < 0.01
+    assert numbers.levels.release_over_vibration_db is None
+    assert {"not_settled", "short_loop"}.isdisjoint(item.key for item in numbers.doubts)
+    assert numbers.leading.verdict != "do not quote"
 
 
 def test_record(run: Run) -> None:
@@ -64,9 +66,9 @@ def test_an_impact_that_yields_is_not_quoted(run: Run) -> None:
         progress=False,
         workers=1,
     )
-    assert harder.summary["impacts_yield"]
-    assert harder.summary["verdict"]["word"] == "do not quote"
-    assert "would yield" in harder.summary["verdict"]["reason"]
+    assert harder.numbers.motion.impacts_yield
+    assert harder.numbers.leading.verdict == "do not quote"
+    assert "would yield" in harder.numbers.leading.judged.worst.text
 
 
 # ---- levels of single events
@@ -89,26 +91,26 @@ def rolled(*changes: str) -> Run:
 
 @pytest.mark.law("Single events: LAE is LAeq plus 10 lg of the duration in seconds.")
 def test_a_fall_has_a_sound_exposure_level(run: Run) -> None:
-    summary = run.summary
-    assert summary["single_event"]
-    expected = summary["laeq_db"] + 10 * math.log10(len(run.sound.pressure) / SAMPLE_RATE_HZ)
-    assert summary["lae_db"] == pytest.approx(expected, abs=1e-9)
-    assert summary["uncertainty_db"]["lae"] == summary["uncertainty_db"]["laeq"]
+    numbers = run.numbers
+    assert numbers.record.single_event
+    expected = numbers.played.laeq_db + 10 * math.log10(len(run.sound.pressure) / SAMPLE_RATE_HZ)
+    assert numbers.played.lae_db == pytest.approx(expected, abs=1e-9)
+    assert numbers.played.spreads.lae_db == numbers.played.spreads.laeq_db
 
 
 def test_terminal_and_page_show_events_by_what_can_be_compared(run: Run) -> None:
-    """LAeq of 20 ms stays in summary.json. LAFmax of a record that began just before is below."""
-    assert run.summary["laf_max_db"] is run.summary["las_max_db"] is None
+    """LAeq of 20 ms stays in the numbers. LAFmax of a record that began just before is below."""
+    assert run.numbers.played.laf_max_db is run.numbers.played.las_max_db is None
     table = run_lines.levels_table([run])
-    assert f"{run.summary['lae_db']:.1f}" in table and "silent" not in table
+    assert f"{run.numbers.played.lae_db:.1f}" in table and "silent" not in table
     assert "LAE, dB(A)" in table and "LAFmax" in table and "LAeq" not in table
     assert "released power" not in table  # it is computed for a ball that rolls
-    _, rows = text.levels([run])
-    assert rows[0][0].startswith("LAE")
-    assert not any("LAeq" in head for head, _ in rows)
-    assert rows[0][1] == [runs_table.level_text(run.summary, "lae_db")]
+    rows = level_texts(run.numbers)
+    assert rows[0].said.word.startswith("LAE")
+    assert not any("LAeq" in row.said.word for row in rows)
+    assert rows[0].text == run.vibration.number
     assert repr(run).count("LAE") == 1 and "LAeq" not in repr(run)
-    assert f"{run.summary['lae_db']:.1f}" in run._repr_html_()
+    assert f"{run.numbers.played.lae_db:.1f}" in run._repr_html_()
 
 
 def test_a_record_that_is_long_enough_shows_its_maximum(run: Run) -> None:
@@ -116,12 +118,12 @@ def test_a_record_that_is_long_enough_shows_its_maximum(run: Run) -> None:
     loop = rolled()
     opened = rolled("rolling.speed_m_s=[[0, 0.5], [0.002, 0.51]]")
     assert loop.sound.closed and not opened.sound.closed
-    assert loop.summary["laf_max_db"] >= loop.summary["laeq_db"]
-    assert opened.summary["laf_max_db"] is None and opened.sound.levels.laf_max_db is not None
+    assert loop.numbers.played.laf_max_db >= loop.numbers.played.laeq_db
+    assert opened.numbers.played.laf_max_db is None and opened.sound.levels.laf_max_db is not None
     for steady in (loop, opened):
-        assert not steady.summary["single_event"]
-        _, rows = text.levels([steady])
-        assert not any("LAE" in head.replace("LAeq", "") for head, _ in rows)
+        assert not steady.numbers.record.single_event
+        words = [row.said.word for row in level_texts(steady.numbers)]
+        assert not any("LAE" in word.replace("LAeq", "") for word in words)
 
 
 def test_a_fall_is_drawn_without_the_release_of_a_ball_that_rolls(run: Run) -> None:
@@ -134,27 +136,28 @@ def test_a_fall_is_drawn_without_the_release_of_a_ball_that_rolls(run: Run) -> N
 
 def test_falls_are_compared_by_their_exposure(run: Run) -> None:
     """The shorter record has the higher LAeq, and less energy."""
-    longer = {"lae_db": run.summary["lae_db"] + 6, "laeq_db": run.summary["laeq_db"] - 6}
+    own = run.numbers.played
+    levels_db = {"lae_db": own.lae_db + 6, "laeq_db": own.laeq_db - 6}
+    longer = changed(run.numbers, {"levels": {"vibration": levels_db}})
+    longer = with_quantities(longer, run.vibration.parts, {})
     run = replace(run, values={"rolling.drop_mm": 1})
-    other = replace(run, values={"rolling.drop_mm": 2}, summary=run.summary | longer)
+    other = replace(run, values={"rolling.drop_mm": 2}, numbers=longer)
     assert "6.0 dB louder" in answer.follows([run, other])
     assert {*levels.level_table([run, other])["quantity"]} == {"LAE"}
-    steady = replace(run, label="steady", summary=run.summary | {"single_event": False})
+    lasting = changed(run.numbers, {"record": {"single_event": False}})
+    lasting = with_quantities(lasting, run.vibration.parts, {})
+    steady = replace(run, label="steady", numbers=lasting)
     assert "louder" not in answer.follows([run, steady])  # LAE and LAeq cannot be compared
-    _, rows = text.levels([run, steady])
-    lae, laeq = (next(cells for head, cells in rows if head.startswith(y)) for y in ("LAE", "LAeq"))
-    assert [cell == "-" for cell in lae] == [False, True]
-    assert [cell == "-" for cell in laeq] == [True, False]
     assert {*levels.level_table([run, steady])["quantity"]} == {"LAE", "LAeq"}
 
 
 def test_loudness_of_a_fall_is_that_of_its_course_in_time(run: Run) -> None:
     pytest.importorskip("mosqito", reason="loudness needs mosqito")
     fall = rolling.simulate(run.scene.with_({"sound.loudness": True}), progress=False, workers=1)
-    assert fall.summary["loudness_sone"] is fall.summary["sharpness_acum"] is None
-    assert 0 < fall.summary["loudness_n5_sone"] <= fall.summary["loudness_max_sone"]
+    assert fall.numbers.ears.loudness_sone is fall.numbers.ears.sharpness_acum is None
+    assert 0 < fall.numbers.ears.loudness_n5_sone <= fall.numbers.ears.loudness_max_sone
     opened = rolled("sound.loudness=true", "rolling.speed_m_s=[[0, 0.5], [0.002, 0.51]]")
-    assert opened.summary["loudness_sone"] is None and opened.summary["loudness_n5_sone"] > 0
+    assert opened.numbers.ears.loudness_sone is None and opened.numbers.ears.loudness_n5_sone > 0
 
 
 @pytest.mark.slow
@@ -162,5 +165,5 @@ def test_loudness_of_a_short_loop_is_that_of_a_steady_sound(run: Run) -> None:
     """It is short, but heard in a loop. N5 and the stationary loudness of noise agree in 10 %."""
     pytest.importorskip("mosqito", reason="loudness needs mosqito")
     loop = rolled("sound.loudness=true")
-    steady = loop.summary["loudness_sone"]
-    assert loop.summary["loudness_n5_sone"] == pytest.approx(steady, rel=0.1)
+    steady = loop.numbers.ears.loudness_sone
+    assert loop.numbers.ears.loudness_n5_sone == pytest.approx(steady, rel=0.1)

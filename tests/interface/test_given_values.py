@@ -74,7 +74,7 @@ def test_no_object_prints_its_arrays() -> None:
     state = next(rc.march(CONTACT, 0, 0, rc.HalfSpace(4e-6, 230e9)))
     objects = [STEEL, CONTACT, state, rc.solve_contact(STEEL, GAP, 0.02), run, run.result]
     objects += [run.sound, run.sound.levels, run.sound.uncertainty, run.sound.lap, run.vibration]
-    objects += [run.vibration.motion, run.vibration.law, run.result.snapshot]
+    objects += [run.vibration_sound.motion, run.vibration_sound.law, run.result.snapshot]
     for shown in objects:
         assert len(repr(shown)) < 1500 and "array(" not in repr(shown), type(shown)
         assert repr(shown).lstrip("<").startswith((type(shown).__name__, "run"))

@@ -31,7 +31,7 @@ def test_copies_of_scenes_and_runs_equal_them(run: rc.Run, copied: Any) -> None:
     assert copied(run.scene) == run.scene
     assert run.series  # which is kept, and must not go into a copy
     again = copied(run)
-    assert again.summary == run.summary and again.scene == run.scene
+    assert again.numbers == run.numbers and again.scene == run.scene
     np.testing.assert_array_equal(again.release_power, run.release_power)
     np.testing.assert_array_equal(again.sound.pressure, run.sound.pressure)
 
@@ -92,7 +92,7 @@ def test_a_file_is_no_folder(run: rc.Run, tmp_path: Path) -> None:
 
 def test_workers_of_numpy_are_counted(run: rc.Run) -> None:
     again = rc.simulate(run.scene, workers=np.int64(1), progress=False)  # type: ignore[arg-type]
-    assert again.summary["laeq_db"] == run.summary["laeq_db"]
+    assert again.numbers.played.laeq_db == run.numbers.played.laeq_db
 
 
 def test_threads_simulate_at_the_same_time(capsys: pytest.CaptureFixture[str]) -> None:
@@ -101,7 +101,7 @@ def test_threads_simulate_at_the_same_time(capsys: pytest.CaptureFixture[str]) -
 
     def solve(seed: int) -> None:
         scene = loads(TINY).with_(seed=seed)
-        levels[seed] = rc.simulate(scene, workers=1, progress=False).summary["laeq_db"]
+        levels[seed] = rc.simulate(scene, workers=1, progress=False).numbers.played.laeq_db
 
     threads = [threading.Thread(target=solve, args=(seed,)) for seed in (1, 2, 3)]
     for thread in threads:

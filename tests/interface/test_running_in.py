@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 
@@ -79,16 +78,22 @@ def test_identity() -> None:
     assert ratio == pytest.approx(2 * (1 + cost.RUN_IN_SHARE))
 
 
-def test_summary(run: Run) -> None:
+def test_numbers(run: Run) -> None:
     """The last pass is the run itself."""
-    passes = run.summary["passes"]
-    summary = run.summary
+    passes = run.numbers.passes
+    numbers = run.numbers
     assert len(passes) == 2
-    for name in ("laeq_db", "level_db", "vibration_estimate_laeq_db", "release_power_mean_w"):
-        assert passes[-1][name] == pytest.approx(summary[name], rel=1e-12)
-    assert passes[0]["plastic_work_j"] > passes[1]["plastic_work_j"] > 0
-    assert run.sound.loops and summary["energy_balance_error"] < 1e-12
-    doubts = {doubt["key"]: doubt["text"] for doubt in summary["doubts"]}
+    last = passes[-1]
+    for of_pass, of_run in (
+        (last.laeq_db, numbers.played.laeq_db),
+        (last.level_db, numbers.played.level_db),
+        (last.vibration_laeq_db, numbers.vibration.value),
+        (last.release_power_mean_w, numbers.energy.release_power_mean_w),
+    ):
+        assert of_pass == pytest.approx(of_run, rel=1e-12)
+    assert passes[0].plastic_work_j > passes[1].plastic_work_j > 0
+    assert run.sound.loops and numbers.energy.balance_error < 1e-12
+    doubts = {doubt.key: doubt.text for doubt in numbers.doubts}
     assert "without pile-up, hardening or residual stress" in doubts["permanent"]
 
 
@@ -110,7 +115,7 @@ def test_files(run: Run, tmp_path: Path) -> None:
     assert run.result.passes is not None and opened.result.passes is not None
     run.result.passes.before = None  # which is not stored
     assert same(opened.result.passes, run.result.passes)
-    assert json.loads((saved / "summary.json").read_text())["passes"] == run.summary["passes"]
+    assert opened.numbers.passes == run.numbers.passes
     samples, rate, comment = wav.read(saved / "passes.wav")
     assert len(samples) == pytest.approx(2 * (PASS_S + PAUSE_S) * rate, abs=2)
     assert "1 (" in comment and not samples[round(PASS_S * rate) + 9 : round(1.7 * rate)].any()
@@ -140,7 +145,7 @@ def test_figure_and_page(run: Run) -> None:
     release = next(
         y for label, y in curves.items() if str(label).startswith("mean released power, ")
     )
-    power = [numbers["release_power_mean_w"] for numbers in run.summary["passes"]]
+    power = [numbers.release_power_mean_w for numbers in run.numbers.passes]
     assert release == pytest.approx([0, 10 * np.log10(power[1] / power[0])])
     html = page([run]).decode()
     assert "Running-in<" in html and "pass by pass" in html and "permanent indentation" in html

@@ -163,9 +163,9 @@ def test_auto_is_the_number_that_it_takes_to_the_last_bit() -> None:
     runs = [rc.simulate(scene, workers=1, progress=False) for scene in (auto, number)]
     for name in ("release_energy", "approach", "iterations"):
         np.testing.assert_array_equal(*(run.series[name] for run in runs))
-    assert [run.summary["step_nodes"] for run in runs] == [2, 2]
-    assert runs[0].summary["step_choice"].startswith("auto, 2 nodes")
-    assert runs[1].summary["step_choice"] == "a number of the scene"
+    assert [run.numbers.effort.step_nodes for run in runs] == [2, 2]
+    assert runs[0].numbers.effort.step_choice.startswith("auto, 2 nodes")
+    assert runs[1].numbers.effort.step_choice == "a number of the scene"
 
 
 # ---- sweeps

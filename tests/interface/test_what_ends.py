@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import io
+import json
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,12 +15,14 @@ import rolling
 from acoustics.arrays import Array
 from acoustics.level import lae_db, laeq_db
 from acoustics.wav import SAMPLE_RATE_HZ
+from rolling.numbers.ball_numbers import ListeningNumbers, RunNumbers
+from rolling.numbers.quantity import uncertain
+from rolling.numbers.stored import from_bytes, summary_of, to_bytes
 from rolling.report import records, text
-from rolling.results import answer, listening, run_lines, runs_table
-from rolling.results.run_folder import read_summary
+from rolling.results import answer, level_words, listening, run_lines, runs_table
+from rolling.results.quantities import with_quantities
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
-from rolling.terminal.files import FolderError, write_json
 
 BODIES = """\
 name: ends
@@ -72,10 +74,10 @@ def played(run: Run) -> Array:
     samples, rate = soundfile.read(io.BytesIO(content))
     assert rate == SAMPLE_RATE_HZ
     assert b"smpl" not in content  # the chunk of a loop
-    pressure = samples * facts["pascal_per_full_scale"]
-    if "raised" in facts:
-        begin = round(facts["raised"]["begin_s"] * rate)
-        pressure[begin:] = samples[begin:] * facts["raised"]["pascal_per_full_scale"]
+    pressure = samples * facts.pascal_per_full_scale
+    if facts.raised is not None:
+        begin = round(facts.raised.begin_s * rate)
+        pressure[begin:] = samples[begin:] * facts.raised.pascal_per_full_scale
     return np.asarray(pressure)
 
 
@@ -84,20 +86,23 @@ def test_the_level_that_leads_is_that_of_the_sound_file(name: str, level) -> Non
     """The file has 24 bits and short fades. The solved part alone is off by several decibels."""
     run = run_of(name)
     of_file = level(played(run), SAMPLE_RATE_HZ)
-    heard = answer.vibration(run.summary)
-    assert heard.level_db == pytest.approx(of_file, abs=0.05)
-    assert abs(run.summary[answer.level_key(run.summary)] - of_file) > 1
-    assert heard.solved_share == run.summary["listening"]["solved_share"] < 0.05
+    heard = run.vibration
+    assert heard.value == pytest.approx(of_file, abs=0.05)
+    own = run.numbers.played
+    of_part = own.lae_db if run.numbers.record.single_event else own.laeq_db
+    assert abs(of_part - of_file) > 1
+    assert heard.solved_share == pytest.approx(run.numbers.listening.solved_share)
+    assert heard.solved_share < 0.05
     # Terminal, summary.json, tables, page and notebook have the same level.
     shown = f"{of_file:.1f}"
     assert shown in run_lines.levels_table([run])
-    assert run.summary["answer"]["vibration"]["level_db"] == heard.level_db
-    assert run.summary["answer"]["vibration"]["solved_share"] == heard.solved_share
+    view = summary_of(run.numbers)["vibration"]
+    assert view["value"] == pytest.approx(heard.value, rel=1e-5)
     (row,) = runs_table.runs_table([run]).to_dict("records")
-    assert row["vibration_db"] == heard.level_db
+    assert row["vibration_db"] == heard.value
     assert row["vibration_solved_share"] == heard.solved_share
-    assert text.main_level(run) == heard.level_db
-    assert any(cells[0].startswith(shown) for _, cells in text.levels([run])[1])
+    assert text.main_level(run) == heard.value
+    assert level_words.level_texts(run.numbers)[0].text.startswith(shown)
     assert shown in run._repr_html_() and "solved" in run._repr_html_()
 
 
@@ -115,24 +120,26 @@ def test_the_sentence_says_which_part_is_solved(name: str, part: str) -> None:
     sentence = answer.follows([run])
     assert ("solved" in sentence) == bool(part)
     assert part in sentence
-    assert answer.of_solved_part([run.summary, run.summary]) in sentence
+    assert answer.of_solved_part([run.numbers, run.numbers]) in sentence
 
 
 def test_a_fast_maximum_belongs_to_the_record_beside_it() -> None:
     """The solved part of 20 ms is too short for the time weighting, and the whole fall is not."""
-    summary = run_of("falls").summary
-    fast = summary["listening"]["laf_max_db"]
-    assert summary["laf_max_db"] is None
-    assert runs_table.level_text(summary, "laf_max_db").startswith(f"{fast:.1f}")
+    numbers = run_of("falls").numbers
+    fast = numbers.listening.laf_max_db
+    assert numbers.played.laf_max_db is None
+    texts = {one.said.word: one.text for one in level_words.level_texts(numbers)}
+    assert texts["LAFmax"].startswith(f"{fast:.1f}")
 
 
 def test_a_released_power_of_another_part_does_not_stand_beside_it() -> None:
     """The release is known for the solved part, which the reason says with its level."""
-    summary = run_of("rests").summary
-    released = answer.released_power(summary)
-    assert released.level_db is None
-    assert f"where its LAeq is {summary['release_laeq_db']:.1f} dB(A)" in released.reason
-    assert answer.gap([summary]) == ""
+    numbers = run_of("rests").numbers
+    released = numbers.released_power
+    own_db = numbers.levels.released_power_at_listener_db
+    assert released.value is None
+    assert f"where its LAeq is {own_db:.1f} dB(A)" in released.reason
+    assert answer.gap([numbers]) == ""
 
 
 @pytest.mark.parametrize("name", [*SCENES])
@@ -140,7 +147,8 @@ def test_what_ends_has_no_seam(name: str) -> None:
     """The page plays all of it once, and a record in laps has one."""
     run = run_of(name)
     (record,) = records.of_runs([run])
-    seconds = run.summary.get("listening", run.summary).get("seconds", run.sound.duration)
+    long = run.numbers.listening
+    seconds = run.sound.duration if long is None or long.seconds is None else long.seconds
     assert record.ends == run.ends_within(seconds) == (name != "rolls on")
     assert (record.lap["overlap"] == 0) == record.ends
     if record.ends:
@@ -151,26 +159,31 @@ def test_what_ends_has_no_seam(name: str) -> None:
         assert listening.describe_laps(run).startswith("the record, ")
 
 
-def test_a_stored_record_that_ends_has_its_numbers(tmp_path: Path) -> None:
-    """A summary that says so without them is refused, as any damaged one."""
-    summary = run_of("rests").summary
-    write_json(tmp_path / "summary.json", summary)
-    assert answer.heard_whole(read_summary(tmp_path / "summary.json"))["seconds"] == 1.0
-    write_json(tmp_path / "summary.json", summary | {"listening": {"ends": True, "seconds": None}})
-    with pytest.raises(FolderError, match="listening lacks a number"):
-        read_summary(tmp_path / "summary.json")
+def test_a_stored_record_that_ends_has_its_numbers() -> None:
+    """A file that says so without them is refused, as any damaged one."""
+    numbers = run_of("rests").numbers
+    again = from_bytes(RunNumbers, to_bytes(numbers))
+    assert again == numbers
+    assert again.heard_whole is not None and again.heard_whole.seconds == 1.0
+    content = json.loads(to_bytes(numbers))
+    content["listening"]["seconds"] = None
+    with pytest.raises(ValueError, match=r"^listening: .*seconds"):
+        from_bytes(RunNumbers, json.dumps(content).encode())
 
 
 def test_a_level_has_no_negative_zero() -> None:
-    assert answer.uncertain(-0.04, 0.01) == "0.0 ± 0.1" and answer.uncertain(-0.06, None) == "-0.1"
+    assert uncertain(-0.04, 0.01) == "0.0 ± 0.1" and uncertain(-0.06, None) == "-0.1"
 
 
 def test_runs_stored_without_these_levels_keep_the_solved_one() -> None:
     """Folders of version 0.8.0 have a long record that does not say whether it ends."""
-    summary = dict(run_of("rests").summary)
-    summary["listening"] = {"seconds": 1.0, "laeq_db": -20.0, "solved_share": 0.1}
-    heard = answer.vibration(summary)
-    assert (heard.level_db, heard.solved_share) == (summary["laeq_db"], 1.0)
-    assert answer.released_power(summary).level_db == summary["release_laeq_db"]
-    older = replace(run_of("rests"), summary=summary)
+    run = run_of("rests")
+    long = ListeningNumbers(seconds=1.0, laeq_db=-20.0, solved_share=0.1)
+    numbers = replace(run.numbers, listening=long)
+    numbers = with_quantities(numbers, {"record": 0.1}, {})
+    assert numbers.vibration.value == numbers.played.laeq_db
+    assert numbers.vibration.solved_share == 1.0
+    own_db = numbers.levels.released_power_at_listener_db
+    assert numbers.released_power.value == own_db
+    older = replace(run, numbers=numbers)
     assert text.lead_by_whole([run_of("rests"), older]) and not text.lead_by_whole([older])

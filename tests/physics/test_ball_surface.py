@@ -125,21 +125,21 @@ def test_a_pit_of_the_ball_ticks_once_per_turn() -> None:
     scene = small_ball("rolling.distance_mm=3.14", kind="smooth", faults=[pit])
     scene = scene.with_(surface=law)
     run = make_run(RunFolder({}, scene, scene.folder), "pit", march_all(scene))
-    assert run.summary["turns"] == pytest.approx(5)
-    turn_hz = run.summary["turn_hz"]
+    assert run.numbers.turns.turns == pytest.approx(5)
+    turn_hz = run.numbers.turns.frequency_hz
     assert turn_hz == pytest.approx(0.03 / 0.628e-3)
     sound = run.sound
-    band = run.summary["turn_band_hz"]
+    band = run.numbers.turns.band_hz
     spectrum = envelope_spectrum(sound.pressure, sound.sample_rate, band, sound.closed)
     about = np.median(spectrum.modulation[spectrum.frequency_hz < 6 * turn_hz])
     for multiple in range(1, 6):
         assert spectrum.at(multiple * turn_hz) > 10 * about
-    assert run.summary["turn_modulation"] == spectrum.at(turn_hz)
-    assert run.summary["turn_prominence"] == spectrum.prominence(turn_hz) > 10
-    assert run.summary["turn_reason"] is None
+    assert run.numbers.turns.modulation == spectrum.at(turn_hz)
+    assert run.numbers.turns.prominence == spectrum.prominence(turn_hz) > 10
+    assert run.numbers.turns.reason is None
     alone = scene.with_({"sphere.surface.faults": None})
     plain = make_run(RunFolder({}, alone, alone.folder), "round", march_all(alone))
-    assert plain.summary["turn_prominence"] < 5
+    assert plain.numbers.turns.prominence < 5
 
 
 @pytest.mark.parametrize("turns", [1.5, 2.0, 2.5, 3 - 1 / TURN, 3.0])
@@ -150,14 +150,14 @@ def test_a_pit_is_heard_from_two_turns_on(turns: float) -> None:
     ball = {"kind": "smooth", "faults": [pit]}
     scene = small_ball(f"rolling.distance_mm={turns * 0.628:.3f}", **ball).with_(surface=law)
     run = make_run(RunFolder({}, scene, scene.folder), "pit", march_all(scene))
-    assert run.summary["turns"] == pytest.approx(turns)
+    assert run.numbers.turns.turns == pytest.approx(turns)
     if turns < 2:
-        assert run.summary["turn_prominence"] is run.summary["turn_band_hz"] is None
-        assert "distance_mm of at least 1.3" in run.summary["turn_reason"]
-        assert "turns_unknown" in [doubt["key"] for doubt in run.summary["doubts"]]
+        assert run.numbers.turns.prominence is run.numbers.turns.band_hz is None
+        assert "distance_mm of at least 1.3" in run.numbers.turns.reason
+        assert "turns_unknown" in [doubt.key for doubt in run.numbers.doubts]
     else:
-        assert run.summary["turn_prominence"] > 10
-        assert run.summary["turn_band_hz"] == pytest.approx([4466.8, 8912.5], abs=0.1)
+        assert run.numbers.turns.prominence > 10
+        assert run.numbers.turns.band_hz == pytest.approx([4466.8, 8912.5], abs=0.1)
 
 
 @pytest.mark.parametrize("grade", GRADES)

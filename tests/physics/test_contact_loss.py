@@ -9,6 +9,7 @@ import pytest
 
 import rolling
 from rolling import Run, read_scene
+from rolling.numbers.quantity import Quantity, difference
 
 STATED = {"plate.contact_loss_factor": 0.02}
 
@@ -33,39 +34,44 @@ def rings() -> dict[str, Any]:
 @pytest.mark.slow
 @pytest.mark.law("Unknown damping: the linear chain tells how far a loss of the contact matters.")
 def test_the_change_is_that_of_a_run_with_the_loss(rings: dict[str, Any]) -> None:
-    without = run_of("vibrating-ball", **rings).summary
-    stated = run_of("vibrating-ball", **rings, **STATED).summary
-    change = stated["vibration_laeq_db"] - without["vibration_laeq_db"]
-    assert without["contact_loss_db"] < -0.5
-    assert without["contact_loss_db"] == pytest.approx(change, abs=0.3)
-    part = without["contact_loss_db"] / 2
-    assert without["uncertainty_db"]["laeq"] > abs(part)
-    assert stated["contact_loss_db"] == 0
-    assert not [doubt for doubt in stated["doubts"] if doubt["key"] == "contact_loss"]
-    (doubt,) = [doubt for doubt in without["doubts"] if doubt["key"] == "contact_loss"]
-    assert doubt["decibels"] == pytest.approx(abs(part))
+    without = run_of("vibrating-ball", **rings).numbers
+    stated = run_of("vibrating-ball", **rings, **STATED).numbers
+    change = stated.levels.vibration.laeq_db - without.levels.vibration.laeq_db
+    assert without.contact_loss_db < -0.5
+    assert without.contact_loss_db == pytest.approx(change, abs=0.3)
+    part = without.contact_loss_db / 2
+    assert without.played.spreads.laeq_db > abs(part)
+    assert stated.contact_loss_db == 0
+    assert not [doubt for doubt in stated.doubts if doubt.key == "contact_loss"]
+    (doubt,) = [doubt for doubt in without.doubts if doubt.key == "contact_loss"]
+    assert doubt.decibels == pytest.approx(abs(part))
 
 
 def test_an_estimate_has_it_too() -> None:
-    summary = run_of("quickstart", **{"rolling.load_n": 5, "rolling.duration_s": 0.002}).summary
-    assert summary["contact_loss_db"] < -0.5
-    assert summary["vibration_estimate_uncertainty_db"] > abs(summary["contact_loss_db"]) / 2
+    numbers = run_of("quickstart", **{"rolling.load_n": 5, "rolling.duration_s": 0.002}).numbers
+    assert numbers.contact_loss_db < -0.5
+    assert numbers.vibration.uncertainty > abs(numbers.contact_loss_db) / 2
 
 
 def test_a_difference_has_half_of_what_the_loss_changes_in_it() -> None:
-    from rolling.results.answer import Answer, _difference
+    def heard(level: float, own: float, change: float) -> Quantity:
+        parts = {"record": own, "contact_loss": abs(change) / 2}
+        return Quantity(
+            "vibration",
+            level,
+            measure="LAeq",
+            uncertainty=math.hypot(*parts.values()),
+            parts=parts,
+            signed={"contact_loss": change},
+        )
 
-    def answer(level: float, own: float, change: float) -> Answer:
-        whole = math.hypot(own, change / 2)
-        return Answer(level, whole, "computed", "LAeq", "here", "", "", contact_loss_db=change)
-
-    found = _difference([answer(30, 0.3, -4)], [answer(36, 0.4, -5)])
+    found = difference([heard(30, 0.3, -4)], [heard(36, 0.4, -5)])
     assert found is not None
-    assert found.decibels == 6
-    assert found.uncertainty_db == pytest.approx(math.hypot(0.3, 0.4, 0.5))
+    assert found.value == 6
+    assert found.uncertainty == pytest.approx(math.hypot(0.3, 0.4, 0.5))
 
 
 def test_a_ball_that_falls_keeps_its_level() -> None:
     changes = {"rolling.drop_mm": 0.02, "rolling.load_n": "weight", "rolling.distance_mm": 1}
-    summary = run_of("vibrating-ball", **changes, **{"rolling.duration_s": None}).summary
-    assert summary["contact_loss_db"] == 0
+    numbers = run_of("vibrating-ball", **changes, **{"rolling.duration_s": None}).numbers
+    assert numbers.contact_loss_db == 0

@@ -103,20 +103,23 @@ def run() -> Run:
 
 def test_listeners_in_numbers_words_and_files(run: Run, tmp_path: Path) -> None:
     """The first listener has the main levels, and the first two are the channels of the WAVs."""
-    numbers = run.summary
-    assert [x["at_mm"] for x in numbers["listeners"]] == [
+    numbers = run.numbers
+    assert [list(x.at_mm) for x in numbers.levels.listeners] == [
         [86, 55, 300],
         [140, 55, 300],
         [86, 55, -300],
     ]
-    assert numbers["listeners"][0]["laeq_db"] == numbers["laeq_db"]
-    assert "compact_source_level_db" not in numbers
+    assert numbers.levels.listeners[0].laeq_db == numbers.played.laeq_db
+    assert numbers.levels.compact_source_level_db is None
+    assert numbers.levels.hemisphere_mean_level_db is not None
     others = "; ".join(other_levels(numbers))
     assert "at [140, 55, 300] mm" in others and "half sphere" in others
     assert {"at_listener", "plate_edges"} <= doubt_lines(run).keys()
     samples, _, comment = wav.read(_written(tmp_path / "listen.wav", listen_wav(run)[0]))
     assert samples.shape[1] == 2 and "left and right" in comment
-    record = np.stack(run.vibration.pressures[:2], axis=1) if run.vibration else np.zeros(1)
+    record = (
+        np.stack(run.vibration_sound.pressures[:2], axis=1) if run.vibration_sound else np.zeros(1)
+    )
     stored = run.to_xarray()["sound"]
     assert np.array_equal(stored["pressure"], record[:, 0])
     assert np.array_equal(stored["pressure_right"], record[:, 1])
@@ -133,7 +136,7 @@ def _written(path: Path, content: bytes) -> Path:
 def test_another_listener_over_the_same_marches(run: Run) -> None:
     """Twice as far is 6 dB quieter in the far field; a default listener is above the contact."""
     levels = [
-        heard_again(run, run.scene.with_({"sound.listener_mm": [86, 55, z]})).summary["laeq_db"]
+        heard_again(run, run.scene.with_({"sound.listener_mm": [86, 55, z]})).numbers.played.laeq_db
         for z in (20_000, 40_000)
     ]
     assert levels[0] - levels[1] == pytest.approx(6.02, abs=0.05)

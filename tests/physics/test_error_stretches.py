@@ -144,7 +144,7 @@ def test_a_measured_error_of_the_grid_stands_for_a_rule() -> None:
     of_rule = run_of(by_rule)
     run = run_of(measured)
     assert "hertz_nodes" in doubt_lines(of_rule) and "hertz_nodes" not in doubt_lines(run)
-    assert run.summary["laeq_grid_error_db"] is not None
+    assert run.numbers.errors.grid_db is not None
 
 
 def test_a_surface_of_few_correlation_lengths_continues_between_its_nodes() -> None:
@@ -209,9 +209,9 @@ def test_four_stretches_have_the_detail_of_an_exponential_law() -> None:
     scene = scene_of("surface.autocorrelation=exponential", "surface.roughness_ra_um=0.03")
     run = run_of(scene)
     result = run.result
-    numbers = run.summary
+    numbers = run.numbers
     layout = error_cost.layout(scene)
-    assert numbers["laeq_uncertainty_parts_db"]["subgrid"] > abs(numbers["laeq_subgrid_error_db"])
+    assert numbers.released_power.parts["subgrid"] > abs(numbers.errors.subgrid_db)
     assert "from missing detail below the spacing" in run_lines.error_line("run", numbers)
     assert result.stretches is not None and layout is not None
     detailed = [first for first, level in result.stretches.marches if level == error_cost.DETAIL]
@@ -264,11 +264,11 @@ def test_laps_of_a_height_file_at_changing_speed_have_an_estimate(tmp_path: Path
     scene = read_scene(tmp_path / "scene.yaml")
     assert scene.track.solved_steps == 301 and scene.track.steps > 900
     run = run_of(scene)
-    numbers = run.summary
-    assert abs(numbers["laeq_grid_error_db"]) < 3 and -60 < numbers["grid_signal_db"] < 0
+    numbers = run.numbers
+    assert abs(numbers.errors.grid_db) < 3 and -60 < numbers.errors.grid_signal_db < 0
     assert "nothing is known of the surface below its spacing" in doubt_lines(run)["unknown_detail"]
-    assert numbers["laeq_subgrid_error_db"] is None
-    assert 0 < numbers["plastic_ratio_grid_error_uncertainty"] < 1
+    assert numbers.errors.subgrid_db is None
+    assert 0 < numbers.errors.plastic_ratio_grid_uncertainty < 1
 
 
 @pytest.mark.usefixtures("generous")

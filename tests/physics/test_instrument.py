@@ -12,7 +12,7 @@ from finished import run_of
 from instrument_study import SPACING, random_surface, traced, without_waves_below
 
 import rolling as rc
-from rolling.results import result_file, run_lines, verdict
+from rolling.results import result_file, run_lines
 from rolling.results.instrument_spread import instrument_spread_db
 from rolling.scene.identity import contact_keys
 from rolling.scene.scene import Scene
@@ -172,8 +172,8 @@ def test_without_an_instrument_nothing_changes(tmp_path: Path) -> None:
     assert "surface.instrument" not in str(contact_keys(scene_of(surface(7, AFFINE), None)))
     plain = run_of(scene_of(surface(7, AFFINE), None), tmp_path)
     told = run_of(scene_of(surface(7, AFFINE), {"tip_radius_um": 2.0}), tmp_path)
-    assert "instrument" not in plain.summary
-    assert plain.summary["laeq_db"] == told.summary["laeq_db"]
+    assert plain.numbers.surface.instrument is None
+    assert plain.numbers.played.laeq_db == told.numbers.played.laeq_db
     assert np.array_equal(plain.result.series["approach"], told.result.series["approach"])
     assert plain.result.stretches is None
 
@@ -185,18 +185,22 @@ def test_waves_that_were_not_seen_are_part_of_both_verdicts(tmp_path: Path) -> N
     """
     truth = surface(8, AFFINE)
     measured = without_waves_below(truth, SPACING, 4e-6)
-    of_truth = run_of(scene_of(truth, None), tmp_path).summary
+    of_truth = run_of(scene_of(truth, None), tmp_path).numbers
     run = run_of(scene_of(measured, {"sampling_um": 2.0}), tmp_path)
-    numbers = run.summary["instrument"]
-    for name, key in (
-        ("vibration", "vibration_estimate_laeq_db"),
-        ("released_power", "laeq_db"),
+    seen = run.numbers.surface.instrument
+    for part, stated, true in (
+        (seen.vibration, run.vibration, of_truth.vibration),
+        (seen.released_power, run.released_power, of_truth.released_power),
     ):
-        error = run.summary[key] - of_truth[key]
-        assert abs(error) <= 2 * numbers[f"{name}_spread_db"]
-        assert numbers[f"{name}_spread_db"] > 0.05
-    doubts = {doubt.key: doubt for doubt in verdict.of_summary(run.summary)}
-    assert doubts["instrument"].decibels == numbers["released_power_spread_db"]
+        assert abs(stated.value - true.value) <= 2 * part.spread_db
+        assert part.spread_db > 0.05
+        assert stated.parts["instrument"] == part.spread_db
+    for quantity, part in (
+        (run.vibration, seen.vibration),
+        (run.released_power, seen.released_power),
+    ):
+        (doubt,) = [doubt for doubt in quantity.doubts if doubt.key == "instrument"]
+        assert doubt.decibels == part.spread_db
     lines = run_lines.doubt_lines([run])
     assert any(line.startswith("measuring instrument: sees waves above 4 um") for line in lines)
     path = tmp_path / "result.h5"
@@ -225,16 +229,16 @@ def test_a_synthetic_stylus_lies_within_twice_the_stated_uncertainty(
 ) -> None:
     """The trace of a ball, run with its radius, against the truth on the same grid."""
     truth = 1.5 * surface(10, (12e-6, 0.6))
-    of_truth = run_of(scene_of(truth, None), tmp_path).summary
+    of_truth = run_of(scene_of(truth, None), tmp_path).numbers
     trace = traced(truth, SPACING, 1e-6 * radius)
-    numbers = run_of(scene_of(trace, {"tip_radius_um": radius}), tmp_path).summary
-    seen = numbers["instrument"]
-    assert seen["limit"] == "tip"
-    for name, key in (
-        ("vibration", "vibration_estimate_laeq_db"),
-        ("released_power", "laeq_db"),
+    numbers = run_of(scene_of(trace, {"tip_radius_um": radius}), tmp_path).numbers
+    seen = numbers.surface.instrument
+    assert seen.limit == "tip"
+    for part, stated, true in (
+        (seen.vibration, numbers.vibration, of_truth.vibration),
+        (seen.released_power, numbers.released_power, of_truth.released_power),
     ):
-        assert abs(numbers[key] - of_truth[key]) <= 2 * seen[f"{name}_spread_db"]
+        assert abs(stated.value - true.value) <= 2 * part.spread_db
 
 
 def test_an_instrument_of_a_made_surface_and_absurd_values_are_refused() -> None:

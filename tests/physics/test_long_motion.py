@@ -27,14 +27,16 @@ def run() -> Run:
 
 
 def forces(run: Run, scene: Scene, seconds: float, seed: int = 0) -> np.ndarray:
-    assert run.vibration is not None
-    return np.concatenate([*LongMotion(scene, run.vibration.law, seconds, RATE, seed).forces()])
+    assert run.vibration_sound is not None
+    return np.concatenate(
+        [*LongMotion(scene, run.vibration_sound.law, seconds, RATE, seed).forces()]
+    )
 
 
 def test_the_solved_track_comes_first(run: Run) -> None:
     """Steps differ by 1 % in length, which changes the force by 0.1 % at 40 steps per period."""
-    assert run.vibration is not None
-    motion = run.vibration.motion
+    assert run.vibration_sound is not None
+    motion = run.vibration_sound.motion
     force = forces(run, run.scene, 0.02)
     times = (np.arange(len(force)) + 0.5) * 0.02 / len(force)
     inside = times < 0.95 * motion.time_s[-1]
@@ -52,8 +54,8 @@ def test_forces_do_not_depend_on_the_stretches(run: Run, monkeypatch: pytest.Mon
 
 def test_the_continued_law_is_a_force_law(run: Run) -> None:
     """Slopes are positive, and the statistics of approach and stiffness are the solved ones."""
-    assert run.vibration is not None
-    law = run.vibration.law
+    assert run.vibration_sound is not None
+    law = run.vibration_sound.law
     long = LongLaw(law, run.scene.load, 3, None)
     table = long.table(0.0, 100 * law.period_m)
     own = law.table.values[:-1]
@@ -91,8 +93,8 @@ def test_a_continuation_agrees_with_a_longer_solved_track(run: Run) -> None:
 def test_impacts_go_on(run: Run) -> None:
     """A fast ball flies beyond the solved track as on it, whose fifteen impacts come in groups."""
     scene = run.scene.with_({"rolling.speed_m_s": 3, "plate.thickness_mm": 20})
-    assert run.vibration is not None
-    law = run.vibration.law
+    assert run.vibration_sound is not None
+    law = run.vibration_sound.law
     solved = 0.0024 / 3
     counts = []
     for seconds in (solved, 100 * solved):
@@ -108,8 +110,8 @@ def test_a_plate_with_edges_is_heard_in_stereo(run: Run) -> None:
     """Both ears hear the plate, whose modes ring for longer than a stretch."""
     edges = {"plate.length_mm": 60, "plate.width_mm": 50, "plate.contact_mm": [26, 18]}
     ears = {"sound.listener_mm": [[10, 25, 200], [50, 25, 200]]}
-    assert run.vibration is not None
-    listening = listen_to_vibration(run.scene.with_(edges | ears), run.vibration.law, 0.1, 0)
+    assert run.vibration_sound is not None
+    listening = listen_to_vibration(run.scene.with_(edges | ears), run.vibration_sound.law, 0.1, 0)
     left, right = listening.channels.T
     assert len(left) == 4800 and not np.allclose(left, right, rtol=0, atol=0.1 * np.std(left))
     assert np.std(left) == pytest.approx(np.std(right), rel=0.5)
@@ -117,17 +119,17 @@ def test_a_plate_with_edges_is_heard_in_stereo(run: Run) -> None:
 
 def test_a_dropped_sphere_may_rest_before_the_end_of_the_solved_track(run: Run) -> None:
     """It rolls 10 um, and the knocks of the fall are heard; the record begins in silence."""
-    assert run.vibration is not None
+    assert run.vibration_sound is not None
     dropped = run.scene.with_({"rolling.drop_mm": 0.01})
     slow = with_speed(dropped, (2e-4, 0.0), 0.1)
-    listening = listen_to_vibration(slow, run.vibration.law, 0.1, 0)
-    assert listening.numbers["rolled_mm"] == pytest.approx(0.01)
-    assert listening.numbers["impacts"] > 0 and listening.numbers["level_db"] is not None
+    listening = listen_to_vibration(slow, run.vibration_sound.law, 0.1, 0)
+    assert listening.numbers.rolled_mm == pytest.approx(0.01)
+    assert listening.numbers.impacts > 0 and listening.numbers.level_db is not None
 
 
 def test_a_smooth_track_stays_at_the_load() -> None:
     run = marched(VIBRATING, ["surface={kind: smooth, spacing_um: 2, width_um: 160}"])
-    assert run.vibration is not None
+    assert run.vibration_sound is not None
     law = hertz_law(1.0, 5e-3, 2.3e11, np.zeros(100))
     force = listen_to_vibration(run.scene, law, 0.2, 0)
     assert np.abs(force.pressure).max() < 1e-12

@@ -303,9 +303,9 @@ def test_a_run_reports_its_made_heights() -> None:
     ball = "sphere.surface={kind: gaussian, roughness_ra_um: 0.01, correlation_length_um: 8"
     short = "rolling.duration_s=null", "rolling.distance_mm=0.064", "rolling.load_n=0.1"
     small = scene(*short, AFFINE % "rq_um: 0.05" + ", width_um: 64, seed: 1, skewness: -0.5}")
-    summary = rc.simulate(small, workers=1, progress=False).summary
-    assert summary["surface_made"]["skewness"] == pytest.approx(-0.5, abs=0.3)
-    assert "4 to 8" in summary["surface_made"]["spectrum_error_db"]
+    numbers = rc.simulate(small, workers=1, progress=False).numbers
+    assert numbers.surface.made.skewness == pytest.approx(-0.5, abs=0.3)
+    assert "4 to 8" in numbers.surface.made.spectrum_error_db
     assert "self-affine from 16 to 4 µm" in surface_words(small)
     assert not scene_surface.has_detail(small)
     both = scene(*short, f"{ball}, seed: 1, kurtosis: 4}}")

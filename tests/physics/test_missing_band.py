@@ -83,9 +83,9 @@ def test_a_track_of_few_steps_cannot_tell() -> None:
 def test_a_run_with_long_steps_tells_what_shorter_steps_add() -> None:
     """The same surface, marched at every fourth node and at every node, at 20 mm/s."""
     slow = ["rolling.speed_m_s=0.02", "dynamics.release=false", "rolling.distance_mm=0.8"]
-    long = marched(VIBRATING, [*slow, "numerics.step_nodes=4"]).summary
-    short = marched(VIBRATING, slow).summary
-    wholes = [x["laeq_db"] - x["laeq_band_error_db"] for x in (long, short)]
-    assert short["laeq_db"] - long["laeq_db"] > 3
-    assert abs(wholes[0] - wholes[1]) < 2 * long["laeq_band_error_uncertainty_db"]
-    assert short["laeq_band_error_uncertainty_db"] < long["laeq_band_error_uncertainty_db"]
+    long = marched(VIBRATING, [*slow, "numerics.step_nodes=4"]).numbers
+    short = marched(VIBRATING, slow).numbers
+    wholes = [x.played.laeq_db - x.errors.band_db for x in (long, short)]
+    assert short.played.laeq_db - long.played.laeq_db > 3
+    assert abs(wholes[0] - wholes[1]) < 2 * long.errors.band_uncertainty_db
+    assert short.errors.band_uncertainty_db < long.errors.band_uncertainty_db

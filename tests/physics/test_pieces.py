@@ -25,7 +25,7 @@ from rolling.marches.next_pieces import next_pieces
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.piece import PIECE_STEPS, Piece, contact_identity
 from rolling.marches.result import Result
-from rolling.results.summary import joint_error
+from rolling.results.numbers import joint_error
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
 from rolling.surface.contact_of_scene import rolling_contact

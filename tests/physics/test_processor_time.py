@@ -84,10 +84,9 @@ def test_a_march_that_waits_and_compiles_states_its_own_time(
 
 def test_a_run_states_the_time_of_each_part() -> None:
     run = run_of(loads(VIBRATING))
-    parts = run.summary["parts_cpu_s"]
+    parts = run.numbers.effort.parts_cpu_s
     assert parts.keys() == {*effort.OF_SPHERE, effort.SOUND, effort.PAGE}
-    assert run.summary["march_cpu_s"] == parts["march"] > 0
+    assert run.numbers.effort.march_cpu_s == parts["march"] > 0
     assert parts["load_marches"] > 0 and parts["sound"] > 0 and parts["page"] is None
     steps = float(run.result.series["step_time"].sum())
     assert 0 < steps <= parts["march"]
-    assert "seconds" not in run.summary

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +14,7 @@ from acoustics.uncertainty import record_scatter_db
 from acoustics.weighting import a_weighting_db
 from rolling.dynamics import of_scene
 from rolling.marches.stiffness import solved_stiffness
+from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results.run_lines import other_levels
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
@@ -60,17 +60,17 @@ def test_the_estimate_meets_the_motion(rolled: Run, density: float) -> None:
     Most of the ± is that of the comb: lines of this short lap are 625 Hz apart.
     """
     scene = rolled.scene.with_({"sphere.density_kg_m3": density})
-    moved = heard_again(rolled, scene).summary
+    moved = heard_again(rolled, scene).numbers
     held = held_again(rolled, scene)
-    departure = held["vibration_estimate_laeq_db"] - moved["vibration_laeq_db"]
-    assert abs(departure) < 2 * held["vibration_estimate_uncertainty_db"] < 12
-    assert held["vibration_estimate_bodies"].endswith("on a 10 mm plate of 7850 kg/m³")
+    departure = held.vibration.value - moved.levels.vibration.laeq_db
+    assert abs(departure) < 2 * held.vibration.uncertainty < 12
+    assert held.estimate.bodies.endswith("on a 10 mm plate of 7850 kg/m³")
 
 
-def held_again(run: Run, scene: Scene) -> dict[str, Any]:
+def held_again(run: Run, scene: Scene) -> RunNumbers:
     """Return the numbers of a run at a constant load over the marches of a run with dynamics."""
     without = {"dynamics": None, "sound.source": None, "plate.thickness_mm": None}
-    return heard_again(run, scene.with_({**without, "plate.loss_factor": None})).summary
+    return heard_again(run, scene.with_({**without, "plate.loss_factor": None})).numbers
 
 
 ROUGH = (
@@ -94,7 +94,7 @@ def test_the_stiffness_of_a_rough_contact_is_that_of_its_force_law(rough: Run) -
 
     The study found 7 % rms on 38 scenes.
     """
-    law = rough.summary["contact_stiffness_n_m"]
+    law = rough.numbers.motion.contact_stiffness_n_m
     smooth = of_scene.smooth_stiffness(rough.scene)
     assert smooth > 1.2 * law
     stiffness = solved_stiffness(rough.scene, rough.result)
@@ -104,8 +104,8 @@ def test_the_stiffness_of_a_rough_contact_is_that_of_its_force_law(rough: Run) -
 def test_the_estimate_of_a_rough_contact_is_within_3_db(rough: Run) -> None:
     """The resonance, below hearing's end, falls with the stiffness and carries the level."""
     held = held_again(rough, rough.scene)
-    stated = held["vibration_estimate_uncertainty_db"]
-    departure = held["vibration_estimate_laeq_db"] - rough.summary["vibration_laeq_db"]
+    stated = held.vibration.uncertainty
+    departure = held.vibration.value - rough.numbers.levels.vibration.laeq_db
     assert abs(departure) < max(3.0, stated)
 
 
@@ -117,12 +117,12 @@ def test_the_estimate_has_the_band_of_the_run(rolled: Run) -> None:
     """
     slow = rolled.scene.with_({"rolling.speed_m_s": 0.025})
     run = heard_again(rolled, slow)
-    numbers = run.summary
-    law = run.summary["contact_stiffness_n_m"]
-    assert numbers["highest_frequency_hz"] < 0.95 * numbers["resonance_hz"] < 12e3
+    numbers = run.numbers
+    law = run.numbers.motion.contact_stiffness_n_m
+    assert numbers.record.highest_frequency_hz < 0.95 * numbers.motion.resonance_hz < 12e3
     approach = run.result.series["approach"]
     estimate = vibration_estimate(slow, approach, run.result.step, run.sound.closed, law)
-    assert abs(estimate.laeq_db - numbers["vibration_laeq_db"]) < 3.0
+    assert abs(estimate.laeq_db - numbers.levels.vibration.laeq_db) < 3.0
     assert estimate.uncertainty_db > 2.0  # most of the sound lies beyond the steps
 
 
@@ -159,9 +159,9 @@ def test_a_compact_source_has_the_power_of_the_plate(rolled: Run, thickness: flo
     of whole bands at their middle differs by some tenths of a decibel.
     """
     changes = {"plate.thickness_mm": thickness, "sound.ball": False, "sound.distance_m": 2}
-    summary = heard_again(rolled, rolled.scene.with_(changes)).summary
-    level = summary["compact_source_level_db"]
-    bands = summary["plate_power_third_octave_db"]
+    numbers = heard_again(rolled, rolled.scene.with_(changes)).numbers
+    level = numbers.levels.compact_source_level_db
+    bands = numbers.bands.plate_power.by_name
     names = [name for name, db in bands.items() if db is not None]
     weights = a_weighting_db(np.array([float(name) for name in names]))
     powers = [
@@ -169,15 +169,15 @@ def test_a_compact_source_has_the_power_of_the_plate(rolled: Run, thickness: flo
     ]
     square = RHO_C * sum(powers) / (2 * math.pi * 2**2)
     # Powers belong to the record. The level follows the stated LAeq, which is the mean over a comb.
-    to_mean = summary["laeq_db"] - summary["record_laeq_db"]
+    to_mean = numbers.played.laeq_db - numbers.record.laeq_db
     assert level - to_mean == pytest.approx(10 * math.log10(square / 2e-5**2), abs=0.5)
-    assert thickness == 1 or 8 < level - summary["laeq_db"] < 17
+    assert thickness == 1 or 8 < level - numbers.played.laeq_db < 17
 
 
 def test_no_compact_source_without_a_loss_factor(rolled: Run) -> None:
     lossless = heard_again(rolled, rolled.scene.with_({"plate.loss_factor": None}))
-    assert lossless.summary["compact_source_level_db"] is None
-    texts = other_levels(lossless.summary)
+    assert lossless.numbers.levels.compact_source_level_db is None
+    texts = other_levels(lossless.numbers)
     assert any("compact source of the same power: not available" in text for text in texts)
 
 

@@ -309,7 +309,7 @@ def test_a_folder_that_was_removed_meanwhile_is_whole_again(
     monkeypatch.setattr(solving, "_solve_lacking", removed)
     run(scene, out)
     monkeypatch.undo()
-    assert run(scene, out) == 0 and open_run(out).summary["steps"]
+    assert run(scene, out) == 0 and open_run(out).numbers.record.steps
 
 
 # ---- disks

@@ -12,7 +12,7 @@ from helpers import march_all
 
 from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import next_pieces
-from rolling.results import verdict
+from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run, make_run
 from rolling.scene.file import loads
@@ -49,7 +49,13 @@ def run_of(scene: Scene, folder: Path = Path(), film: bool = False) -> Run:
 
 def doubt_lines(run: Run) -> dict[str, str]:
     """Return the lines of the doubts of a run by key."""
-    return {doubt.key: doubt.line for doubt in verdict.of_summary(run.summary)}
+    return {doubt.key: doubt.line for doubt in run.numbers.doubts}
+
+
+def untimed(numbers: RunNumbers) -> RunNumbers:
+    """Return numbers without processor times, which differ from run to run."""
+    effort = replace(numbers.effort, step_ms=None, march_cpu_s=0.0, parts_cpu_s=None)
+    return replace(numbers, effort=effort)
 
 
 def same(a: Any, b: Any) -> bool:
