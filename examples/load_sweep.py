@@ -8,13 +8,13 @@ scene = rc.read_scene("vibrating-ball").with_(duration_s=0.02)  # 2 mm of track;
 runs = rc.simulate_sweep(scene, progress=False)
 for load, run in runs.items():
     print(
-        f"Under {load:.0f} N the vibration has {run.sound.levels.laeq_db:.1f} ±"
-        f" {run.summary['uncertainty_db']['laeq']:.1f} dB(A): a listener at 1 m would hear this."
-        f" The released power, an upper bound, has {run.summary['release_laeq_db']:.1f} dB(A)."
+        f"Under {load:.0f} N the vibration has {run.vibration.number} dB(A): a listener at 1 m"
+        f" would hear this. The released power, an upper bound, has {run.released_power.number}"
+        " dB(A)."
     )
 
 lightest, *_, heaviest = runs.values()
-difference = heaviest.sound.levels.laeq_db - lightest.sound.levels.laeq_db
+difference = heaviest.vibration.value - lightest.vibration.value
 word = "louder" if difference > 0 else "quieter"
 print(f"Under 100 N the ball is {abs(difference):.1f} dB {word} than under 5 N.")
 

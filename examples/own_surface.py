@@ -19,8 +19,5 @@ scene = rc.Scene(
     dynamics=rc.Dynamics(),
 )
 run = rc.simulate(scene, workers=1, progress=False)
-print(
-    f"The ball vibrates with {run.sound.levels.laeq_db:.1f} ±"
-    f" {run.summary['uncertainty_db']['laeq']:.1f} dB(A): a listener at 1 m would hear this."
-)
-print(f"The released power, an upper bound, has {run.summary['release_laeq_db']:.1f} dB(A).")
+print(f"Vibration: {run.vibration}. A listener at 1 m would hear this.")
+print(f"Released power: {run.released_power}.")

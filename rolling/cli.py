@@ -564,12 +564,19 @@ def _init(given: argparse.Namespace) -> int:
 
 
 def _schema(given: argparse.Namespace) -> int:
-    """Print the JSON Schema of scenes."""
+    """Print the JSON Schema of scenes, or of summary.json."""
     import json
 
+    from rolling.numbers.run_file import StoredNumbers
+    from rolling.numbers.summary_schema import summary_schema
     from rolling.scene import bearing_file, file
 
-    schema = bearing_file.bearing_schema() if given.bearing else file.schema()
+    if given.summary:
+        schema = summary_schema(StoredNumbers)
+    elif given.bearing:
+        schema = bearing_file.bearing_schema()
+    else:
+        schema = file.schema()
     print(json.dumps(schema, indent=2))
     return OK
 

@@ -2,8 +2,9 @@
 
 With --check, only name the stale ones.
 
-Generated are the reference of scene files with their JSON Schemas (from the models), and the tables
-of materials, finishes and bearings (from their data).
+Generated are the reference of scene files with their JSON Schemas (from the models), the tables of
+materials, finishes and bearings (from their data), and those of all numbers of a run with the JSON
+Schema of summary.json (from their fields).
 """
 
 from __future__ import annotations
@@ -16,10 +17,17 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
+sys.path[:0] = [str(ROOT), str(Path(__file__).parent)]
+
+import former_names  # noqa: E402, because this folder has to be found first
+import number_tables  # noqa: E402
+from number_tables import table  # noqa: E402
+
 COMMAND = "python docs/_hooks/generate.py"
 
 Json = dict[str, Any]
 BEARING_PAGE = "bearing-keys.md"
+SUMMARY_SCHEMA = "summary.schema.json"
 PLACES = {  # of the values of a key
     "material": "[name](materials.md#materials)",
     "finish": "[name](materials.md#finishes)",
@@ -62,6 +70,14 @@ def generated() -> dict[Path, str]:
         docs / "materials.md": _between(
             docs / "materials.md", "names", name_tables("materials", "finishes")
         ),
+        **{
+            docs / kind.page: _between(docs / kind.page, "numbers", number_tables.reference(kind))
+            for kind in number_tables.KINDS
+        },
+        docs / "former-names.md": _between(
+            docs / "former-names.md", "names", former_names.reference()
+        ),
+        docs / SUMMARY_SCHEMA: _json(_summary_schema()),
     }
 
 
@@ -80,14 +96,6 @@ def _between(path: Path, mark: str, text: str) -> str:
     return f"{head}{begin}\n\n{text}\n\n{end}{tail}"
 
 
-def _table(head: list[str], rows: list[list[str]]) -> str:
-    """Return a Markdown table."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(
-        "|" + "|".join(cell.replace("|", "\\|") for cell in line) + "|" for line in lines
-    )
-
-
 # ---- scene files
 
 
@@ -95,21 +103,26 @@ def keys_of(section: str) -> str:
     """Return the table of the keys of a section by its class; empty for another class."""
     schema = _schema()
     model = schema["$defs"].get(section)
-    return _table(["key", "value", "meaning"], [*_rows(model, schema)]) if model else ""
+    return table(["key", "value", "meaning"], [*_rows(model, schema)]) if model else ""
 
 
 def _schema() -> Json:
-    sys.path.insert(0, str(ROOT))
     from rolling.scene.file import schema
 
     return schema()
 
 
 def _bearing_schema() -> Json:
-    sys.path.insert(0, str(ROOT))
     from rolling.scene.bearing_file import bearing_schema
 
     return bearing_schema()
+
+
+def _summary_schema() -> Json:
+    from rolling.numbers.run_file import StoredNumbers
+    from rolling.numbers.summary_schema import summary_schema
+
+    return summary_schema(StoredNumbers)
 
 
 def bearing_reference(schema: Json) -> str:
@@ -149,7 +162,7 @@ def _reference(sections: dict[str, Json], schema: Json) -> str:
             parts += [sections[title]["description"], ""]
         if shared:
             parts += [_shared(shared), ""]
-        parts += [_table(["key", "value", "meaning"], new), ""] if new else []
+        parts += [table(["key", "value", "meaning"], new), ""] if new else []
     return "\n".join(parts).rstrip()
 
 
@@ -264,9 +277,9 @@ def name_tables(*tables: str) -> str:
     from rolling.scene import library
 
     parts = []
-    for table in tables:
-        entries = library.data(table)[table]
-        sources = library.data(table)["sources"]
+    for title in tables:
+        entries = library.data(title)[title]
+        sources = library.data(title)["sources"]
         numbers = {key: n for n, key in enumerate(sources, 1)}
         keys = list(
             dict.fromkeys(
@@ -290,15 +303,15 @@ def name_tables(*tables: str) -> str:
             if QUOTED in source:
                 name += " *"
             source_rows.append([str(number), name])
-        listed = _table(["", "source"], source_rows)
+        listed = table(["", "source"], source_rows)
         heads = ["name"] + [f"`{key}`" for key in keys] + [""]
-        parts += [f"## {table.capitalize()}", "", _table(heads, rows), ""]
-        handled = library.data(table).get("handled", {})
+        parts += [f"## {title.capitalize()}", "", table(heads, rows), ""]
+        handled = library.data(title).get("handled", {})
         if handled:
             damping_rows = []
             for name, (value, source) in handled.items():
                 damping_rows.append([name, f"{value:g}<sup>({numbers[source]})</sup>"])
-            parts += [_table(["objects as they are handled", "loss factor"], damping_rows), ""]
+            parts += [table(["objects as they are handled", "loss factor"], damping_rows), ""]
         parts += [listed, ""]
     return "\n".join(parts).rstrip()
 

@@ -20,18 +20,19 @@ DB = "dB"
 
 @dataclass(frozen=True, kw_only=True)
 class RecordNumbers:
-    """What was solved, and the record that the sound files have."""
+    """The record that the sound files have, and what was solved for it."""
 
     source: Source = number("sound that the files have: vibration or release", "")
-    load_n: float = number("load", "N")
+    load_n: float = number("load that presses the ball on the plate", "N")
     steps: int = number("steps of the record")
     duration_s: float = number("length of the record", "s")
     loops: bool = number("whether the record closes, so that it repeats without a click", "")
     single_event: bool = number("whether the record is a single event, which LAE describes", "")
-    highest_frequency_hz: float = number("Nyquist frequency of the steps", "Hz")
+    highest_frequency_hz: float = number(
+        "Nyquist frequency of the steps, the highest that the record holds", "Hz"
+    )
     laeq_db: float | None = number(
-        "LAeq of the record itself; that of the vibration differs from it where it is the mean "
-        "over a comb",
+        "LAeq of the record itself; the vibration differs from it where it is the mean over a comb",
         DB_A,
         default=None,
     )
@@ -54,20 +55,22 @@ class RecordNumbers:
 
 @dataclass(frozen=True, kw_only=True)
 class LevelSpreads:
-    """Standard uncertainties of levels from the length of the record, and comb and time steps."""
+    """Parts of the ± of levels: length of the record; of a vibration also comb and time steps."""
 
-    laeq_db: float | None = number("of LAeq", DB, default=None)
-    level_db: float | None = number("of LZeq", DB, default=None)
-    laf_max_db: float | None = number("of LAFmax", DB, default=None)
-    las_max_db: float | None = number("of LASmax", DB, default=None)
-    lz_peak_db: float | None = number("of LZpeak", DB, default=None)
-    lae_db: float | None = number("of LAE", DB, default=None)
-    steady_level_db: float | None = number("of the steady level", DB, default=None)
+    laeq_db: float | None = number("uncertainty of LAeq from the record", DB, default=None)
+    level_db: float | None = number("uncertainty of LZeq from the record", DB, default=None)
+    laf_max_db: float | None = number("uncertainty of LAFmax from the record", DB, default=None)
+    las_max_db: float | None = number("uncertainty of LASmax from the record", DB, default=None)
+    lz_peak_db: float | None = number("uncertainty of LZpeak from the record", DB, default=None)
+    lae_db: float | None = number("uncertainty of LAE from the record", DB, default=None)
+    steady_level_db: float | None = number(
+        "uncertainty of the steady level from the record", DB, default=None
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class SourceLevels:
-    """Levels of one source; None where there is no sound, or where they are not known."""
+    """Levels of a sound; None where there is no sound, or where they are not known."""
 
     lae_db: float | None = number(
         "sound exposure level LAE (re 1 s)",
@@ -83,13 +86,19 @@ class SourceLevels:
         default=None,
     )
     laeq_db: float | None = number(
-        "LAeq", DB_A, word="LAeq", form=".1f", holds_for="lasting", default=None
+        "equivalent level LAeq", DB_A, word="LAeq", form=".1f", holds_for="lasting", default=None
     )
     level_db: float | None = number(
-        "LZeq", DB, word="LZeq", form=".1f", in_table=True, holds_for="lasting", default=None
+        "equivalent level LZeq, without weighting",
+        DB,
+        word="LZeq",
+        form=".1f",
+        in_table=True,
+        holds_for="lasting",
+        default=None,
     )
     laf_max_db: float | None = number(
-        "LAFmax; none where the record is too short for its time weighting",
+        "maximum LAFmax (fast); none where the record is too short for its time weighting",
         DB_A,
         word="LAFmax",
         form=".1f",
@@ -97,14 +106,14 @@ class SourceLevels:
         default=None,
     )
     las_max_db: float | None = number(
-        "LASmax; none where the record is too short for its time weighting",
+        "maximum LASmax (slow); none where the record is too short for its time weighting",
         DB_A,
         word="LASmax",
         form=".1f",
         default=None,
     )
     lz_peak_db: float | None = number(
-        "LZpeak", DB, word="LZpeak", form=".1f", in_table=True, default=None
+        "peak level LZpeak", DB, word="LZpeak", form=".1f", in_table=True, default=None
     )
     steady_level_db: float | None = number(
         "level of the mean intensity of a release, which is silent",
@@ -119,19 +128,18 @@ class SourceLevels:
         default=None,
     )
     spreads: LevelSpreads | None = group(
-        "standard uncertainties from the length of the record; those of a vibration cover comb and "
-        "time steps, too",
+        "uncertainties from the record",
         default=None,
     )
 
 
 @dataclass(frozen=True, kw_only=True)
 class ListenerLevels:
-    """Levels at a listener of a plate with edges."""
+    """Levels of the vibration at each listener of a plate with edges."""
 
-    at_mm: tuple[float, ...] = number("place from the corner of the plate", "mm")
-    laeq_db: float | None = number("LAeq", DB_A, default=None)
-    level_db: float | None = number("LZeq", DB, default=None)
+    at_mm: tuple[float, ...] = number("place of the listener from the corner of the plate", "mm")
+    laeq_db: float | None = number("LAeq at this listener", DB_A, default=None)
+    level_db: float | None = number("LZeq at this listener", DB, default=None)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,7 +166,7 @@ class LevelNumbers:
         default=None,
     )
     release_over_vibration_db: float | None = number(
-        "released power over the vibration",
+        "level of the released power less that of the vibration, at the same place",
         DB,
         word="release over vibration",
         form=".1f",
@@ -216,30 +224,35 @@ class LevelNumbers:
 
 @dataclass(frozen=True, kw_only=True)
 class BandNumbers:
-    """Third octaves. Errors are positive where the stated value is too high."""
+    """Third octaves: values by band, with their standard uncertainties where these are known."""
 
     vibration: BandQuantity | None = group("vibration, without weighting", default=None)
     vibration_a: BandQuantity | None = group(
-        "vibration, A-weighted; of the sound that plays", default=None
+        "vibration, A-weighted, where it is the sound that plays", default=None
     )
     released_power: BandQuantity | None = group("released power, without weighting", default=None)
     released_power_a: BandQuantity | None = group(
-        "released power, A-weighted; of the sound that plays",
+        "released power, A-weighted, where it is the sound that plays",
         default=None,
     )
     released_power_at_listener: BandQuantity | None = group(
-        "released power where the vibration is heard",
+        "released power where the vibration is heard, without weighting",
         default=None,
     )
-    plate_power: BandQuantity | None = group("sound power of the plate", default=None)
-    ball_power: BandQuantity | None = group("sound power of the ball", default=None)
+    plate_power: BandQuantity | None = group("sound power of the plate to one side", default=None)
+    ball_power: BandQuantity | None = group("sound power of the ball to one side", default=None)
     force: BandQuantity | None = group("rms of the contact force", default=None)
     grid_error: BandQuantity | None = group(
-        "errors from the grid, with their uncertainty", default=None
+        "error from the grid, with its uncertainty; positive where the stated value is too high",
+        default=None,
     )
-    solver_error: BandQuantity | None = group("errors from the solver", default=None)
+    solver_error: BandQuantity | None = group(
+        "error from the solver; positive where the stated value is too high", default=None
+    )
     subgrid_error: BandQuantity | None = group(
-        "errors from missing detail below the spacing", default=None
+        "error from missing detail below the spacing, with its uncertainty; positive where "
+        "the stated value is too high",
+        default=None,
     )
 
 
@@ -254,7 +267,9 @@ class ErrorNumbers:
         form="+.2f",
         default=None,
     )
-    grid_uncertainty_db: float | None = number("its standard uncertainty", DB, default=None)
+    grid_uncertainty_db: float | None = number(
+        "standard uncertainty of the error of LAeq from the grid", DB, default=None
+    )
     solver_db: float | None = number(
         "error of LAeq from the solver",
         DB,
@@ -269,35 +284,50 @@ class ErrorNumbers:
         form="+.2f",
         default=None,
     )
-    subgrid_uncertainty_db: float | None = number("its standard uncertainty", DB, default=None)
-    band_db: float | None = number(
-        "what the end of the simulated band does to LAeq", DB, default=None
+    subgrid_uncertainty_db: float | None = number(
+        "standard uncertainty of the error of LAeq from missing detail", DB, default=None
     )
-    band_uncertainty_db: float | None = number("its standard uncertainty", DB, default=None)
+    band_db: float | None = number(
+        "error of LAeq because the simulated band ends; none where the steps resolve hearing, "
+        "for falls, where contact is lost, and on tracks that are too short to tell",
+        DB,
+        default=None,
+    )
+    band_uncertainty_db: float | None = number(
+        "standard uncertainty of the error of LAeq because the band ends", DB, default=None
+    )
     band_end_hz: float | None = number(
-        "frequency of that end at the lowest speed", "Hz", default=None
+        "end of the simulated band at the lowest speed", "Hz", default=None
     )
     plastic_ratio_grid: float | None = number(
         "error of the plastic ratio from the grid", default=None
     )
-    plastic_ratio_grid_uncertainty: float | None = number("its standard uncertainty", default=None)
+    plastic_ratio_grid_uncertainty: float | None = number(
+        "standard uncertainty of the error of the plastic ratio", default=None
+    )
     grid_signal_db: float | None = number(
-        "rms error of the signal from the grid over its fluctuation",
+        "rms error of the signal from the grid over its rms fluctuation",
         DB,
         default=None,
     )
-    grid_signal_uncertainty_db: float | None = number("its standard uncertainty", DB, default=None)
+    grid_signal_uncertainty_db: float | None = number(
+        "standard uncertainty of the rms error of the signal from the grid", DB, default=None
+    )
     solver_signal_db: float | None = number(
-        "rms error of the signal from the solver over its fluctuation",
+        "rms error of the signal from the solver over its rms fluctuation",
         DB,
         default=None,
     )
-    is_asked: bool = number("whether the scene asks for an estimate", "", default=False)
-    reason: str | None = number("why there is no estimate", "", default=None)
-    stretches: int | None = number("stretches that were marched again", default=None)
-    stretch_steps: int | None = number("steps of a stretch", default=None)
-    order: float | None = number("order of convergence", default=None)
-    order_measured: bool | None = number("whether the order was measured", "", default=None)
+    is_asked: bool = number("whether the scene asks for an error estimate", "", default=False)
+    reason: str | None = number("why there is no error estimate", "", default=None)
+    stretches: int | None = number(
+        "stretches that were marched again for the error estimate", default=None
+    )
+    stretch_steps: int | None = number("steps of a stretch that was marched again", default=None)
+    order: float | None = number("order of convergence of the grid", default=None)
+    order_measured: bool | None = number(
+        "whether the order of convergence was measured; if not, it is the default", "", default=None
+    )
     worst_uncertainty_db: float | None = number(
         "largest uncertainty of the error of a third octave from 1 to 16 kHz",
         DB,
@@ -325,20 +355,27 @@ class EnergyNumbers:
         factor=1e6,
         in_table=True,
     )
-    release_power_audible_rms_w: float = number("audible fluctuation of the released power", "W")
-    release_power_resolved_rms_w: float = number(
-        "error of the solver in it; the record is silent if the audible part is below", "W"
+    release_power_audible_rms_w: float = number(
+        "rms of the audible fluctuation of the released power", "W"
     )
-    balance_error: float = number("largest defect of the energy over the largest stored energy")
+    release_power_resolved_rms_w: float = number(
+        "rms error of the solver within hearing; a record whose audible fluctuation is no "
+        "larger is silent",
+        "W",
+    )
+    balance_error: float = number(
+        "largest defect of the energy ledger, as a share of the largest stored energy"
+    )
     joint_error: float | None = number(
-        "largest difference of the stored energy where pieces join, over its maximum",
+        "largest difference of the stored energy where pieces join, as a share of the largest "
+        "stored energy",
         default=None,
     )
     moving_balance_error: float | None = number(
-        "balance error of a release under the moving load", default=None
+        "error of the energy ledger of the release under the moving load", default=None
     )
     moving_law_error_m: float | None = number(
-        "error of the force law of a release under the moving load",
+        "error of the force law of the release under the moving load",
         "m",
         default=None,
     )
@@ -348,7 +385,7 @@ class EnergyNumbers:
 class ContactNumbers:
     """Areas and pressures, as means or maxima over positions."""
 
-    hertz_area_m2: float = number("area of the smooth elastic contact", "m2")
+    hertz_area_m2: float = number("area of the smooth elastic contact (Hertz)", "m2")
     area_mean_m2: float = number(
         "mean contact area",
         "m2",
@@ -357,7 +394,9 @@ class ContactNumbers:
         factor=1e12,
         in_table=True,
     )
-    plastic_area_mean_m2: float = number("mean area at the hardness", "m2")
+    plastic_area_mean_m2: float = number(
+        "mean area whose pressure is at the hardness, so that it yields", "m2"
+    )
     plastic_ratio: float = number(
         "mean area at the hardness over the Hertz area",
         word="plastic ratio",
@@ -368,7 +407,7 @@ class ContactNumbers:
         ),
     )
     max_pressure_pa: float = number(
-        "maximum pressure",
+        "maximum pressure of all positions",
         "Pa",
         word="maximum pressure",
         shown_unit="GPa",
@@ -383,21 +422,23 @@ class EffortNumbers:
     """What the solver did, how far it went, and how long it took."""
 
     tolerance: float = number("tolerance of the solver")
-    residual_max: float = number("largest residual of a position")
+    residual_max: float = number("largest KKT residual of a position")
     iterations_mean: float = number("mean iterations of a position")
     convolutions_mean: float = number("mean convolutions of a position")
     step_nodes: float = number("length of a step in nodes")
     step_choice: str | None = number(
-        "who chose it: the scene, or auto with its reason", "", default=None
+        "who chose the length of a step: the scene, or auto with its reason", "", default=None
     )
     step_lowest_speed_m_s: float | None = number(
-        "lowest speed at which the steps that auto chose may be heard anew",
+        "lowest speed at which the steps that auto chose may be heard anew; none at steps of "
+        "one node, and for a number of the scene",
         "m/s",
         default=None,
     )
     step_ms: float | None = number("median processor time of a step", "ms", default=None)
     march_cpu_s: float | None = number(
-        "processor time of the march alone; none in a run of version 0.8.0",
+        "processor time of the march along the track, without compilation; none in a run of "
+        "version 0.8.0",
         "s",
         in_table=True,
         default=None,
@@ -416,75 +457,89 @@ class Levelling:
     slope_across: float = number("slope across the track that was removed")
     height_along_m: float = number("rise along the track that was removed", "m")
     height_across_m: float = number("rise across the track that was removed", "m")
-    ra_before_m: float = number("Ra before", "m")
-    ra_after_m: float = number("Ra after", "m")
-    seam_step_m: float = number("step where the heights go round", "m")
-    seam_neighbours_m: float = number("steps beside it", "m")
-    seam_stands_out: bool = number("whether the seam stands out", "")
-    text: str = number("the same in words", "")
+    ra_before_m: float = number("Ra before levelling", "m")
+    ra_after_m: float = number("Ra after levelling", "m")
+    seam_step_m: float = number("step where the end of the heights meets their beginning", "m")
+    seam_neighbours_m: float = number("steps beside this seam", "m")
+    seam_stands_out: bool = number("whether the seam stands out from the steps beside it", "")
+    text: str = number("plane and seam in words", "")
 
 
 @dataclass(frozen=True, kw_only=True)
 class PreparationStep:
-    """A step of the preparation of a height file."""
+    """A step of the preparation of the heights of a file."""
 
     step: str = number("name of the step", "")
     text: str = number("the step in words, with the roughness", "")
     before: dict[str, float] = group("Sa, Sq [m], Ssk, Sku, Sdq before")
-    after: dict[str, float] = group("the same after")
-    warning: str | None = number("what to beware of", "", default=None)
+    after: dict[str, float] = group("Sa, Sq [m], Ssk, Sku, Sdq after")
+    warning: str | None = number("what to beware of in this step", "", default=None)
 
 
 @dataclass(frozen=True, kw_only=True)
 class MadeSurface:
     """How well a made surface meets its law."""
 
-    skewness: float = number("skewness")
-    kurtosis: float = number("kurtosis")
+    skewness: float = number("skewness of the heights")
+    kurtosis: float = number("kurtosis of the heights")
     spectrum_error_db: dict[str, float] = group(
         "mean square over that of the law [dB], by octave of wavelength [µm]"
     )
-    spectrum_chance_db: dict[str, float] = group("its standard deviation by chance [dB]")
+    spectrum_chance_db: dict[str, float] = group(
+        "standard deviation of this error by chance [dB], by octave of wavelength [µm]"
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class WavelengthOctave:
-    """An octave of roughness wavelength."""
+    """An octave of roughness wavelength, and how much of the sound comes from it."""
 
-    from_um: float = number("shortest wave", "um")
-    to_um: float = number("longest wave", "um")
+    from_um: float = number("shortest wave of the octave", "um")
+    to_um: float = number("longest wave of the octave", "um")
     energy_share: float = number("share of the A-weighted energy")
     linear_share: float | None = number(
-        "share of the approach that follows the waves", default=None
+        "share of the approach that follows these waves", default=None
     )
     fall_db: float | None = number("fall of LAeq without these waves", DB, default=None)
 
 
 @dataclass(frozen=True, kw_only=True)
 class InstrumentOfSource:
-    """What an instrument leaves uncertain of a source."""
+    """What the instrument of a measurement leaves uncertain of the level of a sound."""
 
     error_db: float | None = number(
         "LAeq over the measurement less LAeq with the law", DB, default=None
     )
-    spread_db: float | None = number("this error joined with its uncertainty", DB, default=None)
-    bands: BandQuantity | None = group("the same of the third octaves", default=None)
+    spread_db: float | None = number(
+        "error of LAeq joined with its uncertainty, the part of ±", DB, default=None
+    )
+    bands: BandQuantity | None = group(
+        "error of the third octaves joined with its uncertainty", default=None
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class InstrumentNumbers:
-    """What the instrument of a measurement sees, and what it leaves uncertain."""
+    """What the instrument of a measurement did not see (`surface.instrument`)."""
 
     cutoff_m: float = number("wavelength below which the heights are not known", "m")
-    limit: str = number("its reason: tip, sampling or noise", "")
-    tip_cutoff_m: float | None = number("wavelength of this limit", "m", default=None)
-    sampling_cutoff_m: float | None = number("wavelength of this limit", "m", default=None)
-    noise_cutoff_m: float | None = number("wavelength of this limit", "m", default=None)
+    limit: str = number("limit that sets this wavelength: tip, sampling or noise", "")
+    tip_cutoff_m: float | None = number(
+        "wavelength of the limit by the tip; none where it does not limit", "m", default=None
+    )
+    sampling_cutoff_m: float | None = number(
+        "wavelength of the limit by sampling; none where it does not limit", "m", default=None
+    )
+    noise_cutoff_m: float | None = number(
+        "wavelength of the limit by noise; none where it does not limit", "m", default=None
+    )
     law: str | None = number("law of the spectrum below the cut-off, in words", "", default=None)
-    noise_m: float | None = number("rms noise", "m", default=None)
-    noise_recognized: bool = number("whether the spectrum shows the noise", "")
-    noise_over_sq: float | None = number("rms noise over Sq", default=None)
-    reason: str | None = number("why an error is not known", "", default=None)
+    noise_m: float | None = number("rms noise of the instrument", "m", default=None)
+    noise_recognized: bool = number(
+        "whether the spectrum shows the noise; if not, the scene states it", ""
+    )
+    noise_over_sq: float | None = number("rms noise of the instrument over Sq", default=None)
+    reason: str | None = number("why the error of a level is not known", "", default=None)
     vibration: InstrumentOfSource | None = group("of the vibration", default=None)
     released_power: InstrumentOfSource | None = group("of the released power", default=None)
 
@@ -493,13 +548,13 @@ class InstrumentNumbers:
 class SurfaceNumbers:
     """Roughness of the surface that the ball rolls over."""
 
-    ra_m: float = number("Ra", "m", in_table=True)
-    rq_m: float = number("Rq", "m", in_table=True)
-    skewness: float = number("skewness", in_table=True)
-    kurtosis: float = number("kurtosis", in_table=True)
-    rms_slope: float = number("rms slope", in_table=True)
-    highest_m: float = number("highest point over the mean", "m")
-    lowest_m: float = number("lowest point over the mean", "m")
+    ra_m: float = number("arithmetic mean roughness Ra", "m", in_table=True)
+    rq_m: float = number("rms roughness Rq", "m", in_table=True)
+    skewness: float = number("skewness of the heights", in_table=True)
+    kurtosis: float = number("kurtosis of the heights", in_table=True)
+    rms_slope: float = number("rms gradient Sdq of the heights", in_table=True)
+    highest_m: float = number("highest point, counted from the mean", "m")
+    lowest_m: float = number("lowest point, counted from the mean", "m")
     plate_ra_m: float | None = number("Ra of the plate alone", "m", default=None)
     ball_ra_m: float | None = number("Ra of the ball alone", "m", default=None)
     levelling: Levelling | None = group("plane that was removed, and seam", default=None)
@@ -547,7 +602,7 @@ class EarNumbers:
         default=None,
     )
     loudness_max_sone: float | None = number(
-        "its maximum",
+        "maximum loudness of a record that changes",
         "sone",
         word="loudness, maximum",
         form=".3g",
@@ -561,26 +616,34 @@ class EarNumbers:
         default=None,
     )
     tone_to_noise_db: float | None = number(
-        "largest tone-to-noise ratio, of a record from 1 s on",
+        "largest tone-to-noise ratio of a tone, of a record from 1 s on",
         DB,
         word="tone-to-noise ratio",
         form=".3g",
         default=None,
     )
-    tone_to_noise_hz: float | None = number("frequency of this tone", "Hz", default=None)
+    tone_to_noise_hz: float | None = number(
+        "frequency of the tone with the largest tone-to-noise ratio", "Hz", default=None
+    )
     tone_to_noise_prominent: bool | None = number(
-        "whether ECMA-418-1 calls it prominent", "", default=None
+        "whether ECMA-418-1 calls the tone with the largest tone-to-noise ratio prominent",
+        "",
+        default=None,
     )
     prominence_ratio_db: float | None = number(
-        "largest prominence ratio, of a record from 1 s on",
+        "largest prominence ratio of a tone, of a record from 1 s on",
         DB,
         word="prominence ratio",
         form=".3g",
         default=None,
     )
-    prominence_ratio_hz: float | None = number("frequency of this tone", "Hz", default=None)
+    prominence_ratio_hz: float | None = number(
+        "frequency of the tone with the largest prominence ratio", "Hz", default=None
+    )
     prominence_ratio_prominent: bool | None = number(
-        "whether ECMA-418-1 calls it prominent", "", default=None
+        "whether ECMA-418-1 calls the tone with the largest prominence ratio prominent",
+        "",
+        default=None,
     )
 
 
@@ -588,28 +651,32 @@ class EarNumbers:
 class TurnNumbers:
     """Turns of a ball with a surface, and whether they are heard."""
 
-    turns: float = number("turns that it rolls")
-    frequency_hz: float | None = number("turns in a second", "Hz", default=None)
-    modulation: float | None = number("modulation of the octave by a turn", default=None)
+    turns: float = number("turns that the ball rolls")
+    frequency_hz: float | None = number("turns of the ball in a second", "Hz", default=None)
+    modulation: float | None = number("modulation of an octave by the turns", default=None)
     prominence: float | None = number(
-        "first five lines of a turn over the floor under them; noise has 1 to 3, a clear pit more "
-        "than 10",
+        "first five lines of a turn over the floor under them; noise has 1 to 3, a clear pit "
+        "more than 10",
         default=None,
     )
-    band_hz: tuple[float, ...] | None = number("octave that is modulated", "Hz", default=None)
-    reason: str | None = number("why the record cannot tell", "", default=None)
+    band_hz: tuple[float, ...] | None = number("octave that the turns modulate", "Hz", default=None)
+    reason: str | None = number(
+        "why the record cannot tell how a turn stands out, such as one of less than two turns",
+        "",
+        default=None,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class MotionNumbers:
-    """Force, motion and linear chain of a run with dynamics."""
+    """Force, motion and linear chain of a run with `dynamics`."""
 
     force_rms_n: float = number(
         "rms fluctuation of the contact force", "N", word="force, rms", form=".3g", in_table=True
     )
-    force_rms_ratio: float = number("the same over the load")
+    force_rms_ratio: float = number("rms fluctuation of the contact force over the load")
     force_max_ratio: float = number(
-        "largest force over the load",
+        "largest contact force over the load",
         word="maximum of F/W",
         form=".3f",
         in_table=True,
@@ -619,7 +686,7 @@ class MotionNumbers:
         ),
     )
     force_min_ratio: float = number(
-        "least force over the load", word="minimum of F/W", form=".3f", in_table=True
+        "least contact force over the load", word="minimum of F/W", form=".3f", in_table=True
     )
     largest_force_n: float = number("largest contact force", "N")
     impacts: int = number("returns to contact")
@@ -633,33 +700,58 @@ class MotionNumbers:
         in_table=True,
         default=None,
     )
-    force_law_loads: int | None = number("loads of the force law", default=None)
-    force_law_min_n: float | None = number("its least load", "N", default=None)
-    force_law_max_n: float | None = number("its largest load", "N", default=None)
-    force_law_error_n: float | None = number("its rms error between these loads", "N", default=None)
-    force_law_error_db: float | None = number("the same as decibels of the level", DB, default=None)
-    force_law_top_error: float | None = number("its error at the largest load", default=None)
-    force_law_fault: str | None = number("why loads are missing", "", default=None)
-    force_outside_share: float = number("share of time with a force beyond these loads")
-    comb_spread_db: float | None = number("spread of LAeq over the comb", DB, default=None)
-    comb_mean_laeq_db: float | None = number("mean of LAeq over the comb", DB_A, default=None)
+    force_law_loads: int | None = number("loads that make the force law", default=None)
+    force_law_min_n: float | None = number("least load of the force law", "N", default=None)
+    force_law_max_n: float | None = number("largest load of the force law", "N", default=None)
+    force_law_error_n: float | None = number(
+        "rms error of the force law between its loads", "N", default=None
+    )
+    force_law_error_db: float | None = number(
+        "error of the level from the force law", DB, default=None
+    )
+    force_law_top_error: float | None = number(
+        "error of the force law at its largest load", default=None
+    )
+    force_law_fault: str | None = number("why loads of the force law are missing", "", default=None)
+    force_outside_share: float = number(
+        "share of time with a force beyond the loads of the force law"
+    )
+    comb_spread_db: float | None = number(
+        "rms spread of LAeq over a comb of speeds near that of the scene; none where no "
+        "narrow resonance matters",
+        DB,
+        default=None,
+    )
+    comb_mean_laeq_db: float | None = number(
+        "level of the mean power over this comb", DB_A, default=None
+    )
     baffle_db: float = number(
         "part of ± because a free plate is computed as in a baffle", DB, default=0.0
     )
     time_step_s: float = number("time step of the motion", "s")
-    step_error_db: float | None = number("error of the time steps", DB, default=None)
+    step_error_db: float | None = number(
+        "error of LAeq from the time steps of the motion", DB, default=None
+    )
     balance_error: float | None = number("error of the energy of the motion", default=None)
     settled: bool = number("whether the motion repeats from lap to lap", "")
     laps: float = number("laps that were moved")
-    transient_s: float | None = number("time to run in", "s", default=None)
+    transient_s: float | None = number(
+        "time in which the ringing of the start falls to a thousandth; 0 after a run-in",
+        "s",
+        default=None,
+    )
     ball_mass_kg: float = number("mass of the ball", "kg")
     contact_stiffness_n_m: float = number("stiffness of the contact", "N/m")
     plate_mobility_s_kg: float = number("mobility of the plate", "s/kg")
     plate_modes: int | None = number("modes of a plate with edges up to 30 kHz", default=None)
     resonance_hz: float = number("resonance of the ball on its contact", "Hz", in_table=True)
-    resonance_q: float | None = number("its quality; none without damping", default=None)
-    resonance_wavelength_m: float = number("wavelength that excites it", "m")
-    critical_hz: float | None = number("coincidence of the plate", "Hz", default=None)
+    resonance_q: float | None = number(
+        "quality of the resonance of the ball on its contact; none without damping", default=None
+    )
+    resonance_wavelength_m: float = number(
+        "wavelength of roughness that excites this resonance", "m"
+    )
+    critical_hz: float | None = number("coincidence frequency of the plate", "Hz", default=None)
     bending_limit_hz: float | None = number(
         "frequency up to which the plate is thin", "Hz", default=None
     )
@@ -674,18 +766,20 @@ class MotionNumbers:
 
 @dataclass(frozen=True, kw_only=True)
 class EstimateNumbers:
-    """The linear chain that estimates the vibration of a run without dynamics."""
+    """The linear chain that estimates the vibration of a run without `dynamics`."""
 
-    laeq_db: float | None = number("LAeq that it gives for the solved record", DB_A, default=None)
+    laeq_db: float | None = number(
+        "LAeq of the vibration that the chain gives for the solved record", DB_A, default=None
+    )
     force_ratio: float = number(
         "rms fluctuation of the force over the load; above 0.3 the estimate is too high"
     )
-    bodies: str = number("ball and plate that it assumes", "")
+    bodies: str = number("ball and plate that the chain assumes", "")
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChannelNumbers:
-    """Levels of a channel: a signal of plate, ball or contact."""
+    """Levels of a channel of `sound.channels`: a signal of plate, ball or contact."""
 
     name: str = number("name of the channel", "")
     of: str = number("plate, ball or contact", "")
@@ -693,12 +787,16 @@ class ChannelNumbers:
     unit: str = number("unit of the samples", "")
     reference: str = number("reference of the levels (ISO 1683)", "")
     positive: str = number("which sense is positive", "")
-    place_mm: tuple[float, ...] | None = number("place on the plate", "mm", default=None)
+    place_mm: tuple[float, ...] | None = number(
+        "place on the plate, from the contact or the corner", "mm", default=None
+    )
     level_db: float | None = number("level without weighting", DB, default=None)
-    rms: float = number("rms in the unit")
-    peak: float = number("peak in the unit")
-    third_octaves: BandQuantity | None = group("levels of the third octaves", default=None)
-    octaves: BandQuantity | None = group("levels of the octaves", default=None)
+    rms: float = number("rms of the samples, in their unit")
+    peak: float = number("largest magnitude of the samples, in their unit")
+    third_octaves: BandQuantity | None = group(
+        "levels of the third octaves, without weighting", default=None
+    )
+    octaves: BandQuantity | None = group("levels of the octaves, without weighting", default=None)
     note: str = number("what a reader of the levels must know", "")
 
 
@@ -707,39 +805,45 @@ class PassNumbers:
     """Numbers of one pass over a plate that keeps its plastic overlap."""
 
     vibration_laeq_db: float | None = number(
-        "LAeq of the vibration, estimated",
+        "LAeq of the vibration of the pass, estimated",
         DB_A,
         word="LAeq of the vibration, estimated",
         default=None,
     )
     laeq_db: float | None = number(
-        "LAeq of the released power",
+        "LAeq of the released power of the pass",
         DB_A,
         word="LAeq of the released power (q = 1, upper bound)",
         default=None,
     )
-    level_db: float | None = number("LZeq of the released power", DB, default=None)
+    level_db: float | None = number("LZeq of the released power of the pass", DB, default=None)
     release_power_mean_w: float = number(
-        "mean released power", "W", word="mean released power", shown_unit="µW", factor=1e6
+        "mean released power of the pass",
+        "W",
+        word="mean released power",
+        shown_unit="µW",
+        factor=1e6,
     )
-    plastic_work_j: float = number("plastic work", "J")
-    depth_um: float = number("maximum depth so far", "um", word="maximum depth", shown_unit="µm")
+    plastic_work_j: float = number("plastic work of the pass", "J")
+    depth_um: float = number(
+        "maximum depth of the track so far", "um", word="maximum depth", shown_unit="µm"
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
 class ListeningNumbers:
-    """Numbers of a long record, or the reason why there is none."""
+    """Numbers of a long record (`sound.listen_s`), or the reason why there is none."""
 
-    refused: str | None = number("why there is none", "", default=None)
-    seconds: float | None = number("length", "s", default=None)
-    laeq_db: float | None = number("LAeq", DB_A, default=None)
-    level_db: float | None = number("LZeq", DB, default=None)
-    solved_mm: float | None = number("length of the track that was solved", "mm", default=None)
-    rolled_mm: float | None = number("length that is rolled", "mm", default=None)
+    refused: str | None = number("why there is no long record", "", default=None)
+    seconds: float | None = number("length of the long record", "s", default=None)
+    laeq_db: float | None = number("LAeq of the long record", DB_A, default=None)
+    level_db: float | None = number("LZeq of the long record", DB, default=None)
+    solved_mm: float | None = number("length of track that was solved", "mm", default=None)
+    rolled_mm: float | None = number("length of track that is rolled", "mm", default=None)
     solved_share: float | None = number(
         "share of the record, in time, that was solved", default=None
     )
-    kurtosis: float | None = number("kurtosis", default=None)
+    kurtosis: float | None = number("kurtosis of the sound pressure", default=None)
     stretches: int | None = number("rare stretches that are inserted as solved", default=None)
     turn_mm: float | None = number("length of a turn of a ball with a surface", "mm", default=None)
     highest_frequency_hz: float | None = number(
@@ -751,14 +855,16 @@ class ListeningNumbers:
     impacts: int | None = number("returns to contact", default=None)
     flight_share: float | None = number("share of time without contact", default=None)
     force_outside_share: float | None = number(
-        "share of time with a force beyond the loads", default=None
+        "share of time with a force beyond the loads of the force law", default=None
     )
     limited_share: float | None = number(
-        "share of values at a limit of the continuation", default=None
+        "share of the continued values that are cut at a limit", default=None
     )
-    seed: int | None = number("number of the random continuation", default=None)
+    seed: int | None = number("seed of the random continuation", default=None)
     ends: bool | None = number(
-        "whether it is of something that ends, whose level it is then", "", default=None
+        "whether it is of something that ends, such as a fall; its level is then that of the run",
+        "",
+        default=None,
     )
     lae_db: float | None = number("LAE of what ends (re 1 s)", DB_A, default=None)
     laf_max_db: float | None = number("LAFmax of what ends", DB_A, default=None)
