@@ -154,7 +154,6 @@ def _scenes() -> dict[str, list[str]]:
 def _make_site(folder: Path) -> None:
     """Run the scenes of the site, and write sound, picture and level of each run."""
     from rolling.report import film, text
-    from rolling.results import answer
     from rolling.run.folder import stored_runs
     from rolling.run.solving import open_runs
 
@@ -172,15 +171,17 @@ def _make_site(folder: Path) -> None:
             if run.values:
                 title += f", {run.label}"
             source = "vibration" if run.sound.source == "vibration" else "released power"
-            level = f"{run.summary['listening']['laeq_db']:.1f} dB(A)"
+            numbers = run.numbers
+            level = f"{numbers.listening.laeq_db:.1f} dB(A)"
+            judged = numbers.leading.judged
             card = {
                 "title": title,
                 "stem": stem,
-                "vibration": answer.vibration(run.summary).text,
-                "released": answer.released_power(run.summary).text,
+                "vibration": str(numbers.vibration),
+                "released": str(numbers.released_power),
                 "played": f"The record that plays is the {source}, with {level}",
-                "word": run.summary["verdict"]["word"],
-                "reason": run.summary["verdict"]["reason"],
+                "word": judged.word,
+                "reason": judged.worst.text,
             }
             cards[name].append(card)
     (folder / "cards.json").write_text(json.dumps(cards), encoding="utf-8")

@@ -3,7 +3,8 @@
     python docs/_hooks/pictures.py [NAME...]
 
 makes all of them in scenarios/pictures, or those of the names: quickstart (its page and spectrum),
-vibrating-ball (the table of the README, which is no picture), choice, accuracy and gallery. A JSON
+vibrating-ball and python (the table and the example of the README, which are no pictures), choice,
+accuracy and gallery. A JSON
 has the version of the program, the digests of the scenes, the numbers, and the texts by which pages
 state them. tests/test_pictures.py compares these with the pages, and the command prints the texts
 that a page lacks. Runs are kept in outputs/pictures, by the sources of the program. Chromium (extra
@@ -20,11 +21,14 @@ import shutil
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import choice_picture
 import gallery
 from build_cache import ROOT
+
+if TYPE_CHECKING:
+    from rolling.numbers.ball_numbers import RunNumbers
 
 PICTURES = ROOT / "scenarios" / "pictures"
 OUT = Path("outputs") / "pictures"
@@ -172,20 +176,23 @@ def _run(name: str, scenes: Scenes) -> Path:
 
 def _answers(folder: Path) -> dict[str, dict[str, str]]:
     """Return the two numbers of each run of a folder as they are printed, by its label."""
-    from rolling.results import answer
     from rolling.results.labels import labels
-    from rolling.results.run_folder import stored_summary
+    from rolling.results.stored_numbers import read_stored
     from rolling.run.folder import done_runs
 
-    answers = {}
     runs = done_runs(folder)
-    for label, run in zip(labels(runs), runs, strict=True):
-        summary = stored_summary(run) or {}
-        answers[label] = {
-            "vibration": answer.vibration(summary).number,
-            "released power": answer.released_power(summary).number,
-        }
-    return answers
+    return {
+        label: _numbers(read_stored(run.folder).numbers)
+        for label, run in zip(labels(runs), runs, strict=True)
+    }
+
+
+def _numbers(numbers: RunNumbers) -> dict[str, str]:
+    """Return the two numbers of a run as they are printed."""
+    return {
+        "vibration": numbers.vibration.number,
+        "released power": numbers.released_power.number,
+    }
 
 
 QUICKSTART: Scenes = {"quickstart": []}
@@ -233,6 +240,28 @@ def _readme_table(path: Path) -> Shown:
 def _level(number: str) -> float:
     """Return the level of a number such as `14.5 ± 0.6`."""
     return float(number.split()[0])
+
+
+PYTHON: Scenes = {"quickstart": ["sweep=", "rolling.load_n=20", "rolling.duration_s=0.1"]}
+
+
+def _readme_example(path: Path) -> Shown:
+    """Run the example of the README, which prints the two numbers as the terminal does."""
+    from rolling import read_scene, simulate
+    from rolling.results.run_lines import answer_lines
+
+    run = simulate(read_scene("quickstart", PYTHON["quickstart"]))
+    both = _numbers(run.numbers)
+    printed = "\n".join(answer_lines([run]))
+    if not all(number in printed for number in both.values()):
+        raise SystemExit(f"the terminal prints other numbers than {both}:\n{printed}")
+    lines = [
+        f"# {run.vibration}",
+        f"# {run.released_power}",
+        f"run.vibration.value, run.vibration.verdict"
+        f"  # {run.vibration.value:.1f}, {run.vibration.verdict!r}",
+    ]
+    return Shown(both, dict.fromkeys(("README.md", "docs/getting-started.md"), lines))
 
 
 def _choice(path: Path) -> Shown:
@@ -285,6 +314,7 @@ ALL = (
     Picture("quickstart", "quickstart-report", _quickstart_page, QUICKSTART),
     Picture("quickstart", "quickstart-spectrum", _quickstart_spectrum, QUICKSTART),
     Picture("vibrating-ball", "readme-table", _readme_table, TABLE, is_drawn=False),
+    Picture("python", "readme-example", _readme_example, PYTHON, is_drawn=False),
     Picture("choice", "choice", _choice, {}),
     Picture("accuracy", "quickstart-accuracy", _accuracy, ACCURACY),
     Picture("gallery", "gallery", _gallery, gallery.SITE),
