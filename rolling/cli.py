@@ -567,12 +567,12 @@ def _schema(given: argparse.Namespace) -> int:
     """Print the JSON Schema of scenes, or of summary.json."""
     import json
 
-    from rolling.numbers.run_file import StoredNumbers
+    from rolling.numbers.run_file import StoredBearing, StoredNumbers
     from rolling.numbers.summary_schema import summary_schema
     from rolling.scene import bearing_file, file
 
     if given.summary:
-        schema = summary_schema(StoredNumbers)
+        schema = summary_schema(StoredBearing if given.bearing else StoredNumbers)
     elif given.bearing:
         schema = bearing_file.bearing_schema()
     else:

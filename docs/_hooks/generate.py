@@ -19,15 +19,14 @@ from typing import Any
 ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT), str(Path(__file__).parent)]
 
-import former_names  # noqa: E402, because this folder has to be found first
 import number_tables  # noqa: E402
+import renamed_numbers  # noqa: E402, because this folder has to be found first
 from number_tables import table  # noqa: E402
 
 COMMAND = "python docs/_hooks/generate.py"
 
 Json = dict[str, Any]
 BEARING_PAGE = "bearing-keys.md"
-SUMMARY_SCHEMA = "summary.schema.json"
 PLACES = {  # of the values of a key
     "material": "[name](materials.md#materials)",
     "finish": "[name](materials.md#finishes)",
@@ -75,9 +74,9 @@ def generated() -> dict[Path, str]:
             for kind in number_tables.KINDS
         },
         docs / "former-names.md": _between(
-            docs / "former-names.md", "names", former_names.reference()
+            docs / "former-names.md", "names", renamed_numbers.reference()
         ),
-        docs / SUMMARY_SCHEMA: _json(_summary_schema()),
+        **{docs / kind.schema: _json(_summary_schema(kind.stored)) for kind in number_tables.KINDS},
     }
 
 
@@ -118,11 +117,10 @@ def _bearing_schema() -> Json:
     return bearing_schema()
 
 
-def _summary_schema() -> Json:
-    from rolling.numbers.run_file import StoredNumbers
+def _summary_schema(stored: type) -> Json:
     from rolling.numbers.summary_schema import summary_schema
 
-    return summary_schema(StoredNumbers)
+    return summary_schema(stored)
 
 
 def bearing_reference(schema: Json) -> str:

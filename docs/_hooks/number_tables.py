@@ -3,35 +3,39 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib
 import typing
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rolling.numbers import views
+from rolling.numbers.ball_numbers import DB_A, RunNumbers
+from rolling.numbers.bearing_numbers import UM_PER_S, BandVelocities, BearingNumbers
 from rolling.numbers.fields import NumberField, said_of
 from rolling.numbers.quantity import BandQuantity, Quantity
+from rolling.numbers.run_file import StoredBearing, StoredNumbers
 from rolling.numbers.summary_schema import hints_of, options_of
 
 
 class Kind(NamedTuple):
-    """Numbers of a kind of scene: their data class, where a run has it, and the page of its tables.
+    """Numbers of a kind of scene, and where the docs show them.
 
-    A kind whose module is not there has no tables.
+    stored : type. What a run folder holds of them.
+    root : type. Data class of the numbers.
+    page : str. Page of their tables.
+    schema : str. File of the JSON Schema of their summary.json.
     """
 
+    stored: type
+    root: type
     page: str
-    module: str
-    name: str
-
-    @property
-    def root(self) -> type:
-        """The data class."""
-        kind: type = getattr(importlib.import_module(self.module), self.name)
-        return kind
+    schema: str
 
 
-KINDS = (Kind("numbers.md", "rolling.numbers.ball_numbers", "RunNumbers"),)
+KINDS = (
+    Kind(StoredNumbers, RunNumbers, "numbers.md", "summary.schema.json"),
+    Kind(StoredBearing, BearingNumbers, "bearing-numbers.md", "bearing-summary.schema.json"),
+)
+UNITS = {BandVelocities: UM_PER_S}  # of the quantities of a data class, if they are no levels
 
 ROOT = "run.numbers"  # of a run in Python
 BANDS = ("bands",)  # place of the third octaves that bands.csv has
@@ -40,10 +44,15 @@ _NO_UNITS = {str: "text", bool: "yes or no", int: "count"}  # of a field without
 
 
 class Group(NamedTuple):
-    """A data class of numbers with all places that have it."""
+    """A data class of numbers with all places that have it, and what it means there."""
 
     kind: type
-    paths: list[tuple[str, ...]]
+    meanings: dict[tuple[str, ...], str]
+
+    @property
+    def paths(self) -> list[tuple[str, ...]]:
+        """The places."""
+        return [*self.meanings]
 
 
 def reference(kind: Kind) -> str:
@@ -52,7 +61,8 @@ def reference(kind: Kind) -> str:
     parts = []
     for group in _groups(kind.root):
         parts += [_heading(group), "", *_introduction(group), ""]
-        parts += [table(HEAD, _rows(group, columns)), ""]
+        if rows := [*_rows(group, columns)]:
+            parts += [table(HEAD, rows), ""]
     return "\n".join(parts).rstrip()
 
 
@@ -84,7 +94,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 def _groups(root: type) -> Sequence[Group]:
     """List the data class of numbers and all in it, each once, in the order of their fields."""
-    groups: dict[type, Group] = {root: Group(root, [()])}
+    groups: dict[type, Group] = {root: Group(root, {(): ""})}
     _add_groups(root, (), groups)
     return [*groups.values()]
 
@@ -97,7 +107,7 @@ def _add_groups(kind: type, path: tuple[str, ...], groups: dict[type, Group]) ->
         if said is None or inner is None:
             continue
         place = (*path, f"{one.name}[i]" if is_list else one.name)
-        groups.setdefault(inner, Group(inner, [])).paths.append(place)
+        groups.setdefault(inner, Group(inner, {})).meanings[place] = said.meaning
         _add_groups(inner, place, groups)
 
 
@@ -119,19 +129,25 @@ def _heading(group: Group) -> str:
 
 
 def _introduction(group: Group) -> Iterator[str]:
-    """Yield the paragraph of a group: what it is, and where it stands in Python."""
-    places = " and ".join(f"`{'.'.join((ROOT, *path))}`" for path in group.paths)
-    if not group.paths[0]:
+    """Yield the lines that say what a group is, and where it stands in Python."""
+    places = {".".join((ROOT, *path)): meaning for path, meaning in group.meanings.items()}
+    if group.paths == [()]:
         yield f"In Python these are fields of `{ROOT}`."
         return
     first = (group.kind.__doc__ or "").partition("\n")[0].rstrip(".")
-    yield f"{first}. In Python: {places}."
+    if len(places) == 1:
+        yield f"{first}. In Python: `{next(iter(places))}`."
+        return
+    yield f"{first}. In Python:"
+    yield ""
+    for place, meaning in places.items():
+        yield f"- `{place}`: {meaning}"
 
 
 # ---- rows
 
 
-def _rows(group: Group, columns: dict[str, views.Cell]) -> Iterator[list[str]]:
+def _rows(group: Group, columns: Mapping[str, views.Cell]) -> Iterator[list[str]]:
     """Yield the row of each field of a group that is no group with a table of its own."""
     for one in dataclasses.fields(group.kind):
         said = said_of(one)
@@ -140,7 +156,9 @@ def _rows(group: Group, columns: dict[str, views.Cell]) -> Iterator[list[str]]:
         if said is None or inner is not None:
             continue
         places = [(*path, one.name) for path in group.paths]
-        cells = [cell for place in places for cell in _columns(place, said, hint, columns)]
+        cells = [
+            cell for place in places for cell in _columns(place, said, hint, group.kind, columns)
+        ]
         yield [f"`{one.name}`", _unit(said, hint), said.meaning, "<br>".join(cells) or "-"]
 
 
@@ -163,23 +181,26 @@ def _unit(said: NumberField, hint: Any) -> str:
 
 
 def _columns(
-    place: tuple[str, ...], said: NumberField, hint: Any, columns: dict[str, views.Cell]
+    place: tuple[str, ...],
+    said: NumberField,
+    hint: Any,
+    kind: type,
+    columns: Mapping[str, views.Cell],
 ) -> Iterator[str]:
-    """Yield the columns of a field; those that runs.csv has are bold."""
-    name = "_".join(place)
-    if Quantity in options_of(hint):
-        quantity = _value(hint)
-        names = [*views.quantity_cells(name, said, quantity)]
-    elif BandQuantity in options_of(hint):
+    """Yield the column of a field; one that runs.csv has is bold.
+
+    Of a quantity it is that of the value. The names of its other columns begin as this one does.
+    """
+    column = "_".join(place)
+    options = options_of(hint)
+    if BandQuantity in options:
         if place[:-1] == BANDS:
             yield f"**bands.csv**: `{place[-1]}`"
         return
-    else:
-        names = [name]
-    for column in names:
-        if column in columns:
-            in_table = columns[column].said.in_table
-            yield f"**`{column}`**" if in_table else f"`{column}`"
+    if Quantity in options:
+        column = next(iter(views.quantity_cells(column, said, _quantity(kind))))
+    if column in columns:
+        yield f"**`{column}`**" if columns[column].said.in_table else f"`{column}`"
 
 
 # ---- a run that has all numbers
@@ -187,20 +208,26 @@ def _columns(
 
 def _specimen(kind: type) -> Any:
     """Return numbers of a run that has every group, so that all columns are there."""
-    return kind(**{one.name: _value(hints_of(kind)[one.name]) for one in dataclasses.fields(kind)})
+    hints = hints_of(kind)
+    return kind(**{one.name: _value(hints[one.name], kind) for one in dataclasses.fields(kind)})
 
 
-def _value(hint: Any) -> Any:
-    """Return a value of a type."""
+def _value(hint: Any, kind: type) -> Any:
+    """Return a value of a type for a field of a data class."""
     inner, is_list = _inner(hint)
     if inner is not None:
         return (_specimen(inner),) if is_list else _specimen(inner)
     option = options_of(hint)[0]
     if option is Quantity:
-        return Quantity("level", 0.0, unit="dB(A)")
+        return _quantity(kind)
     if option is BandQuantity:
         return BandQuantity(unit="dB", frequency_hz=(), value=())
     origin = typing.get_origin(option)
     if origin in (dict, tuple):
         return origin()
     return option() if isinstance(option, type) else ""
+
+
+def _quantity(kind: type) -> Quantity:
+    """Return a quantity of a data class."""
+    return Quantity("level", 0.0, unit=UNITS.get(kind, DB_A))

@@ -152,7 +152,7 @@ class RingNumbers:
     """The ring that does not turn, and therefore vibrates."""
 
     moving: str = number("which ring vibrates: inner or outer", "")
-    mass_kg: float = number("its mass", "kg")
+    mass_kg: float = number("mass of the ring that vibrates", "kg")
     resonances_hz: tuple[float, ...] = number("resonances of the rigid ring on its balls", "Hz")
     bending_hz: float = number("first bending mode, above which it is not rigid", "Hz")
 

@@ -170,8 +170,8 @@ def _quantity() -> Json:
         {
             "value": number | {"description": "the value; null: none, and `reason` says why"},
             "unit": text | {"description": "unit of the value"},
-            "uncertainty": number
-            | {"description": "standard uncertainty, dB for a level; null: unknown"},
+            "uncertainty": number | {"description": "standard uncertainty; null: unknown"},
+            "uncertainty_unit": text | {"description": "unit of the uncertainty and its parts"},
             "how": {"enum": [*typing.get_args(How)], "description": "how it was found"},
             "verdict": {
                 "anyOf": [verdict, {"type": "null"}],

@@ -558,10 +558,11 @@ def _add_schema(commands: Any) -> None:
         answer="Print the JSON Schema of scene files, with which an editor completes and "
         "checks keys.",
     )
-    of_what = schema.add_mutually_exclusive_group()
-    of_what.add_argument("--bearing", action="store_true", help="the schema of scenes of a bearing")
-    of_what.add_argument(
-        "--summary", action="store_true", help="the schema of summary.json, with units and meanings"
+    schema.add_argument("--bearing", action="store_true", help="the schema of scenes of a bearing")
+    schema.add_argument(
+        "--summary",
+        action="store_true",
+        help="the schema of summary.json of a run, with --bearing of a bearing",
     )
 
 

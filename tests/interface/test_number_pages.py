@@ -14,7 +14,7 @@ from finished import VIBRATING, WITHOUT_DYNAMICS, marched
 from rolling import cli
 from rolling.numbers import views
 from rolling.numbers.ball_numbers import RunNumbers
-from rolling.numbers.run_file import StoredNumbers
+from rolling.numbers.run_file import StoredBearing, StoredNumbers
 from rolling.numbers.summary_schema import summary_schema
 from rolling.results.former_numbers import former_names
 from rolling.results.run_folder import SUMMARY
@@ -22,8 +22,8 @@ from rolling.results.run_result import Run, write_run
 
 ROOT = Path(__file__).parents[2]
 sys.path.append(str(ROOT / "docs" / "_hooks"))
-import former_names as former_page  # noqa: E402
 import number_tables  # noqa: E402
+import renamed_numbers  # noqa: E402
 
 CHANNEL = "sound.channels=[{of: contact, quantity: force}]"
 
@@ -53,16 +53,28 @@ def test_summaries_of_runs_meet_their_schema(runs: list[Run], tmp_path: Path) ->
             assert not validator.is_valid(wrong)
 
 
-def test_command_prints_the_schema_of_summaries(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["schema", "--summary"]) == 0
-    assert json.loads(capsys.readouterr().out) == summary_schema(StoredNumbers)
+@pytest.mark.parametrize(
+    ("words", "stored"), [((), StoredNumbers), (("--bearing",), StoredBearing)]
+)
+def test_command_prints_the_schema_of_summaries(
+    words: tuple[str, ...], stored: type, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["schema", "--summary", *words]) == 0
+    assert json.loads(capsys.readouterr().out) == summary_schema(stored)
 
 
 def test_tables_of_the_docs_have_all_columns_of_runs(runs: list[Run]) -> None:
     text = (ROOT / "docs" / "numbers.md").read_text(encoding="utf-8")
     for run in runs:
-        for name, cell in views.columns(run.numbers).items():
-            bold = "**" if cell.said.in_table else ""
+        columns = views.columns(run.numbers)
+        of_quantities = {
+            name
+            for quantity in (run.vibration, run.released_power)
+            for name in columns
+            if name.startswith(f"{quantity.name}_")
+        }
+        for name in {*columns} - of_quantities | {"vibration_db", "released_power_db"}:
+            bold = "**" if columns[name].said.in_table else ""
             assert f"{bold}`{name}`{bold}" in text, name
         for name in views.bands_of(run.numbers.bands):
             assert f"**bands.csv**: `{name}`" in text, name
@@ -70,17 +82,17 @@ def test_tables_of_the_docs_have_all_columns_of_runs(runs: list[Run]) -> None:
 
 def test_a_meaning_stands_alone() -> None:
     """It is the `long_name` of a variable and a description in a schema, without neighbours."""
-    columns = number_tables.columns_of(RunNumbers)
     leaning = {
         name: cell.said.meaning
-        for name, cell in columns.items()
+        for kind in number_tables.KINDS
+        for name, cell in number_tables.columns_of(kind.root).items()
         if re.match(r"(its|the same|they|it)\b", cell.said.meaning)
     }
     assert not leaning
 
 
 def test_each_former_name_has_a_present_one(runs: list[Run]) -> None:
-    rows = list(former_page.renamed())
+    rows = list(renamed_numbers.renamed())
     places = number_tables.paths_of(RunNumbers)
     for row in rows:
         path = row.path.replace("played.", "levels.vibration.")
