@@ -20,12 +20,11 @@ from acoustics import plots
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.spectrum import article_line_level_db
 from rolling import plot
-from rolling.figures import plot_run, write_figures, write_number_figures
+from rolling.figures import plot_run, sweep, write_figures, write_number_figures
 from rolling.figures.catalogue import comparing_pictures
 from rolling.figures.picture import Picture
 from rolling.figures.settings import PictureWarning
 from rolling.report.page import page
-from rolling.results import runs_table
 from rolling.results.run_result import Run
 from rolling.scene.file import read_scene
 from rolling.scene.scene import Scene
@@ -121,14 +120,16 @@ def test_shares_of_recovery_events_add_up_to_one() -> None:
 def test_levels_and_areas_against_the_load_are_the_numbers_of_the_runs(three) -> None:
     ax = plot.levels(three, "rolling.load_n", Figure().subplots())
     (right,) = [other for other in ax.figure.axes if other is not ax]
-    for side, key in ((ax, "vibration_estimate_laeq_db"), (right, "laeq_db")):
+    vibrations = [run.vibration for run in three]
+    released = [run.released_power for run in three]
+    for side, quantities in ((ax, vibrations), (right, released)):
         line = side.get_lines()[0]
         assert line.get_xdata().tolist() == [0.5, 1, 2]
-        assert line.get_ydata() == pytest.approx([run.summary[key] for run in three])
+        assert line.get_ydata() == pytest.approx([one.value for one in quantities])
     assert np.ptp(ax.get_ylim()) == pytest.approx(np.ptp(right.get_ylim()))  # decibels per length
     area = plot.contact_areas(three, None, Figure().subplots()).get_lines()[0].get_ydata()
     mean = [run.series["contact_area"][:-1].mean() * 1e12 for run in three]
-    assert area == pytest.approx(mean, rel=0.01)  # the summary weights the ends of the track
+    assert area == pytest.approx(mean, rel=0.01)  # the numbers weight the ends of the track
 
 
 def test_vibration_stands_before_released_power_in_a_sweep(three) -> None:
@@ -236,15 +237,27 @@ def test_seeds_have_their_mean_and_standard_deviation() -> None:
 
 def test_figures_of_a_table_draw_means_over_the_seeds(tmp_path) -> None:
     runs = runs_of("seeds")
-    frame = runs_table.runs_table(runs).reset_index()
-    paths = write_number_figures(frame, ["laeq_db"], ["rolling.load_n"], tmp_path, "seeds")
+    paths = write_number_figures(runs, ["released_power_db"], ["rolling.load_n"], tmp_path)
     paths += write_number_figures(
-        frame, ["laeq_db"], ["rolling.load_n", "surface.seed"], tmp_path, "seeds"
+        runs, ["released_power_db"], ["rolling.load_n", "surface.seed"], tmp_path
     )
-    names = ["mean_third_octaves", "laeq_db_against_rolling.load_n"]
-    both = "laeq_db_against_rolling.load_n_surface.seed"
+    names = ["mean_third_octaves", "released_power_db_against_rolling.load_n"]
+    both = "released_power_db_against_rolling.load_n_surface.seed"
     assert [path.stem for path in paths] == [*names, "mean_third_octaves", both]
     assert all(path.stat().st_size > 5000 for path in paths)
+
+
+def test_a_number_of_runs_is_drawn_as_its_field_says() -> None:
+    """Label, unit and factor are those of the field; levels say of which source they are."""
+    runs = runs_of("seeds")
+    pressure = sweep.number_of(runs, "contact_max_pressure_pa")
+    assert pressure.head == "maximum pressure [GPa]" and pressure.name == "Maximum pressure"
+    expected = [run.numbers.contact.max_pressure_pa * 1e-9 for run in runs]
+    assert pressure.values == pytest.approx(expected)
+    assert sweep.number_of(runs, "vibration_db").head == "vibration [dB(A)]"
+    peak = sweep.number_of(runs, "levels_released_power_lz_peak_db")
+    assert peak.head == "LZpeak of the released power [dB]"
+    assert np.isnan(sweep.number_of(runs, "motion_resonance_hz").values).all()
 
 
 def test_a_run_with_dynamics_has_four_figures_of_its_vibration() -> None:
@@ -255,13 +268,13 @@ def test_a_run_with_dynamics_has_four_figures_of_its_vibration() -> None:
     }
     sources = tables["sources"]
     force = tables["contact_force"]
-    assert np.nanmax(sources["release_level_db"]) > np.nanmax(sources["vibration_level_db"])
-    assert force["minimum_ratio"].min() == pytest.approx(fast.summary["force_min_ratio"])
-    assert force["maximum_ratio"].max() == pytest.approx(fast.summary["force_max_ratio"])
+    assert np.nanmax(sources["released_power_level_db"]) > np.nanmax(sources["vibration_level_db"])
+    assert force["minimum_ratio"].min() == pytest.approx(fast.numbers.motion.force_min_ratio)
+    assert force["maximum_ratio"].max() == pytest.approx(fast.numbers.motion.force_max_ratio)
     assert np.nanmin(tables["contact_filter"]["contact_filter_db"]) < -6  # short waves average out
     total = tables["mobilities"]["all_three_in_a_row_s_kg"]
     f = tables["mobilities"]["frequency_hz"]
-    assert f[total.argmin()] == pytest.approx(fast.summary["resonance_hz"], rel=0.05)
+    assert f[total.argmin()] == pytest.approx(fast.numbers.motion.resonance_hz, rel=0.05)
 
 
 # ---- axes and notes
@@ -379,9 +392,11 @@ def test_ten_seconds_stay_small(three) -> None:
 
 
 def test_values_that_are_equal_in_print_have_curves_of_their_own(tmp_path) -> None:
-    frame = runs_table.runs_table(runs_of("seeds")).reset_index()
-    frame["rolling.load_n"] = np.where(np.arange(len(frame)) % 2, 0.3, 0.1 * 3)
-    (_, drawn) = write_number_figures(frame, ["laeq_db"], ["rolling.load_n"], tmp_path, "")
+    runs = [
+        replace(run, values=run.values | {"rolling.load_n": 0.3 if k % 2 else 0.1 * 3})
+        for k, run in enumerate(runs_of("seeds"))
+    ]
+    (_, drawn) = write_number_figures(runs, ["released_power_db"], ["rolling.load_n"], tmp_path)
     assert drawn.stat().st_size > 5000
 
 

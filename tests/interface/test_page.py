@@ -13,7 +13,6 @@ from report_browser import MINUS, axe_findings, hear, until, without_browser
 from report_runs import HOSTILE, runs_of
 
 from rolling.report.page import page as page_of
-from rolling.results import verdict
 from rolling.scene.scene import Scene
 
 LABELS = {
@@ -84,9 +83,8 @@ def test_a_row_of_the_numbers_chooses_its_run(pages, opened) -> None:
             rows.nth(number).locator("td").last.click(force=True)  # a label covers the row
             assert page.input_value("#choose") == str(number)
             shown = rows.nth(number).inner_text()
-            assert f"{run.summary['vibration_estimate_laeq_db']:.1f}" in shown
-            assert f"{run.summary['laeq_db']:.1f}" in shown
-            assert verdict.of_vibration(run.summary).word in shown
+            for quantity in (run.vibration, run.released_power):
+                assert f"{quantity.value:.1f}" in shown and quantity.verdict in shown
 
 
 @pytest.mark.parametrize("names", ["three", "flying"])
@@ -288,18 +286,18 @@ def test_a_blind_test_counts_and_states_the_chance(pages, opened) -> None:
 
 
 def test_the_difference_of_two_spectra_has_its_uncertainty(pages, opened) -> None:
-    first, _, last = (run.summary for run in runs_of("three"))
+    first, _, last = (run.numbers.bands.released_power for run in runs_of("three"))
     with opened(pages("three")) as page:
         page.evaluate(OPEN_ALL)
         figure = page.locator("#difference")
         figure.locator("svg").first.focus()
         until(page, "document.querySelector('#difference .bar')")
         page.keyboard.press("Home")
-        for band, level in first["third_octave_db"].items():
-            other = last["third_octave_db"][band]
+        for band, level in first.by_name.items():
+            other = last.by_name[band]
             if level is None or other is None:
                 continue
-            spreads = [run["third_octave_uncertainty_db"][band] for run in (first, last)]
+            spreads = [bands.uncertainty_by_name[band] for bands in (first, last)]
             read = figure.locator(".reading").inner_text().replace(MINUS, "-")
             row = re.fullmatch(r"([\d.]+ k?Hz)\nB - A\n(.+) ± (.+) dB", read)
             page.keyboard.press("ArrowRight")

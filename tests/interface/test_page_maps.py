@@ -335,7 +335,7 @@ def test_a_falling_ball_does_not_roll_under_its_load(pages, opened) -> None:
     assert run.result.slow_motion is not None and player["film"] is None
     assert gallery_still(run) is None
     maps = player["maps"]
-    motion = run.vibration.motion
+    motion = run.vibration_sound.motion
     first = motion.time_s[np.argmax(motion.force_n > 0)]
     assert first == pytest.approx(4.5e-3, rel=0.02)
     for begin, sentence in zip(maps["begins"], maps["instead"], strict=True):

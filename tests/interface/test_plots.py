@@ -30,6 +30,7 @@ from rolling import plot
 from rolling.figures.catalogue import comparing_pictures
 from rolling.figures.picture import picture as picture_of
 from rolling.figures.topography import topography
+from rolling.numbers.ball_numbers import TurnNumbers
 from rolling.report import film
 from rolling.report.charts import chart_of
 from rolling.results.run_result import Run
@@ -71,8 +72,8 @@ def drawing(name: str) -> Callable[[Axes], Axes]:
         return lambda ax: function(runs, ax=ax)
     run = runs[0]
     if name == "modulation":
-        turns = {"turn_band_hz": [562.0, 1122.0], "turn_hz": 300.0, "turn_prominence": 2.0}
-        run = replace(run, summary=run.summary | turns)
+        turns = TurnNumbers(turns=1.0, band_hz=(562.0, 1122.0), frequency_hz=300.0, prominence=2.0)
+        run = replace(run, numbers=replace(run.numbers, turns=turns))
     return lambda ax: function(run, ax=ax)
 
 
