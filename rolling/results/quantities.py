@@ -104,24 +104,24 @@ def as_heard(numbers: RunNumbers) -> RunNumbers:
     """Return numbers with the levels that people read beside the two numbers.
 
     The levels of what ends are those of the whole record, and other levels of the solved part are
-    left out. Levels that are measured like the one that leads are LAE for an event.
+    left out, as are those of a release that the run does not have. Levels that are measured like the one that leads are LAE for an event.
     """
     levels = numbers.levels
-    vibration = levels.vibration
-    released_power = levels.released_power
     is_whole = numbers.heard_whole is not None
     if numbers.record.source == "vibration":
-        vibration = heard_levels(numbers)
-        released_power = None if is_whole else released_power
+        has_release = numbers.released_power.value is not None and not is_whole
+        vibration: SourceLevels | None = heard_levels(numbers)
+        released_power = levels.released_power if has_release else None
     else:
+        has_release = not is_whole
+        vibration = None if is_whole else levels.vibration
         released_power = heard_levels(numbers)
-        vibration = None if is_whole else vibration
     at_listener_db = level_beside(numbers, levels.released_power_at_listener_db)
     shown = replace(
         levels,
         vibration=vibration,
         released_power=released_power,
-        released_power_at_listener_db=None if is_whole else at_listener_db,
+        released_power_at_listener_db=at_listener_db if has_release else None,
         compact_source_level_db=level_beside(numbers, levels.compact_source_level_db),
         hemisphere_mean_level_db=level_beside(numbers, levels.hemisphere_mean_level_db),
         plate_power_level_db=None if is_whole else levels.plate_power_level_db,
