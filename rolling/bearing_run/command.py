@@ -28,7 +28,7 @@ from rolling.numbers import views
 from rolling.numbers.bearing_numbers import BearingNumbers
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.results.run_folder import FAILED, PAGE, RESULT, SUMMARY, TABLE, BearingFolder
-from rolling.results.stored_numbers import with_page, write_stored
+from rolling.results.stored_numbers import refuse_former, with_page, write_stored
 from rolling.run import folder as folders
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.height_files import read_regular
@@ -79,6 +79,7 @@ def run_bearing(
     """
     folder = out or folders.default_folder(scene)
     folders.refuse_other(folder, scene)
+    refuse_former(folders.bearing_runs_in(folder, scene))
     source = None if start_from is None else folders.bearing_home(start_from)
     simulation.refuse(scene, workers, folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -442,9 +443,11 @@ def listen_bearing(folder: Path, seconds: float) -> list[Path]:
 
     Raises
     ------
-    FolderError : the folder holds several runs, or its run is not done.
+    FolderError : the folder holds several runs, or its run is not done, or of version 0.8.
     """
-    run = read_run(folders.done_bearing_run(folder, "listen to"))
+    place = folders.done_bearing_run(folder, "listen to")
+    refuse_former([place])
+    run = read_run(place)
     motion = move_ring(run.model, run.tracks, seconds, wav.SAMPLE_RATE_HZ)
     acceleration = motion.acceleration_m_s2[:, 0] - motion.acceleration_m_s2[:, 0].mean()
     samples = round(stored_run.FADE_S * wav.SAMPLE_RATE_HZ)

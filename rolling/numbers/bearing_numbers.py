@@ -226,7 +226,9 @@ class MarchedContact:
         default=None,
     )
     max_pressure_pa: float = number("maximum pressure", "Pa")
-    march_cpu_s: float = number("processor time of the marches at all loads", "s")
+    march_cpu_s: float | None = number(
+        "processor time of the marches at all loads; none for a run of 0.8.0", "s", default=None
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

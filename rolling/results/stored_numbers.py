@@ -6,7 +6,7 @@ bearings are written and read in the same way.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -17,7 +17,7 @@ from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.run_file import StoredBearing, StoredNumbers
 from rolling.numbers.stored import from_bytes, summary_of, to_bytes
 from rolling.results.former_numbers import former_numbers
-from rolling.results.run_folder import NUMBERS, SUMMARY, RunFolder
+from rolling.results.run_folder import NUMBERS, SUMMARY, RunFolder, RunPlace
 from rolling.scene.height_files import read_regular
 from rolling.terminal import files
 from rolling.terminal.files import FolderError
@@ -67,6 +67,22 @@ def read_kind(folder: Path, kind: type[_Stored], former: Callable[[bytes], _Stor
 def is_former(folder: Path) -> bool:
     """Tell whether a run folder has the numbers of version 0.8, or lacks its own."""
     return not (folder / NUMBERS).is_file() and (folder / SUMMARY).is_file()
+
+
+def refuse_former(runs: Iterable[RunPlace]) -> None:
+    """Refuse to go on with runs of version 0.8, or to make their sound anew.
+
+    Raises
+    ------
+    FolderError : one of the runs has the numbers of version 0.8.
+    """
+    for run in runs:
+        if is_former(run.folder):
+            raise FolderError(
+                f"{run.folder}: a run of version 0.8. This version shows it (`rolling report`,"
+                " `table`), but does not go on with it or make its sound anew. Version 0.8.1 does;"
+                " or solve its scene in a new folder, with another --out"
+            )
 
 
 def write_stored(folder: Path, stored: StoredNumbers | StoredBearing) -> None:

@@ -34,5 +34,8 @@ export function digits(value, count = 3) {
 
 const FLOOR = 0.1; // um/s, below which the small model rounds
 
-/** Write a velocity [m/s] in micrometres per second. */
-export const velocity = (metres) => (1e6 * metres < FLOOR ? `< ${FLOOR}` : digits(1e6 * metres));
+/** Write a velocity [m/s] in micrometres per second; one that is not known is null. */
+export const velocity = (metres) => {
+  if (metres === null) return "-";
+  return 1e6 * metres < FLOOR ? `< ${FLOOR}` : digits(1e6 * metres);
+};
