@@ -7,9 +7,8 @@ agree, neither flights nor the stiffness that changes with the force decide.
 
 from __future__ import annotations
 
-import json
-import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,16 +17,25 @@ from acoustics.arrays import Array
 from rolling.choice.candidates import LOSS_KEY
 from rolling.choice.heard import Specimen
 from rolling.marches import force_law
+from rolling.numbers.stored import from_bytes, to_bytes
 from rolling.results import result_file
 from rolling.results.run_folder import RESULT
 from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
 from rolling.sound import radiators
-from rolling.terminal.files import write_json
+from rolling.terminal.files import write_bytes
 
 CHAIN = "chain.json"
 POSITIONS = 12  # along the track, whose stiffness enters
 _MAX_BYTES = 100_000
+
+
+@dataclass(frozen=True)
+class StoredLevel:
+    """Level of a specimen by the linear chain [dB(A)], as chain.json has it; None of silence."""
+
+    loss_factors: tuple[float, ...]
+    laeq_db: float | None
 
 
 def chain_levels(specimens: Sequence[Specimen]) -> Array | None:
@@ -53,22 +61,17 @@ def _chain_level(specimen: Specimen) -> float | None:
     level = _stored_level(path, specimen.loss_factors)
     if level is None:
         level = _computed_level(specimen)
-        content = {"loss_factors": list(specimen.loss_factors), "laeq_db": level}
-        write_json(path, content)
+        write_bytes(path, to_bytes(StoredLevel(specimen.loss_factors, level)))
     return level
 
 
 def _stored_level(path: Path, loss_factors: Sequence[float]) -> float | None:
     """Return the stored level of a specimen [dB(A)]; None without one, or for a damaged file."""
     try:
-        stored = json.loads(read_regular(path, _MAX_BYTES))
-        level = stored["laeq_db"]
-        same = stored["loss_factors"] == list(loss_factors)
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        stored = from_bytes(StoredLevel, read_regular(path, _MAX_BYTES))
+    except (OSError, ValueError, RecursionError):
         return None
-    if not same or not isinstance(level, float) or not math.isfinite(level):
-        return None
-    return level
+    return stored.laeq_db if stored.loss_factors == tuple(loss_factors) else None
 
 
 def _computed_level(specimen: Specimen) -> float | None:

@@ -36,8 +36,12 @@ from rolling.sound.heard_in_room import (
 from rolling.terminal import progress
 
 LONG_S = 60.0  # time of the first marches, from which on it is said
-FORMAT = "rolling-contact-noise choice, format 2"
-FORMATS = (FORMAT, "rolling-contact-noise choice, format 1")  # with those of older versions
+FORMAT = "rolling-contact-noise choice, format 3"
+FORMATS = (  # with those of older versions
+    FORMAT,
+    "rolling-contact-noise choice, format 2",
+    "rolling-contact-noise choice, format 1",
+)
 
 USUAL = Budget()
 

@@ -16,10 +16,12 @@ from rolling.choice import page, table, words
 from rolling.choice.choice import Choice
 from rolling.choice.choosing import FORMAT
 from rolling.choice.difference import Difference
+from rolling.choice.doubts import doubts
 from rolling.figures.picture import csv_bytes
+from rolling.numbers.stored import summary_of
 from rolling.results import listening
+from rolling.results.provenance import provenance
 from rolling.results.run_result import Run
-from rolling.results.summary import provenance
 from rolling.run import folder as folders
 from rolling.run.choice_folder import CHOICE, PAGE, PICTURE, RUNS, TABLE
 from rolling.terminal import files, progress
@@ -120,7 +122,8 @@ def as_json(choice: Choice) -> dict[str, Any]:
         "limit": choice.limit,
         "ended_early": choice.is_early,
         "specimens": choice.noun,
-        "provenance": provenance(scene, choice.contenders[0].label),
+        "doubts": summary_of(doubts(choice)),
+        "provenance": summary_of(provenance(scene, choice.contenders[0].label)),
     }
 
 
@@ -132,6 +135,7 @@ def _difference_as_json(apart: Difference) -> dict[str, Any]:
         "uncertainty_db": apart.uncertainty_db,
         "sureness": apart.sureness,
         "parts_db": dict(zip(apart.parts_db, _known([*apart.parts_db.values()]), strict=True)),
+        "left_out_db": apart.left_out_db,
         "released_power_higher_db": apart.released_db,
         "released_power_higher_uncertainty_db": apart.released_uncertainty_db,
         "bands_db": dict(zip(BAND_NAMES, _known(apart.band_db.tolist()), strict=True)),

@@ -69,6 +69,13 @@ class Contender:
         return float(np.mean(levels)) if levels else None
 
 
+class Compared(NamedTuple):
+    """A contender, and how much louder than the quietest it is."""
+
+    contender: Contender
+    apart: Difference
+
+
 @dataclass(frozen=True, eq=False)
 class ChoiceNumbers:
     """Contenders of a choice, and their differences.
@@ -121,6 +128,12 @@ class ChoiceNumbers:
         """Numbers, from 1 on, of the specimens on which every candidate was heard."""
         left_out = [pair.number for pair in self.omitted]
         return [number for number in range(1, self.tried + 1) if number not in left_out]
+
+    @property
+    def widest(self) -> Compared:
+        """The contender whose difference has the largest ±."""
+        others = map(Compared, self.contenders[1:], self.differences)
+        return max(others, key=lambda one: one.apart.uncertainty_db or 0.0)
 
     @property
     def tried(self) -> int:

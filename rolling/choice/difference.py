@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -19,8 +19,14 @@ from acoustics.pairs import (
 )
 from acoustics.radiation import P_REF_PA
 from acoustics.unbaffled import baffle_difference_db
-from rolling.choice.heard import Heard, LevelError
+from rolling.choice.heard import BAFFLE, Heard, LevelError
+from rolling.numbers.quantity import joined
 
+SCATTER = "scatter"  # part of the pairs
+LEFT_OUT = "left_out"  # part of the pairs that have no solution
+# Parts of the ± of a run that have a part of their own in a difference. Pairs of specimens and
+# several speeds take the place of a single record and its comb, two loss factors that of one.
+COUNTED = ("record", "comb", "contact_loss", "grid", "instrument")
 LEAST_SHARE = 0.5  # of the wanted ± that the scatter of the pairs gets in any case
 
 
@@ -46,6 +52,9 @@ class Difference:
         The same for the released power, whose sign says nothing of what is heard.
     band_db, band_uncertainty_db : (31,) arrays, dB
         The same by third octave, NaN where it is unknown.
+    left_out_db : dict, dB
+        What the uncertainty leaves out, by source: parts of the ± of the runs that are taken to
+        shift both levels alike, with the size that they would have otherwise. Default: nothing.
 
     Examples
     --------
@@ -69,6 +78,7 @@ class Difference:
     released_uncertainty_db: float | None
     band_db: Array
     band_uncertainty_db: Array
+    left_out_db: dict[str, float] = field(default_factory=dict)
 
     @property
     def is_sure(self) -> bool:
@@ -80,8 +90,7 @@ class Difference:
 
         It gets at least half of the ±, whatever the other parts are.
         """
-        others = [db for part, db in self.parts_db.items() if part != "scatter"]
-        of_others = math.sqrt(sum(db**2 for db in others))
+        of_others = joined(self.parts_db, left_out=[SCATTER])
         left = math.sqrt(max(0.0, within_db**2 - of_others**2))
         return max(left, LEAST_SHARE * within_db)
 
@@ -111,18 +120,18 @@ def difference(first: Sequence[Heard], second: Sequence[Heard], omitted: int = 0
         of_pairs = paired_mean(apart.mean(axis=1))
         db = of_pairs.mean
         parts_db = {
-            "scatter": of_pairs.error,
+            SCATTER: of_pairs.error,
             "loss_factor": float(np.ptp(apart.mean(axis=0))) / 2,
             "grid": _error_part(pairs, "grid"),
             "instrument": _error_part(pairs, "instrument"),
-            "baffle": float(np.mean([_baffle_part(one, other) for one, other in pairs])),
+            BAFFLE: float(np.mean([_baffle_part(one, other) for one, other in pairs])),
         }
         adverse = None
         if omitted and math.isfinite(of_pairs.error):
             adverse = _with_adverse(apart.mean(axis=1), omitted)
-            parts_db["left_out"] = abs(db - adverse.mean)
+            parts_db[LEFT_OUT] = abs(db - adverse.mean)
         if math.isfinite(of_pairs.error):
-            total = math.hypot(*parts_db.values())
+            total = joined(parts_db)
             freedom = joint_freedom(of_pairs, total)
             uncertainty_db = total * student_factor(freedom)
             sure = sureness(db, total, freedom)
@@ -138,6 +147,7 @@ def difference(first: Sequence[Heard], second: Sequence[Heard], omitted: int = 0
         released_uncertainty_db=released_uncertainty_db,
         band_db=band_db,
         band_uncertainty_db=band_uncertainty_db,
+        left_out_db=_left_out(pairs) if uncertainty_db is not None else {},
     )
 
 
@@ -175,8 +185,7 @@ def _adverse_sureness(db: float, adverse: PairedMean, parts_db: Mapping[str, flo
     """
     if adverse.mean * db <= 0:
         return 0.5
-    others = [db for part, db in parts_db.items() if part not in ("scatter", "left_out")]
-    total = math.hypot(adverse.error, *others)
+    total = math.hypot(adverse.error, joined(parts_db, left_out=[SCATTER, LEFT_OUT]))
     return sureness(adverse.mean, total, joint_freedom(adverse, total))
 
 
@@ -233,12 +242,36 @@ def _baffle_part(one: Heard, other: Heard) -> float:
     On equal plates the baffle changes both sounds alike, as far as they lie in the same bands.
     """
     bands = [np.nan_to_num(heard.bands.mean(axis=0)) for heard in (one, other)]
-    first_db = one.baffle_db
-    second_db = other.baffle_db
-    if first_db is not None and second_db is not None and np.array_equal(first_db, second_db):
-        return baffle_difference_db(bands[0], bands[1], first_db)
+    if one.baffle_db is not None and _have_equal_baffles(one, other):
+        return baffle_difference_db(bands[0], bands[1], one.baffle_db)
     parts = []
-    for of_bands, uncertainty_db in zip(bands, (first_db, second_db), strict=True):
+    for of_bands, uncertainty_db in zip(bands, (one.baffle_db, other.baffle_db), strict=True):
         if uncertainty_db is not None and of_bands.sum() > 0:
             parts.append(float(of_bands @ uncertainty_db / of_bands.sum()))
     return math.hypot(*parts)
+
+
+def _have_equal_baffles(one: Heard, other: Heard) -> bool:
+    """Tell whether two sounds come from equal free plates, which lack the same baffle."""
+    if one.baffle_db is None or other.baffle_db is None:
+        return False
+    return np.array_equal(one.baffle_db, other.baffle_db)
+
+
+def _left_out(pairs: Sequence[tuple[Heard, Heard]]) -> dict[str, float]:
+    """Return the parts of the ± of the runs of pairs that a difference leaves out [dB].
+
+    They are taken to shift both levels alike. Of what the missing baffle changes on equal plates,
+    only a remainder is in the difference; on other plates it counts whole.
+    """
+    every = [one for pair in pairs for one in pair]
+    sources = {source: None for one in every for source, part in one.parts_db.items() if part}
+    left_out = {}
+    for source in sources:
+        if source in COUNTED:
+            continue
+        if source == BAFFLE and not all(_have_equal_baffles(*pair) for pair in pairs):
+            continue
+        sizes = [math.hypot(*(one.parts_db.get(source, 0.0) for one in pair)) for pair in pairs]
+        left_out[source] = float(np.mean(sizes))
+    return left_out

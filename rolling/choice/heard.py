@@ -7,10 +7,8 @@ loss factor is heard at two.
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,17 +24,21 @@ from rolling.dynamics.force_law import ForceLaw
 from rolling.marches import force_law
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
-from rolling.results import answer
-from rolling.results.run_folder import FAILED, MAX_FAILURE, SUMMARY, RunFolder, read_summary
+from rolling.numbers.ball_numbers import RunNumbers
+from rolling.numbers.stored import from_bytes, to_bytes
+from rolling.results.instrument_spread import part_of_instrument
+from rolling.results.run_folder import FAILED, MAX_FAILURE, RunFolder
+from rolling.results.stored_numbers import read_stored
 from rolling.run.worker import finish_run
 from rolling.scene import file
 from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
-from rolling.sound.radiators import baffle_bands_db, known_bands
+from rolling.sound.radiators import known_bands
 from rolling.sound.vibration_sound import radiated_by_motion
-from rolling.terminal.files import FolderError, write_json
+from rolling.terminal.files import FolderError, write_bytes
 
 HEARD = "heard.json"
+BAFFLE = "baffle"  # source of a part of the ± of a free plate
 # Speeds over that of the scene. The lines of a lap move by more than their distance between them.
 SPEED_RATIOS = (0.97, 0.985, 1.0, 1.015, 1.03)
 _MAX_BYTES = 1_000_000
@@ -61,6 +63,7 @@ class Heard:
     released_power_db : float or None, dB(A). Level of the released power.
     errors : dict. Errors of the level that the run knows and does not correct, by their origin:
         grid and instrument.
+    parts_db : dict, dB. Parts of the ± of the vibration of the run, by their source.
     baffle_db : (31,) array, dB. What the missing baffle of a free plate leaves on each third
         octave; None for other plates.
     """
@@ -70,7 +73,29 @@ class Heard:
     bands: Array
     released_power_db: float | None
     errors: dict[str, LevelError]
+    parts_db: dict[str, float] = field(default_factory=dict)
     baffle_db: Array | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class StoredHeard:
+    """The same as heard.json has it; None for what is not known of a third octave."""
+
+    loss_factors: tuple[float, ...]
+    squares_pa2: tuple[float, ...]
+    bands_pa2: tuple[tuple[float | None, ...], ...]
+    released_power_db: float | None
+    errors_db: dict[str, LevelError]
+    parts_db: dict[str, float]
+    baffle_db: tuple[float, ...] | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class StoredFailure:
+    """Why a contact has no solution, as failed.json has it, and the identity of this contact."""
+
+    reason: str
+    contact: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,12 +113,10 @@ class Specimen(RunFolder):
     def no_solution(self) -> str:
         """Why the contact of the specimen has no solution; empty unless that is remembered."""
         try:
-            stored = json.loads(read_regular(self.folder / FAILED, MAX_FAILURE))
-            reason = str(stored["reason"])
-            identity = stored["contact"]
-        except (OSError, ValueError, KeyError, TypeError, RecursionError):
+            stored = from_bytes(StoredFailure, read_regular(self.folder / FAILED, MAX_FAILURE))
+        except (OSError, ValueError, RecursionError):
             return ""
-        return reason if identity == contact_identity(self.scene) else ""
+        return stored.reason if stored.contact == contact_identity(self.scene) else ""
 
 
 def finish_specimen(run: RunFolder, label: str, result: Result) -> None:
@@ -106,20 +129,21 @@ def finish_specimen(run: RunFolder, label: str, result: Result) -> None:
 def write_heard(specimen: Specimen, result: Result) -> None:
     """Write what is heard of a specimen whose run is done."""
     heard = hear(specimen, result)
-    content: dict[str, Any] = {
-        "loss_factors": list(heard.loss_factors),
-        "squares_pa2": heard.squares.tolist(),
-        "bands_pa2": [_json_numbers(row) for row in heard.bands],
-        "released_power_db": heard.released_power_db,
-        "errors_db": heard.errors,
-        "baffle_db": None if heard.baffle_db is None else heard.baffle_db.tolist(),
-    }
-    write_json(specimen.folder / HEARD, content)
+    stored = StoredHeard(
+        loss_factors=heard.loss_factors,
+        squares_pa2=tuple(heard.squares.tolist()),
+        bands_pa2=tuple(_known(row) for row in heard.bands),
+        released_power_db=heard.released_power_db,
+        errors_db=heard.errors,
+        parts_db=heard.parts_db,
+        baffle_db=None if heard.baffle_db is None else tuple(heard.baffle_db.tolist()),
+    )
+    write_bytes(specimen.folder / HEARD, to_bytes(stored))
 
 
-def _json_numbers(values: Array) -> list[float | None]:
+def _known(values: Array) -> tuple[float | None, ...]:
     """Return numbers for JSON, None for those that are unknown."""
-    return [value if math.isfinite(value) else None for value in values.tolist()]
+    return tuple(value if math.isfinite(value) else None for value in values.tolist())
 
 
 def read_heard(specimen: Specimen) -> Heard:
@@ -131,18 +155,15 @@ def read_heard(specimen: Specimen) -> Heard:
     """
     path = specimen.folder / HEARD
     try:
-        stored = json.loads(read_regular(path, _MAX_BYTES))
-        baffle_db = stored.get("baffle_db")
+        stored = from_bytes(StoredHeard, read_regular(path, _MAX_BYTES))
         heard = Heard(
-            loss_factors=tuple(map(float, stored["loss_factors"])),
-            squares=np.array(stored["squares_pa2"], dtype=float),
-            bands=np.array(stored["bands_pa2"], dtype=float),
-            released_power_db=stored["released_power_db"],
-            errors={
-                name: LevelError(float(db), float(uncertainty_db))
-                for name, (db, uncertainty_db) in stored["errors_db"].items()
-            },
-            baffle_db=None if baffle_db is None else np.array(baffle_db, dtype=float),
+            loss_factors=stored.loss_factors,
+            squares=np.array(stored.squares_pa2),
+            bands=np.array(stored.bands_pa2, dtype=float),
+            released_power_db=stored.released_power_db,
+            errors=stored.errors_db,
+            parts_db=stored.parts_db,
+            baffle_db=None if stored.baffle_db is None else np.array(stored.baffle_db),
         )
         if heard.baffle_db is not None and heard.baffle_db.shape != (len(BAND_NAMES),):
             raise ValueError("bands of another shape")
@@ -150,7 +171,7 @@ def read_heard(specimen: Specimen) -> Heard:
             raise ValueError("bands of another shape")
         if heard.squares.shape != (len(specimen.loss_factors),):
             raise ValueError("squares of another shape")
-    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise FolderError(
             f"{path}: not readable ({error}); delete it, and the same command makes it again"
         ) from error
@@ -179,30 +200,32 @@ def hear(specimen: Specimen, result: Result) -> Heard:
     highest = scene.motion.fastest(scene.duration) / (2 * scene.step)
     if scene.rolling.drop_mm is not None:  # its time steps resolve an impact
         highest = wav.SAMPLE_RATE_HZ / 2
-    summary = read_summary(specimen.folder / SUMMARY)
+    numbers = read_stored(specimen.folder).numbers
+    of_bands = numbers.bands.vibration
+    baffle_db = None if of_bands is None else of_bands.parts.get(BAFFLE)
     return Heard(
         loss_factors=specimen.loss_factors,
         squares=np.array(squares),
         bands=np.where(known_bands(highest), np.array(bands), np.nan),
-        released_power_db=answer.released_power(summary).level_db,
-        errors=_errors(summary),
-        baffle_db=baffle_bands_db(scene),
+        released_power_db=numbers.released_power.value,
+        errors=_errors(numbers),
+        parts_db=numbers.vibration.parts,
+        baffle_db=None if baffle_db is None else np.array(baffle_db),
     )
 
 
-def _errors(summary: Mapping[str, Any]) -> dict[str, LevelError]:
-    """Return the errors of the level of a run that its summary knows."""
+def _errors(numbers: RunNumbers) -> dict[str, LevelError]:
+    """Return the errors of the level of the vibration that a run knows."""
     errors = {}
-    grid = summary.get("laeq_grid_error_db")
-    if grid is not None:
-        uncertainty = summary.get("laeq_grid_error_uncertainty_db") or 0.0
-        errors["grid"] = LevelError(grid, uncertainty)
-    instrument = summary.get("instrument", {})
-    error = instrument.get("vibration_error_db")
-    if error is not None:
-        spread = instrument["vibration_spread_db"]  # holds the error itself
-        uncertainty = math.sqrt(max(0.0, spread**2 - error**2))
-        errors["instrument"] = LevelError(error, uncertainty)
+    grid_db = numbers.errors.grid_db
+    if grid_db is not None:
+        errors["grid"] = LevelError(grid_db, numbers.errors.grid_uncertainty_db or 0.0)
+    of_source = part_of_instrument(numbers.surface, "vibration")
+    if of_source is None or of_source.error_db is None or of_source.spread_db is None:
+        return errors
+    # The spread holds the error itself.
+    square = of_source.spread_db**2 - of_source.error_db**2
+    errors["instrument"] = LevelError(of_source.error_db, math.sqrt(max(0.0, square)))
     return errors
 
 

@@ -7,9 +7,10 @@ from pathlib import Path
 
 from rolling.check import widest_places
 from rolling.choice.comparison import OmittedPair
-from rolling.choice.heard import Specimen
+from rolling.choice.heard import Specimen, StoredFailure
 from rolling.contact.solver import ContactError
 from rolling.marches.piece import contact_identity
+from rolling.numbers.stored import to_bytes
 from rolling.results.run_folder import FAILED
 from rolling.terminal import files
 
@@ -21,8 +22,8 @@ MOST_OF_MANY = 0.1  # share of ten pairs or more, above which a choice ends
 def remember(home: Path, specimen: Specimen, reason: str) -> None:
     """Write why the contact of a specimen has no solution, so that it is not marched again."""
     files.make_below(home, specimen.folder)
-    content = {"reason": reason, "contact": contact_identity(specimen.scene)}
-    files.write_json(specimen.folder / FAILED, content)
+    failure = StoredFailure(reason=reason, contact=contact_identity(specimen.scene))
+    files.write_bytes(specimen.folder / FAILED, to_bytes(failure))
 
 
 def forget(specimen: Specimen) -> None:

@@ -14,7 +14,7 @@ from rolling.choice import table, words
 from rolling.choice.choice import Choice
 from rolling.report import maps, records, text
 from rolling.report.templates import environment
-from rolling.results import answer, listening
+from rolling.results import listening
 from rolling.results.notes import UNVALIDATED
 from rolling.results.run_result import Run, read_run
 
@@ -87,6 +87,6 @@ def _sound(label: str, run: Run, gain: float | None) -> dict[str, Any]:
         src = records.compressed(gain * record.pressure)
     return {
         "label": printable(label),
-        "level": answer.vibration(run.summary).text,
+        "level": str(run.vibration),
         "src": src,
     }

@@ -24,6 +24,7 @@ from rolling.choice.chain import chain_levels
 from rolling.choice.choosing import OpenChoice, default_folder, open_choice
 from rolling.choice.comparison import Contender, OmittedPair
 from rolling.choice.difference import Difference, difference
+from rolling.choice.doubts import left_out_text
 from rolling.choice.drawing import ChangedValue, LeftOut
 from rolling.choice.specimens import Specimens
 from rolling.contact.solver import ContactError
@@ -455,6 +456,9 @@ def _sentences(result: Sensitivities) -> Iterator[str]:
             f" solution ({printable(pair.label)}: {printable(pair.reason)}); it counts as one that"
             " speaks against a change."
         )
+    left_out = left_out_text(row.apart for row in result.rows)
+    if left_out:
+        yield left_out
     for left in result.left_out:
         yield f"Left out: {left.name} ({printable(left.reason)})."
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from rolling.choice.comparison import ChoiceNumbers
 from rolling.choice.words import probability
-from rolling.results.answer import uncertain
+from rolling.numbers.quantity import uncertain
 from rolling.terminal.streams import columns
 
 if TYPE_CHECKING:
@@ -49,6 +49,7 @@ def rows(choice: ChoiceNumbers) -> list[dict[str, Any]]:
             row["released_power_higher_uncertainty_db"] = apart.released_uncertainty_db
             for part, size in apart.parts_db.items():
                 row[f"{part}_part_db"] = size if math.isfinite(size) else None
+            row["uncertainty_left_out"] = " ".join(apart.left_out_db)
         if number and choice.audible:
             judged = choice.audible[number - 1].audibility
             if judged is not None:

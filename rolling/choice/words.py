@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -13,35 +13,24 @@ from acoustics.bands import BAND_NAMES
 from acoustics.numbers import rounded
 from acoustics.pairs import SURE
 from acoustics.texts import printable
-from rolling.choice.candidates import LOSS_FACTORS
-from rolling.choice.comparison import ChoiceNumbers, Contender, OmittedPair
+from rolling.choice.comparison import ChoiceNumbers, Contender
 from rolling.choice.difference import Difference
-from rolling.results.answer import uncertain
+from rolling.choice.doubts import WITHOUT_SOLUTION, doubts
+from rolling.numbers.doubt import Severity
+from rolling.numbers.quantity import uncertain
 
 PROBABLE = 0.8  # probability from which on a candidate is probably quieter
 WHERE_SHARE = 0.8  # of the difference of the energies that lies between two named frequencies
 _OVER = 0.999  # probabilities above are not told apart
-_OTHERS = {
-    "loss_factor": (
-        f"the loss factor of the contact, which no scene states ({LOSS_FACTORS[0]:g} to"
-        f" {LOSS_FACTORS[1]:g}); measure it, or give plate.contact_loss_factor"
-    ),
-    "grid": "the error of the grid; choose a smaller surface.spacing_um",
-    "instrument": "what the instrument could not see",
-    "baffle": "the baffle in which free plates are computed and which they do not have",
-    "left_out": "the pairs that are left out; choose a wider surface",
-}
 
 
 def sentences(choice: ChoiceNumbers) -> list[str]:
     """Return the answer: who is quieter and how sure, where the difference lies, and one doubt."""
-    lines = [_verdict(choice)]
-    lines += _omissions(choice)
-    lines += _where(choice)
-    if choice.audible:
-        lines.append(choice.audible[0].text)
-    lines += _doubt(choice)
-    return lines
+    limits = [doubt for doubt in doubts(choice) if doubt.severity is not Severity.NOTE]
+    of_pairs = [doubt.line for doubt in limits if doubt.key == WITHOUT_SOLUTION]
+    others = [doubt.line for doubt in limits if doubt.key != WITHOUT_SOLUTION]
+    audible = [choice.audible[0].text] if choice.audible else []
+    return [_verdict(choice), *of_pairs, *_where(choice), *audible, *others]
 
 
 def in_short(choice: ChoiceNumbers) -> str:
@@ -121,27 +110,7 @@ def capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-# ---- which pairs are left out, where the difference lies, and what limits it
-
-
-def _omissions(choice: ChoiceNumbers) -> Iterator[str]:
-    """Say which pairs are left out, why, and what that does to the sureness."""
-    if not choice.omitted:
-        return
-    yield omission_words(choice.omitted, choice.tried, choice.noun)
-
-
-def omission_words(omitted: Sequence[OmittedPair], count: int, noun: str) -> str:
-    """Say which of some pairs are left out and why."""
-    first = omitted[0]
-    numbers = " and ".join(str(one.number) for one in omitted)
-    verb = "is" if len(omitted) == 1 else "are"
-    each = "it counts" if len(omitted) == 1 else "each counts"
-    return (
-        f"Of {count} {noun}, number {numbers} {verb} left out for all, because a contact has no"
-        f" solution ({printable(first.label)}: {printable(first.reason)}); {each} as a pair that"
-        " speaks against this answer."
-    )
+# ---- where the difference lies
 
 
 def _where(choice: ChoiceNumbers) -> Iterator[str]:
@@ -189,26 +158,8 @@ def hertz(name: str) -> str:
 
 
 def notes(choice: ChoiceNumbers) -> list[str]:
-    """Return what was assumed, and what the released power says; as few lines as possible."""
-    found = []
-    added = dict.fromkeys(one.candidate.added for one in choice.contenders if one.candidate.added)
-    if added:
-        found.append(
-            f"The scenes have no section dynamics: the vibration is that of {' and '.join(added)}."
-        )
-    if any(len(one.candidate.loss_factors) > 1 for one in choice.contenders):
-        low, high = LOSS_FACTORS
-        found.append(
-            f"The loss factor of the contact is not stated, so each is heard at {low:g} and"
-            f" {high:g}, and half of what this changes is in the ±."
-        )
-    apart = choice.differences[0] if choice.differences else None
-    if apart is not None and apart.is_sure and (apart.released_db or 0.0) < 0:
-        found.append(
-            "The released power is higher for the quieter one: it is an upper bound, and its order"
-            " is not that of what one hears."
-        )
-    return found
+    """Return what was assumed, what the ± leaves out, and what the released power says."""
+    return [doubt.line for doubt in doubts(choice) if doubt.severity is Severity.NOTE]
 
 
 def parts(choice: ChoiceNumbers) -> list[str]:
@@ -223,31 +174,3 @@ def parts(choice: ChoiceNumbers) -> list[str]:
         if sizes:
             found.append(f"± of {printable(other.label)}: {', '.join(sizes)}")
     return found
-
-
-def _doubt(choice: ChoiceNumbers) -> Iterator[str]:
-    """Say what limits the ± where it is above the wanted one, with its size."""
-    others = zip(choice.contenders[1:], choice.differences, strict=True)
-    other, apart = max(others, key=lambda pair: pair[1].uncertainty_db or 0.0)
-    if apart.uncertainty_db is None:
-        return
-    if choice.overlap:
-        yield (
-            f"The scan has room for fewer than {choice.pairs} tracks, so they overlap, and the ±"
-            " is too small: measure a larger field."
-        )
-    if choice.is_early:
-        yield (
-            f"The choice ended early, because {choice.limit} after {choice.tried} {choice.noun};"
-            " with more --minutes the same command goes on."
-        )
-    if apart.uncertainty_db <= choice.within_db:
-        return
-    part, size = max(apart.parts_db.items(), key=lambda item: item[1])
-    if part != "scatter":
-        yield f"Of the ±, {size:.1f} dB come from {_OTHERS[part]}."
-    elif choice.limit and not choice.is_early:
-        yield (
-            f"The ± of {printable(other.label)} is above the wanted {choice.within_db:g} dB,"
-            f" because {choice.limit}; four times as many {choice.noun} would halve it."
-        )

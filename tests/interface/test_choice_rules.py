@@ -94,7 +94,8 @@ def _write_heard(specimen: Specimen, seed: int) -> None:
         "bands_pa2": [[square] + [0.0] * 30] * losses,
         "released_power_db": 60.0,
         "errors_db": {},
-        "baffle_db": None,
+        "parts_db": {"record": 1.0, "time_step": 0.3, "baffle": 6.0},
+        "baffle_db": [6.0] * 31,
     }
     for name in ("result.h5", "summary.json"):
         (specimen.folder / name).touch()

@@ -1,0 +1,166 @@
+"""Doubts about a choice: rules, each with its sentence.
+
+What limits the answer is told with it. What was assumed is a note, and so is what the ± leaves out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from acoustics.numbers import rounded_up
+from acoustics.texts import printable
+from rolling.choice.candidates import LOSS_FACTORS
+from rolling.choice.comparison import ChoiceNumbers
+from rolling.choice.difference import LEFT_OUT, SCATTER, Difference
+from rolling.choice.heard import BAFFLE
+from rolling.numbers.doubt import Doubt, Severity
+from rolling.numbers.quantity import PART_WORDS
+
+WITHOUT_SOLUTION = "pairs_without_solution"  # key of the doubt that stands beside the verdict
+LEAST_DB = 0.1  # smallest part that the ± leaves out and a note names
+_ADVICE = {
+    "loss_factor": (
+        f"the loss factor of the contact, which no scene states ({LOSS_FACTORS[0]:g} to"
+        f" {LOSS_FACTORS[1]:g}); measure it, or give plate.contact_loss_factor"
+    ),
+    "grid": "the error of the grid; choose a smaller surface.spacing_um",
+    "instrument": "what the instrument could not see",
+    BAFFLE: "the baffle in which free plates are computed and which they do not have",
+    LEFT_OUT: "the pairs that are left out; choose a wider surface",
+}
+
+
+def doubts(choice: ChoiceNumbers) -> list[Doubt]:
+    """List the doubts about a choice, notes at the end."""
+    return [doubt for rule in RULES for doubt in rule(choice)]
+
+
+# ---- what limits the answer
+
+
+def _omissions(choice: ChoiceNumbers) -> Iterator[Doubt]:
+    """Say which pairs are left out, why, and what that does to the sureness."""
+    if not choice.omitted:
+        return
+    first = choice.omitted[0]
+    numbers = " and ".join(str(one.number) for one in choice.omitted)
+    verb = "is" if len(choice.omitted) == 1 else "are"
+    each = "it counts" if len(choice.omitted) == 1 else "each counts"
+    text = (
+        f"Of {choice.tried} {choice.noun}, number {numbers} {verb} left out for all, because a"
+        f" contact has no solution ({printable(first.label)}: {printable(first.reason)}); {each} as"
+        " a pair that speaks against this answer."
+    )
+    yield Doubt(WITHOUT_SOLUTION, text, Severity.INDICATIVE)
+
+
+def _overlap(choice: ChoiceNumbers) -> Iterator[Doubt]:
+    """Say that the tracks of a scan overlap."""
+    if not choice.overlap or choice.widest.apart.uncertainty_db is None:
+        return
+    text = (
+        f"The scan has room for fewer than {choice.pairs} tracks, so they overlap, and the ± is"
+        " too small: measure a larger field."
+    )
+    yield Doubt("overlapping_tracks", text, Severity.INDICATIVE)
+
+
+def _early(choice: ChoiceNumbers) -> Iterator[Doubt]:
+    """Say that the limit of time ended a choice."""
+    if not choice.is_early or choice.widest.apart.uncertainty_db is None:
+        return
+    text = (
+        f"The choice ended early, because {choice.limit} after {choice.tried} {choice.noun};"
+        " with more --minutes the same command goes on."
+    )
+    yield Doubt("ended_early", text, Severity.INDICATIVE)
+
+
+def _wide(choice: ChoiceNumbers) -> Iterator[Doubt]:
+    """Say what limits the ± where it is above the wanted one, with its size."""
+    other, apart = choice.widest
+    if apart.uncertainty_db is None or apart.uncertainty_db <= choice.within_db:
+        return
+    part, size_db = max(apart.parts_db.items(), key=lambda item: item[1])
+    if part != SCATTER:
+        text = f"Of the ±, {size_db:.1f} dB come from {_ADVICE[part]}."
+        yield Doubt(f"uncertain_by_{part}", text, Severity.INDICATIVE, size_db)
+    elif choice.limit and not choice.is_early:
+        text = (
+            f"The ± of {printable(other.label)} is above the wanted {choice.within_db:g} dB,"
+            f" because {choice.limit}; four times as many {choice.noun} would halve it."
+        )
+        yield Doubt("uncertain_by_scatter", text, Severity.INDICATIVE, size_db)
+
+
+# ---- notes
+
+
+def _bodies(choice: ChoiceNumbers) -> Iterator[Doubt]:
+    """Say which bodies are assumed of scenes that have no section dynamics."""
+    added = dict.fromkeys(one.candidate.added for one in choice.contenders if one.candidate.added)
+    if added:
+        text = (
+            f"The scenes have no section dynamics: the vibration is that of {' and '.join(added)}."
+        )
+        yield Doubt("assumed_bodies", text, Severity.NOTE)
+
+
+def _loss_factor(choice: ChoiceNumbers) -> Iterator[Doubt]:
+    """Say that contacts are heard at two loss factors, because none is stated."""
+    if any(len(one.candidate.loss_factors) > 1 for one in choice.contenders):
+        low, high = LOSS_FACTORS
+        text = (
+            f"The loss factor of the contact is not stated, so each is heard at {low:g} and"
+            f" {high:g}, and half of what this changes is in the ±."
+        )
+        yield Doubt("contact_loss_factor", text, Severity.NOTE)
+
+
+def _released_power(choice: ChoiceNumbers) -> Iterator[Doubt]:
+    """Say that the released power has the other order."""
+    apart = choice.differences[0] if choice.differences else None
+    if apart is not None and apart.is_sure and (apart.released_db or 0.0) < 0:
+        text = (
+            "The released power is higher for the quieter one: it is an upper bound, and its order"
+            " is not that of what one hears."
+        )
+        yield Doubt("released_power_order", text, Severity.NOTE)
+
+
+def _left_out_parts(choice: ChoiceNumbers) -> Iterator[Doubt]:
+    """Say which parts of the ± of the runs the ± of their differences leave out."""
+    text = left_out_text(choice.differences)
+    if text:
+        yield Doubt("left_out_parts", text, Severity.NOTE)
+
+
+def left_out_text(differences: Iterable[Difference]) -> str:
+    """Say which parts of the ± of the runs the ± of differences leave out; empty without any."""
+    sizes: dict[str, float] = {}
+    for apart in differences:
+        for source, size_db in apart.left_out_db.items():
+            sizes[source] = max(size_db, sizes.get(source, 0.0))
+    named = [
+        f"{PART_WORDS[source]} ({rounded_up(size_db)} dB)"
+        for source, size_db in sorted(sizes.items(), key=lambda item: -item[1])
+        if size_db >= LEAST_DB
+    ]
+    if not named:
+        return ""
+    return (
+        "The ± of a difference leaves out what is taken to shift both levels alike:"
+        f" {', '.join(named)}, with the size that it would have otherwise."
+    )
+
+
+RULES = (
+    _omissions,
+    _overlap,
+    _early,
+    _wide,
+    _bodies,
+    _loss_factor,
+    _released_power,
+    _left_out_parts,
+)
