@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from acoustics.traps import ignoring_underflow
-from rolling.choice import table, words
+from rolling.choice import doubts, table, words
 from rolling.choice.comparison import ChoiceNumbers
+from rolling.numbers.doubt import Doubt
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,7 +28,8 @@ class Choice(ChoiceNumbers):
         listener would hear of its specimens, dB(A).
     differences : list of Difference
         How much louder each candidate after the first is than the quietest: `db`, its standard
-        `uncertainty_db`, the `sureness` of its sign, and `parts_db`, where the ± comes from.
+        `uncertainty_db`, the `sureness` of its sign, `parts_db`, where the ± comes from, and
+        `left_out_db`, what it leaves out.
     noun : str
         What the specimens are: surfaces, or places of the scan.
     overlap : bool
@@ -63,6 +65,11 @@ class Choice(ChoiceNumbers):
     def sentences(self) -> list[str]:
         """Who is quieter, by how much and how sure; where the difference lies; one doubt."""
         return words.sentences(self)
+
+    @property
+    def doubts(self) -> list[Doubt]:
+        """What limits the answer, and notes: what was assumed, and what the ± leaves out."""
+        return doubts.doubts(self)
 
     def table(self) -> pd.DataFrame:
         """Tabulate the candidates, the quietest first.

@@ -16,7 +16,6 @@ from rolling.choice import page, table, words
 from rolling.choice.choice import Choice
 from rolling.choice.choosing import FORMAT
 from rolling.choice.difference import Difference
-from rolling.choice.doubts import doubts
 from rolling.figures.picture import csv_bytes
 from rolling.numbers.stored import summary_of
 from rolling.results import listening
@@ -122,7 +121,7 @@ def as_json(choice: Choice) -> dict[str, Any]:
         "limit": choice.limit,
         "ended_early": choice.is_early,
         "specimens": choice.noun,
-        "doubts": summary_of(doubts(choice)),
+        "doubts": summary_of(choice.doubts),
         "provenance": summary_of(provenance(scene, choice.contenders[0].label)),
     }
 

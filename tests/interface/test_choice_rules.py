@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -18,11 +19,12 @@ import rolling as rc
 from acoustics.pairs import LOOKS
 from rolling import cli
 from rolling.check import narrow_surface
-from rolling.choice import choosing, omissions, picture, solving
+from rolling.choice import choosing, omissions, picture, solving, words
+from rolling.choice import doubts as choice_doubts
 from rolling.choice.candidates import candidate, candidates_of
 from rolling.choice.choosing import choose_scenes, open_choice
 from rolling.choice.command import as_json
-from rolling.choice.heard import Specimen
+from rolling.choice.heard import Specimen, read_heard
 from rolling.choice.specimens import Specimens
 from rolling.contact.solver import ContactError
 from rolling.run.budget import Budget, Clock
@@ -422,3 +424,58 @@ def test_a_folder_by_the_name_of_a_file_is_refused_before_a_march(
     with pytest.raises(FolderError, match="take another --out"):
         choose_scenes(two(wide), tmp_path / "out", Budget(pairs=4), workers=1)
     assert marched == []
+
+
+# ---- doubts and files
+
+
+def test_each_rule_of_a_choice_raises_its_doubt(
+    wide: rc.Scene, tmp_path: Path, marched: list[str]
+) -> None:
+    """Answer, table, JSON and page take the doubts and their sentences from one list."""
+    scenes = [one.with_({"dynamics": None}) for one in two(wide.with_(seed=4))]
+    choice = choose_scenes(scenes, tmp_path / "out", Budget(pairs=5), workers=1)
+    wide_apart = replace(choice.differences[0], uncertainty_db=9.0, released_db=-1.0, sureness=0.99)
+    changed = [
+        choice,
+        replace(choice, overlap=True, is_early=True, limit="time is over"),
+        replace(choice, differences=[wide_apart], omitted=[], limit="that is all"),
+        replace(
+            choice, differences=[replace(wide_apart, parts_db={"scatter": 0.1, "baffle": 3.0})]
+        ),
+    ]
+    found = {doubt.key: doubt for one in changed for doubt in one.doubts}
+    raised = {rule for rule in choice_doubts.RULES for one in changed if [*rule(one)]}
+    assert raised == set(choice_doubts.RULES)
+    assert found["uncertain_by_baffle"].decibels == 3.0
+    assert {"uncertain_by_scatter", "pairs_without_solution", "left_out_parts"} <= found.keys()
+    for one in changed:
+        said = " ".join([*one.sentences, *words.notes(one)])
+        assert all(doubt.line in said for doubt in one.doubts)
+        stored = json.loads(json.dumps(as_json(one)))
+        assert [doubt["key"] for doubt in stored["doubts"]] == [doubt.key for doubt in one.doubts]
+    stored = as_json(choice)
+    assert stored["differences"][0]["left_out_db"].keys() == {"time_step", "baffle"}
+    assert choice.table()["uncertainty_left_out"].to_list()[1] == "time_step baffle"
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("released_power_db", "60", "released_power_db"),
+        ("squares_pa2", [1.0, 2.0, 3.0], "squares of another shape"),
+        ("bands_pa2", [[0.0] * 30], "bands of another shape"),
+        ("baffle_db", [1e400] * 31, "inf is no number"),
+        ("parts_db", {"record": None}, "parts_db.record"),
+    ],
+)
+def test_what_is_heard_is_read_with_its_types(
+    wide: rc.Scene, tmp_path: Path, name: str, value: object, message: str
+) -> None:
+    specimen = Specimen({}, wide, tmp_path / "01", loss_factors=(0.01,))
+    _write_heard(specimen, seed=1)
+    assert read_heard(specimen).baffle_db is not None
+    path = specimen.folder / "heard.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {name: value}))
+    with pytest.raises(FolderError, match=message):
+        read_heard(specimen)

@@ -16,10 +16,12 @@ from acoustics.pairs import FIRST_PAIRS, LOOKS, looks, paired_mean, pairs_needed
 from acoustics.unbaffled import SHARED_PART
 from rolling.choice.candidates import LOSS_FACTORS, candidate, candidates_of
 from rolling.choice.difference import difference
+from rolling.choice.doubts import left_out_text
 from rolling.choice.heard import Heard, LevelError
 from rolling.choice.specimens import Specimens
 from rolling.choice.words import frequencies_of_difference
 from rolling.dynamics.smooth_contact import semi_axes
+from rolling.numbers.quantity import PART_WORDS
 from rolling.surface import scene_surface
 
 SMALL = {
@@ -80,6 +82,27 @@ def test_equal_free_plates_share_what_the_baffle_changes() -> None:
     assert part(low, replace(heard([55.0], "4000"), baffle_db=free)) > 6.0
     assert part(low, replace(heard([55.0]), baffle_db=free / 2)) == pytest.approx(np.hypot(6, 3))
     assert part(low, heard([55.0])) == pytest.approx(6.0)
+
+
+@pytest.mark.law("Choice: what the ± of a difference leaves out of the ± of the runs has a name.")
+def test_the_uncertainty_names_what_it_leaves_out() -> None:
+    """Pairs, losses, grid and instrument have parts of their own; all else of the runs is named.
+
+    On plates of different size the baffles differ, and both count whole.
+    """
+    free = np.full(len(BAND_NAMES), 6.0)
+    parts = {"record": 2.0, "comb": 0.0, "contact_loss": 1.0, "time_step": 0.3, "baffle": 6.0}
+    low = replace(heard([60.0]), baffle_db=free, parts_db=parts)
+    louder = replace(heard([55.0]), baffle_db=free, parts_db=parts | {"time_step": 0.4})
+    apart = difference([low] * 4, [louder] * 4)
+    assert apart.left_out_db == pytest.approx({"time_step": 0.5, "baffle": 6 * math.sqrt(2)})
+    assert apart.parts_db["baffle"] == pytest.approx(SHARED_PART * 6.0)
+    assert apart.uncertainty_db == pytest.approx(SHARED_PART * 6.0)
+    smaller = replace(louder, baffle_db=free / 2)
+    assert difference([low] * 4, [smaller] * 4).left_out_db.keys() == {"time_step"}
+    said = left_out_text([apart])
+    assert PART_WORDS["baffle"] in said and PART_WORDS["time_step"] in said
+    assert left_out_text([difference([heard([60.0])] * 4, [heard([55.0])] * 4)]) == ""
 
 
 def test_what_pairs_share_cancels() -> None:
