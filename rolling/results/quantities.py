@@ -104,7 +104,8 @@ def as_heard(numbers: RunNumbers) -> RunNumbers:
     """Return numbers with the levels that people read beside the two numbers.
 
     The levels of what ends are those of the whole record, and other levels of the solved part are
-    left out, as are those of a release that the run does not have. Levels that are measured like the one that leads are LAE for an event.
+    left out, as are those of a release that the run does not have. Levels that are measured like
+    the one that leads are LAE for an event.
     """
     levels = numbers.levels
     is_whole = numbers.heard_whole is not None
