@@ -1,100 +1,393 @@
-"""Digests of the series of all scenes, to see which numbers a change of the program changes.
+"""Digests of all series and the values of all numbers, to see what a change of the program changes.
 
-`python tests/benchmarks/frozen_series.py write FILE [SCENE...]` simulates every run of all scenes,
-or of some, shortened to at most SHORTENED_S seconds of rolling. It writes a digest of each series,
-and word and decibels of each verdict. `... compare FILE` does so again and prints what differs; it
-exits with 1 if a series does. All scenes take an hour of two cores.
+`python tests/benchmarks/frozen_series.py write FILE --short` computes the scenes of
+frozen_scenes.toml, one of each kind and law: runs of balls and bearings, their checks, choices,
+runs that are killed and go on, and recordings that are compared with runs. Without `--short` it
+also computes every run of all scenes of the library, those of balls shortened to at most
+SHORTENED_S seconds of rolling. FILE gets a digest of each series, each value without rounding, and
+the words of verdicts.
+
+`... compare FILE` does so again and prints what differs. Series, values and verdicts are counted
+apart, and it exits with 1 if a series or a value differs. `--only WORD...` takes the labels that
+hold one of the words.
+
+frozen_numbers.toml tells where a number stands, so that every version of the program gives the same
+names. To freeze another version, copy `frozen_*` into its checkout and call them there. Digests are
+equal on the same machine with the same packages only.
 """
 
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
+import os
+import platform
+import signal
+import subprocess
 import sys
-from collections.abc import Sequence
+import tempfile
+import time
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from frozen_numbers import Frozen, unread
+from scipy.io import wavfile
 
+import acoustics.wav
 import rolling as rc
 from rolling.scene import library
 from rolling.scene.bearing_file import is_bearing_file
 
+SCENES = Path(__file__).with_name("frozen_scenes.toml")
 SHORTENED_S = 0.03
 SKIPPED = {"measured-surface"}  # its heights are made by a command that the scene names
+RATE_HZ = acoustics.wav.SAMPLE_RATE_HZ
+RECORDING_S = 1.0
+NOISE = 0.1  # rms of the noise in a recording over that of the run
+KEPT_PIECES = 2  # after which a run is killed
+POLL_S = 0.005
+OF_CHECK = "/check"  # in labels
+KINDS = ("series", "values", "verdicts")
+Table = dict[str, dict[str, Any]]  # by label: what is frozen, by kind and name
 
 
-def shortened(scene: rc.Scene) -> rc.Scene:
-    """Return a scene that rolls for at most SHORTENED_S."""
-    if scene.rolling.duration_s is not None and scene.rolling.duration_s > SHORTENED_S:
+class Job(NamedTuple):
+    """Something to freeze: its kind, its name, its scene, and how it is computed.
+
+    number : int. Number of the run in the sweep of its scene.
+    """
+
+    kind: str
+    name: str
+    entry: Mapping[str, Any]
+    number: int = 0
+
+    @property
+    def label(self) -> str:
+        """Name of the job in the file."""
+        return f"{self.kind}/{self.name}/{self.number}"
+
+    @property
+    def is_bearing(self) -> bool:
+        """Whether its scene is that of a bearing."""
+        return is_bearing_file(library.find(Path(self.entry["scene"])))
+
+
+# ---- what is computed
+
+
+def short_jobs() -> list[Job]:
+    """Return the jobs of the short set; runs come last, because they are short and fill gaps."""
+    table = tomllib.loads(SCENES.read_text(encoding="utf-8"))
+    jobs = [
+        Job(kind, name, entry) for kind, entries in table.items() for name, entry in entries.items()
+    ]
+    return sorted(jobs, key=lambda job: job.kind in ("runs", "recordings"))
+
+
+def library_jobs() -> list[Job]:
+    """Return a job for every run of the scenes of the library."""
+    jobs = []
+    for name in sorted(library.scenes()):
+        # The other readings of the article differ in numbers of the plate only.
+        is_repeated = name.startswith("lee2025") and "as-stated" not in name
+        if name in SKIPPED or is_repeated:
+            continue
+        entry = {"scene": name, "words": [], "shortened": True}
+        count = len(whole_scene(Job("library", name, entry)).runs())
+        jobs += [Job("library", name, entry, number) for number in range(count)]
+    return jobs
+
+
+def whole_scene(job: Job) -> Any:
+    """Return the scene of a job, which may be that of a bearing."""
+    read = rc.read_bearing if job.is_bearing else rc.read_scene
+    return read(job.entry["scene"], job.entry["words"])
+
+
+def scene_of(job: Job) -> Any:
+    """Return the scene of a job, or one run of a scene of the library, shortened."""
+    scene = whole_scene(job)
+    if not job.entry.get("shortened"):
+        return scene
+    _, scene = scene.runs()[job.number]
+    duration_s = None if job.is_bearing else scene.rolling.duration_s
+    if duration_s is not None and duration_s > SHORTENED_S:
         return scene.with_({"rolling.duration_s": SHORTENED_S})
     return scene
 
 
-def digests(run: rc.Run) -> dict[str, str]:
-    """Return the digest of the bytes of each series of a run, and its verdict."""
-    found = {
-        name: hashlib.sha256(np.ascontiguousarray(values).tobytes()).hexdigest()[:16]
-        for name, values in run.series.items()
-        if name != "seconds" and not name.endswith("_time")
-    }
-    verdict = run.summary["verdict"] or {}
-    found["verdict"] = str(verdict.get("word"))
-    found["verdict_db"] = repr(verdict.get("decibels"))
-    found["laeq_db"] = repr(run.summary.get("laeq_db"))
-    return found
+def frozen_job(job: Job) -> Table:
+    """Compute a job, and return what is frozen of it by label."""
+    began = time.process_time()
+    try:
+        found = dict(FREEZE[job.kind](job))
+    except (rc.ContactError, rc.SceneError) as error:
+        found = {job.label: Frozen({}, {"error": type(error).__name__}, {})}
+        print(f"{job.label}: {error}", file=sys.stderr)
+    seconds = time.process_time() - began
+    print(f"{job.label}: {seconds:.1f} s of this process", file=sys.stderr, flush=True)
+    return {label: frozen._asdict() for label, frozen in found.items()}
 
 
-def frozen(names: Sequence[str]) -> dict[str, Any]:
-    """Simulate every run of the scenes of these names, or of all, and return its digests."""
-    table: dict[str, Any] = {}
-    for name, path in sorted(library.scenes().items()):
-        if names and name not in names:
-            continue
-        if (
-            is_bearing_file(path)
-            or name in SKIPPED
-            or (name.startswith("lee2025") and "as-stated" not in name)
-        ):
-            continue  # the other readings of the article differ in numbers of the plate only
-        scene = rc.read_scene(path)
-        for number, part in enumerate(scene.runs()):
-            label = f"{name}/{number}"
-            try:
-                run = rc.simulate(shortened(part.scene), workers=2, progress=False)
-                table[label] = digests(run)
-            except (rc.ContactError, rc.SceneError) as error:
-                table[label] = {"error": str(error)}
-            print(label, table[label].get("laeq_db"), file=sys.stderr, flush=True)
+# ---- runs and their checks
+
+
+def freeze_run(job: Job) -> Iterator[tuple[str, Frozen]]:
+    """Yield a run, and what a check of its scene foresees."""
+    scene = scene_of(job)
+    yield f"{job.label}{OF_CHECK}", check(scene)
+    if job.is_bearing:
+        yield job.label, of_run(rc.simulate_bearing(scene, workers=1, progress=False), "bearing")
+    else:
+        yield job.label, of_run(rc.simulate(scene, workers=1, progress=False), "run")
+
+
+def of_run(run: Any, kind: str) -> Frozen:
+    """Return what is frozen of a run, and name its numbers that the table has not."""
+    lacking = unread(run, kind)
+    if lacking:
+        print(f"not frozen, as frozen_numbers.toml has no place for them: {', '.join(lacking)}")
+    return Frozen.of(run, kind)
+
+
+def check(scene: Any) -> Frozen:
+    """Return the forecasts of a check."""
+    from rolling.check import level
+
+    findings = scene.check()
+    verdicts = {}
+    if isinstance(scene, rc.Scene):
+        for run, (name, doubts) in zip(scene.runs(), findings.doubts.items(), strict=True):
+            verdicts[name] = level.expected(run.scene, doubts).severity.word
+    return Frozen.of_check(findings, verdicts)
+
+
+# ---- choices
+
+
+def freeze_choice(job: Job) -> Iterator[tuple[str, Frozen]]:
+    """Yield the answer which of the runs of a scene is quieter."""
+    scene = scene_of(job)
+    pairs = job.entry.get("pairs")
+    if job.is_bearing:
+        bearings = rc.choose_bearings(scene, pairs=pairs, workers=1, progress=False)
+        yield job.label, Frozen.of(bearings, "bearing_choice")
+    else:
+        choice = rc.choose(scene, pairs=pairs, workers=1, progress=False)
+        yield job.label, Frozen.of(choice, "choice")
+
+
+def freeze_improvements(job: Job) -> Iterator[tuple[str, Frozen]]:
+    """Yield how much louder larger values of a drawing are."""
+    found = rc.sensitivities(
+        scene_of(job),
+        keys=job.entry["keys"],
+        pairs=job.entry["pairs"],
+        workers=1,
+        progress=False,
+    )
+    yield job.label, Frozen.of(found, "improvements")
+
+
+def freeze_limit(job: Job) -> Iterator[tuple[str, Frozen]]:
+    """Yield the coarsest value with which a scene stays below a level."""
+    low, high = job.entry["between"]
+    found = rc.coarsest_below(
+        scene_of(job),
+        key=job.entry["key"],
+        level_db=job.entry["level_db"],
+        between=(low, high),
+        seeds=job.entry["seeds"],
+        workers=1,
+        progress=False,
+    )
+    yield job.label, Frozen.of(found, "limit")
+
+
+# ---- runs that go on
+
+
+def freeze_resumed(job: Job) -> Iterator[tuple[str, Frozen]]:
+    """Yield a run that is killed midway and goes on, and whether it is as without that."""
+    with tempfile.TemporaryDirectory() as parent:
+        whole = Path(parent) / "whole"
+        stopped = Path(parent) / "stopped"
+        _command(job, whole).wait()
+        _kill_midway(job, stopped)
+        _command(job, stopped).wait()
+        frozen, undisturbed = (_stored(job, folder) for folder in (stopped, whole))
+    frozen.values["as without an interruption"] = frozen == undisturbed
+    yield job.label, frozen
+
+
+def _command(job: Job, out: Path) -> subprocess.Popen[bytes]:
+    """Start the command that runs the scene of a job into a folder."""
+    words = [job.entry["scene"], "--out", str(out), "--no-report", "-q", "--workers", "1"]
+    for word in job.entry["words"]:
+        words += ["--set", word]
+    place = str(Path(rc.__file__).parents[1])
+    return subprocess.Popen(
+        [sys.executable, "-m", "rolling", "run", *words],
+        env=os.environ | {"PYTHONPATH": place},
+        stdout=subprocess.DEVNULL,
+        start_new_session=True,  # so that its processes end with it
+    )
+
+
+def _kill_midway(job: Job, out: Path) -> None:
+    """Run a scene until some pieces are kept, and kill the command and its processes."""
+    process = _command(job, out)
+    while process.poll() is None and len(list(out.glob("pieces/*/*.npz"))) < KEPT_PIECES:
+        time.sleep(POLL_S)
+    if process.poll() is None:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+    if (out / "summary.json").is_file():
+        sys.exit(f"{job.label}: it was done before it was killed; choose a longer track")
+
+
+def _stored(job: Job, folder: Path) -> Frozen:
+    """Return what is frozen of the run of a folder."""
+    if job.is_bearing:
+        return of_run(rc.open_bearing(folder), "bearing")
+    return of_run(rc.open_run(folder), "run")
+
+
+# ---- recordings
+
+
+def freeze_recording(job: Job) -> Iterator[tuple[str, Frozen]]:
+    """Yield the comparison of a run with a recording: the record of the run beside noise."""
+    from rolling.recordings.comparison import compare as compare_recording
+
+    run = rc.simulate(scene_of(job), workers=1, progress=False)
+    quantity = job.entry["quantity"]
+    channels = [channel for channel in run.channels if channel.quantity == quantity]
+    records = [channel.samples for channel in channels] or [run.sound.pressure]
+    length = round(RECORDING_S * RATE_HZ)
+    noise = np.random.default_rng(1)
+    recorded = [
+        np.resize(record, length) + NOISE * record.std() * noise.standard_normal(length)
+        for record in records
+    ]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "recording.wav"
+        wavfile.write(path, RATE_HZ, np.stack(recorded, 1).astype(np.float32))
+        comparison = compare_recording(
+            run=run,
+            path=path,
+            calibration=job.entry.get("calibration"),
+            quantity=quantity,
+        )
+    yield job.label, Frozen.of_comparison(comparison.table)
+
+
+FREEZE = {
+    "runs": freeze_run,
+    "bearings": freeze_run,
+    "library": freeze_run,
+    "choices": freeze_choice,
+    "improvements": freeze_improvements,
+    "limits": freeze_limit,
+    "resumed": freeze_resumed,
+    "recordings": freeze_recording,
+}
+
+
+# ---- the file
+
+
+def frozen_table(jobs: Sequence[Job], workers: int) -> Table:
+    """Compute jobs, each in one process, and return what is frozen of them by label."""
+    for name in ("OMP", "OPENBLAS", "MKL", "NUMBA"):
+        os.environ[f"{name}_NUM_THREADS"] = "1"  # of the processes, which begin anew
+    table: Table = {}
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        for found in pool.map(frozen_job, jobs):
+            table.update(found)
     return table
 
 
+def machine() -> dict[str, str]:
+    """Return what digests depend on beside the program: processor and numpy."""
+    return {"machine": f"{platform.machine()} {platform.processor()}", "numpy": np.__version__}
+
+
+class Changes(NamedTuple):
+    """What differs between two tables: lines to print by kind."""
+
+    series: list[str]
+    values: list[str]
+    verdicts: list[str]
+
+    @property
+    def counts(self) -> str:
+        """How many series, values and verdicts differ, in words."""
+        series, values, verdicts = map(len, self)
+        return f"{series} series changed, {values} values changed, {verdicts} verdicts changed"
+
+    @property
+    def exit_code(self) -> int:
+        """1 if a series or a value differs, otherwise 0; words of verdicts are listed only."""
+        return int(bool(self.series or self.values))
+
+
+def changes(before: Table, now: Table) -> Changes:
+    """Return what differs between two tables."""
+    found = Changes([], [], [])
+    for label in sorted(before.keys() | now.keys()):
+        for kind, lines in zip(KINDS, found, strict=True):
+            old = before.get(label, {}).get(kind, {})
+            new = now.get(label, {}).get(kind, {})
+            for name in sorted(old.keys() | new.keys()):
+                if old.get(name) != new.get(name):
+                    lines.append(f"{label}: {name}: {old.get(name)} -> {new.get(name)}")
+    return found
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Write the digests, or compare them with those of a file."""
+    """Write what is frozen, or compare it with that of a file."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("action", choices=["write", "compare"])
     parser.add_argument("file", type=Path)
-    parser.add_argument("scenes", nargs="*", metavar="SCENE", help="names of scenes (all)")
+    parser.add_argument("--short", action="store_true", help="the short set only")
+    parser.add_argument("--only", nargs="+", metavar="WORD", default=[""], help="words of labels")
+    parser.add_argument("--workers", type=int, default=os.cpu_count(), help="number of processes")
     given = parser.parse_args(arguments)
-    now = frozen(given.scenes)
+    jobs = short_jobs() + ([] if given.short else library_jobs())
+    jobs = [job for job in jobs if any(word in job.label for word in given.only)]
+    now = frozen_table(jobs, given.workers)
     if given.action == "write":
-        given.file.write_text(json.dumps(now, indent=1), encoding="utf-8")
+        content = {"of": machine(), "frozen": now}
+        given.file.write_text(json.dumps(content, indent=1), encoding="utf-8")
+        print(f"{given.file}: {counted(now)}")
         return 0
-    before = json.loads(given.file.read_text(encoding="utf-8"))
-    if given.scenes:
-        before = {label: old for label, old in before.items() if label in now}
-    changed = 0
-    for label in sorted(before.keys() | now.keys()):
-        old = before.get(label, {})
-        new = now.get(label, {})
-        for series in sorted(old.keys() | new.keys()):
-            if old.get(series) != new.get(series):
-                print(f"{label}: {series}: {old.get(series)} -> {new.get(series)}")
-                changed += series not in ("verdict", "verdict_db", "laeq_db")
-    print(f"{len(now)} runs, {changed} series changed")
-    return int(changed > 0)
+    content = json.loads(given.file.read_text(encoding="utf-8"))
+    if content["of"] != machine():
+        print(f"Digests may differ: the file is of {content['of']}, and this is {machine()}.")
+    labels = {job.label for job in jobs}
+    labels |= {f"{label}{OF_CHECK}" for label in labels}
+    before = {label: old for label, old in content["frozen"].items() if label in labels}
+    found = changes(before, json.loads(json.dumps(now)))
+    for kind, lines in zip(KINDS, found, strict=True):
+        for line in lines:
+            print(f"{kind}: {line}")
+    print(counted(now))
+    print(found.counts)
+    return found.exit_code
+
+
+def counted(table: Table) -> str:
+    """Say how much is frozen."""
+    counts = {kind: sum(len(frozen[kind]) for frozen in table.values()) for kind in KINDS}
+    numbers = ", ".join(f"{count} {kind}" for kind, count in counts.items())
+    return f"{len(table)} runs, checks, choices and comparisons with {numbers}"
 
 
 if __name__ == "__main__":

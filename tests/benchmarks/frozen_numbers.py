@@ -1,0 +1,272 @@
+"""The numbers of runs, bearings, choices, checks and comparisons by names that never change.
+
+`frozen_numbers.toml` says where each number stands, in this version of the program or an earlier
+one. This module follows these places and knows no number by name. It imports nothing of `rolling`,
+so that every version of the program is read by it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import math
+import re
+import tomllib
+import warnings
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from enum import Enum
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from acoustics.bands import BAND_NAMES
+
+PLACES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+ROOTS = ("summary", "numbers")  # of a run, all numbers of which are to be frozen
+NOTHING = object()  # what stands at a place that does not exist
+EVERY = "*"  # of a place: every entry of a list
+NOT_SERIES = ("step_time",)  # processor times
+COSTS = ("time", "memory", "disk")  # in the keys of rows of a check that differ from day to day
+
+
+class Frozen(NamedTuple):
+    """What is frozen of a run, a choice, a check or a comparison.
+
+    series : dict. Digests of the bytes of arrays, by name.
+    values : dict. Unrounded numbers and words, by name.
+    verdicts : dict. Words and keys of verdicts, by name.
+    """
+
+    series: dict[str, str]
+    values: dict[str, Any]
+    verdicts: dict[str, Any]
+
+    @classmethod
+    def of(cls, thing: Any, kind: str) -> Frozen:
+        """Return what is frozen of a thing whose places a section of the table has."""
+        places = PLACES[kind]
+        frozen = cls({}, {}, {})
+        for name, found in read_all(thing, places.get("arrays", {})):
+            frozen.series.update(digests(name, found))
+        for name, found in read_all(thing, places.get("values", {})):
+            frozen.values.update(leaves(name, found))
+        for name, found in read_all(thing, places.get("bands", {})):
+            frozen.values.update(leaves(name, by_band(found)))
+        for name, found in read_all(thing, places.get("doubts", {})):
+            frozen.values.update(doubts_by_key(name, found))
+        for name, found in read_all(thing, places.get("verdicts", {})):
+            frozen.verdicts.update(leaves(name, found))
+        return frozen
+
+    @classmethod
+    def of_check(cls, findings: Any, verdicts: Mapping[str, str]) -> Frozen:
+        """Return the forecasts of a check: its doubts, the numbers of its rows, and its verdicts.
+
+        `verdicts` are the words that are expected, by run.
+        """
+        frozen = cls({}, {}, {})
+        for run, rows in findings.runs.items():
+            for row in rows:
+                if row.seconds or any(word in row.key for word in COSTS):
+                    continue
+                numbers = re.findall(r"\d+(?:[.,]\d+)*(?:e[+-]?\d+)?", str(row.value))
+                frozen.values.update(leaves(f"{run}: row {row.key}", numbers))
+        for run, doubts in findings.doubts.items():
+            timeless = [doubt for doubt in doubts if doubt.key not in COSTS]
+            frozen.values.update(doubts_by_key(f"{run}: doubts", timeless))
+        for run, word in verdicts.items():
+            frozen.verdicts[f"{run}: verdict"] = word
+        return frozen
+
+    @classmethod
+    def of_comparison(cls, table: Any) -> Frozen:
+        """Return the numbers of a comparison with a recording: all columns of each row."""
+        frozen = cls({}, {}, {})
+        for row in table.to_dict("records"):
+            words = [row["channel"], row["quantity"], row["weighting"], row["mid_frequency_hz"]]
+            name = " ".join(str(word) for word in words if plain_value(word) is not None)
+            frozen.values.update(leaves(name, row))
+        return frozen
+
+
+# ---- places
+
+
+class NoPlaceError(Exception):
+    """A place that does not exist in this version of the program, or in this run."""
+
+
+def read_all(thing: Any, places: Mapping[str, Sequence[str]]) -> Iterator[tuple[str, Any]]:
+    """Yield the names of numbers with what stands at the first of their places that exists."""
+    for name, candidates in places.items():
+        for place in candidates:
+            try:
+                yield name, read(thing, place.split("."))
+            except NoPlaceError:
+                continue
+            break
+
+
+def read(thing: Any, path: Sequence[str]) -> Any:
+    """Return what stands at a path of attributes and keys from a thing on."""
+    if not path:
+        return thing
+    step, *rest = path
+    if step == EVERY:
+        if not isinstance(thing, Sequence):
+            raise NoPlaceError
+        return [read(entry, rest) for entry in thing]
+    if isinstance(thing, Mapping):
+        if step not in thing:
+            raise NoPlaceError
+        return read(thing[step], rest)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # an old place may be there still
+        found = getattr(thing, step, NOTHING)
+    if found is NOTHING:
+        raise NoPlaceError
+    return read(found, rest)
+
+
+def unread(thing: Any, kind: str) -> list[str]:
+    """Return the places of numbers of a run that the table has not, neither as left out."""
+    listed = set()
+    for section in PLACES[kind].values():
+        for places in section.values():
+            listed.update(places)
+    found = set()
+    for root in ROOTS:
+        try:
+            value = read(thing, [root])
+        except NoPlaceError:
+            continue
+        for place in _places_below(value, root):
+            found.add(place)
+    return sorted(place for place in found if not _is_listed(place, listed))
+
+
+def _places_below(value: Any, place: str) -> Iterator[str]:
+    """Yield the places of all leaves below a value."""
+    parts = parts_of(value)
+    if not parts and plain_value(value) is not None:
+        yield place
+    for name, part in parts:
+        is_entry = isinstance(value, Sequence)
+        yield from _places_below(part, f"{place}.{EVERY if is_entry else name}")
+
+
+def _is_listed(place: str, listed: Iterable[str]) -> bool:
+    """Tell whether a place stands in the table, or below one that does."""
+    return any(place == one or place.startswith(f"{one}.") for one in listed)
+
+
+# ---- values
+
+
+def parts_of(value: Any) -> list[tuple[str, Any]]:
+    """Return the parts of a dictionary, a record or a list by name; none of anything else."""
+    if isinstance(value, Mapping):
+        return [(str(key), part) for key, part in value.items()]
+    if hasattr(value, "_asdict"):
+        return list(value._asdict().items())
+    if dataclasses.is_dataclass(value):
+        names = [field.name for field in dataclasses.fields(value)]
+        return [(name, getattr(value, name)) for name in names if not name.startswith("_")]
+    if isinstance(value, np.ndarray):
+        return parts_of(value.tolist())
+    if isinstance(value, list | tuple):
+        return [(str(number), part) for number, part in enumerate(value)]
+    return []
+
+
+def leaves(name: str, value: Any) -> dict[str, Any]:
+    """Return the numbers and words of a value by dotted names, without those that are unknown."""
+    parts = parts_of(value)
+    if parts:
+        found = {}
+        for part_name, part in parts:
+            found.update(leaves(f"{name}.{part_name}", part))
+        return found
+    plain = plain_value(value)
+    return {} if plain is None else {name: plain}
+
+
+def plain_value(value: Any) -> Any:
+    """Return a number or a word as JSON has it; None for what is unknown or empty.
+
+    A whole number is a number like any other, and an infinite one is a word.
+    """
+    if isinstance(value, Enum):
+        return value.name.lower().replace("_", " ")
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    if isinstance(value, int | float | np.number):
+        number = float(value)
+        if math.isnan(number):
+            return None
+        return number if math.isfinite(number) else repr(number)
+    if isinstance(value, str):
+        return value or None
+    return None
+
+
+def by_band(value: Any) -> Any:
+    """Return values of all third octaves by the names of these; a dictionary stays as it is."""
+    if value is None or isinstance(value, Mapping):
+        return value
+    return dict(zip(BAND_NAMES, value, strict=True))
+
+
+def doubts_by_key(name: str, doubts: Sequence[Any]) -> dict[str, Any]:
+    """Return severities and decibels of doubts by their keys, whatever their order is."""
+    found: dict[str, Any] = {}
+    seen: dict[str, int] = {}
+    for doubt in doubts:
+        of_doubt = dict(parts_of(doubt))
+        key = of_doubt["key"]
+        seen[key] = seen.get(key, 0) + 1
+        place = f"{name}.{key}" if seen[key] == 1 else f"{name}.{key} {seen[key]}"
+        found.update(leaves(f"{place}.severity", of_doubt["severity"]))
+        found.update(leaves(f"{place}.decibels", of_doubt["decibels"]))
+    return found
+
+
+# ---- arrays
+
+
+def digests(name: str, value: Any) -> dict[str, str]:
+    """Return the digest of an array, one for each of named arrays, or one of a whole record."""
+    if value is None:
+        return {}
+    if isinstance(value, Mapping) and all(isinstance(key, str) for key in value):
+        return {
+            f"{name}.{key}": digest(part) for key, part in value.items() if key not in NOT_SERIES
+        }
+    if isinstance(value, list) and not value:
+        return {}
+    return {name: digest(value)}
+
+
+def digest(value: Any) -> str:
+    """Return the digest of the bytes of all arrays and numbers in a value."""
+    found = hashlib.sha256()
+    for content in _bytes_of(value):
+        found.update(content)
+    return found.hexdigest()[:16]
+
+
+def _bytes_of(value: Any) -> Iterator[bytes]:
+    """Yield type, shape and bytes of arrays, and the bytes of numbers, in a fixed order."""
+    if isinstance(value, np.ndarray):
+        yield f"{value.dtype.str} {value.shape}".encode()
+        yield np.ascontiguousarray(value).tobytes()
+    elif isinstance(value, bool | int | float | np.number | np.bool_):
+        yield np.float64(value).tobytes()
+    elif isinstance(value, Mapping):
+        for key in sorted(value):  # its order is that in which pieces came
+            yield repr(key).encode()
+            yield from _bytes_of(value[key])
+    else:
+        for _, part in parts_of(value):
+            yield from _bytes_of(part)
