@@ -12,8 +12,8 @@ apart, and it exits with 1 if a series or a value differs. `--only WORD...` take
 hold one of the words.
 
 frozen_numbers.toml tells where a number stands, so that every version of the program gives the same
-names. To freeze another version, copy `frozen_*` into its checkout and call them there. Digests are
-equal on the same machine with the same packages only.
+names. With PYTHONPATH=CHECKOUT the program of another checkout is frozen. Digests are equal on the
+same machine with the same packages only.
 """
 
 from __future__ import annotations
@@ -51,26 +51,21 @@ RECORDING_S = 1.0
 NOISE = 0.1  # rms of the noise in a recording over that of the run
 KEPT_PIECES = 2  # after which a run is killed
 POLL_S = 0.005
-OF_CHECK = "/check"  # in labels
 KINDS = ("series", "values", "verdicts")
 Table = dict[str, dict[str, Any]]  # by label: what is frozen, by kind and name
 
 
 class Job(NamedTuple):
-    """Something to freeze: its kind, its name, its scene, and how it is computed.
-
-    number : int. Number of the run in the sweep of its scene.
-    """
+    """Something to freeze: its kind, its name, and its scene with all that it needs."""
 
     kind: str
     name: str
     entry: Mapping[str, Any]
-    number: int = 0
 
     @property
     def label(self) -> str:
         """Name of the job in the file."""
-        return f"{self.kind}/{self.name}/{self.number}"
+        return f"{self.kind}/{self.name}"
 
     @property
     def is_bearing(self) -> bool:
@@ -98,9 +93,9 @@ def library_jobs() -> list[Job]:
         is_repeated = name.startswith("lee2025") and "as-stated" not in name
         if name in SKIPPED or is_repeated:
             continue
-        entry = {"scene": name, "words": [], "shortened": True}
-        count = len(whole_scene(Job("library", name, entry)).runs())
-        jobs += [Job("library", name, entry, number) for number in range(count)]
+        entry = {"scene": name, "words": []}
+        for number, _ in enumerate(whole_scene(Job("library", name, entry)).runs()):
+            jobs.append(Job("library", f"{name}/{number}", entry | {"run": number}))
     return jobs
 
 
@@ -113,9 +108,9 @@ def whole_scene(job: Job) -> Any:
 def scene_of(job: Job) -> Any:
     """Return the scene of a job, or one run of a scene of the library, shortened."""
     scene = whole_scene(job)
-    if not job.entry.get("shortened"):
+    if "run" not in job.entry:
         return scene
-    _, scene = scene.runs()[job.number]
+    _, scene = scene.runs()[job.entry["run"]]
     duration_s = None if job.is_bearing else scene.rolling.duration_s
     if duration_s is not None and duration_s > SHORTENED_S:
         return scene.with_({"rolling.duration_s": SHORTENED_S})
@@ -141,7 +136,7 @@ def frozen_job(job: Job) -> Table:
 def freeze_run(job: Job) -> Iterator[tuple[str, Frozen]]:
     """Yield a run, and what a check of its scene foresees."""
     scene = scene_of(job)
-    yield f"{job.label}{OF_CHECK}", check(scene)
+    yield f"{job.label}: check", check(scene)
     if job.is_bearing:
         yield job.label, of_run(rc.simulate_bearing(scene, workers=1, progress=False), "bearing")
     else:
@@ -154,6 +149,13 @@ def of_run(run: Any, kind: str) -> Frozen:
     if lacking:
         print(f"not frozen, as frozen_numbers.toml has no place for them: {', '.join(lacking)}")
     return Frozen.of(run, kind)
+
+
+def freeze_sweep(job: Job) -> Iterator[tuple[str, Frozen]]:
+    """Yield all runs of a sweep, which share marches."""
+    runs = rc.simulate_sweep(scene_of(job), workers=1, progress=False)
+    for values, run in runs.items():
+        yield f"{job.label}: {values}", of_run(run, "run")
 
 
 def check(scene: Any) -> Frozen:
@@ -291,6 +293,7 @@ def freeze_recording(job: Job) -> Iterator[tuple[str, Frozen]]:
 FREEZE = {
     "runs": freeze_run,
     "bearings": freeze_run,
+    "sweeps": freeze_sweep,
     "library": freeze_run,
     "choices": freeze_choice,
     "improvements": freeze_improvements,
@@ -317,6 +320,11 @@ def frozen_table(jobs: Sequence[Job], workers: int) -> Table:
 def machine() -> dict[str, str]:
     """Return what digests depend on beside the program: processor and numpy."""
     return {"machine": f"{platform.machine()} {platform.processor()}", "numpy": np.__version__}
+
+
+def job_label(label: str) -> str:
+    """Return the label of the job that an entry of a table is of."""
+    return label.partition(":")[0]
 
 
 class Changes(NamedTuple):
@@ -372,8 +380,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if content["of"] != machine():
         print(f"Digests may differ: the file is of {content['of']}, and this is {machine()}.")
     labels = {job.label for job in jobs}
-    labels |= {f"{label}{OF_CHECK}" for label in labels}
-    before = {label: old for label, old in content["frozen"].items() if label in labels}
+    before = {label: old for label, old in content["frozen"].items() if job_label(label) in labels}
     found = changes(before, json.loads(json.dumps(now)))
     for kind, lines in zip(KINDS, found, strict=True):
         for line in lines:
