@@ -12,7 +12,6 @@ import hashlib
 import math
 import re
 import tomllib
-import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import Enum
 from pathlib import Path
@@ -93,56 +92,40 @@ class Frozen(NamedTuple):
 # ---- places
 
 
-class NoPlaceError(Exception):
-    """A place that does not exist in this version of the program, or in this run."""
-
-
 def read_all(thing: Any, places: Mapping[str, Sequence[str]]) -> Iterator[tuple[str, Any]]:
     """Yield the names of numbers with what stands at the first of their places that exists."""
     for name, candidates in places.items():
         for place in candidates:
-            try:
-                yield name, read(thing, place.split("."))
-            except NoPlaceError:
-                continue
-            break
+            found = read(thing, place.split("."))
+            if found is not NOTHING:
+                yield name, found
+                break
 
 
 def read(thing: Any, path: Sequence[str]) -> Any:
-    """Return what stands at a path of attributes and keys from a thing on."""
-    if not path:
+    """Return what stands at a path of attributes and keys from a thing on, or NOTHING."""
+    if not path or thing is NOTHING:
         return thing
     step, *rest = path
     if step == EVERY:
-        if not isinstance(thing, Sequence):
-            raise NoPlaceError
-        return [read(entry, rest) for entry in thing]
+        if not isinstance(thing, list | tuple):
+            return NOTHING
+        entries = [read(entry, rest) for entry in thing]
+        return NOTHING if any(entry is NOTHING for entry in entries) else entries
     if isinstance(thing, Mapping):
-        if step not in thing:
-            raise NoPlaceError
-        return read(thing[step], rest)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # an old place may be there still
-        found = getattr(thing, step, NOTHING)
-    if found is NOTHING:
-        raise NoPlaceError
-    return read(found, rest)
+        return read(thing.get(step, NOTHING), rest)
+    return read(getattr(thing, step, NOTHING), rest)
 
 
 def unread(thing: Any, kind: str) -> list[str]:
     """Return the places of numbers of a run that the table has not, neither as left out."""
-    listed = set()
+    listed = set[str]()
     for section in PLACES[kind].values():
         for places in section.values():
             listed.update(places)
-    found = set()
+    found = set[str]()
     for root in ROOTS:
-        try:
-            value = read(thing, [root])
-        except NoPlaceError:
-            continue
-        for place in _places_below(value, root):
-            found.add(place)
+        found.update(_places_below(read(thing, [root]), root))
     return sorted(place for place in found if not _is_listed(place, listed))
 
 
@@ -151,9 +134,9 @@ def _places_below(value: Any, place: str) -> Iterator[str]:
     parts = parts_of(value)
     if not parts and plain_value(value) is not None:
         yield place
+    is_list = isinstance(value, list | tuple) and not is_record(value)
     for name, part in parts:
-        is_entry = isinstance(value, Sequence)
-        yield from _places_below(part, f"{place}.{EVERY if is_entry else name}")
+        yield from _places_below(part, f"{place}.{EVERY if is_list else name}")
 
 
 def _is_listed(place: str, listed: Iterable[str]) -> bool:
@@ -168,7 +151,7 @@ def parts_of(value: Any) -> list[tuple[str, Any]]:
     """Return the parts of a dictionary, a record or a list by name; none of anything else."""
     if isinstance(value, Mapping):
         return [(str(key), part) for key, part in value.items()]
-    if hasattr(value, "_asdict"):
+    if is_record(value):
         return list(value._asdict().items())
     if dataclasses.is_dataclass(value):
         names = [field.name for field in dataclasses.fields(value)]
@@ -178,6 +161,11 @@ def parts_of(value: Any) -> list[tuple[str, Any]]:
     if isinstance(value, list | tuple):
         return [(str(number), part) for number, part in enumerate(value)]
     return []
+
+
+def is_record(value: Any) -> bool:
+    """Tell whether a value is a named tuple."""
+    return isinstance(value, tuple) and hasattr(value, "_asdict")
 
 
 def leaves(name: str, value: Any) -> dict[str, Any]:
