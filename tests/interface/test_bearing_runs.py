@@ -26,6 +26,8 @@ from rolling.bearing.motion import move_ring
 from rolling.bearing.tracks import BodyTrack, smooth_tracks
 from rolling.bearing_run import figures, page, simulation
 from rolling.bearing_run.bearing_run import BearingRun
+from rolling.numbers.run_file import StoredBearing
+from rolling.numbers.summary_schema import summary_schema
 
 FILES = {"result.h5", "summary.json", "spectrum.csv", "lines.csv", "acceleration.wav", "listen.wav"}
 RATE = 48_000
@@ -47,6 +49,15 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def numbers(folder: Path) -> dict:
     return json.loads((folder / "summary.json").read_text())
+
+
+def test_summary_of_a_bearing_meets_its_schema(folder: Path) -> None:
+    """The oracle is a validator of JSON Schema that knows nothing of this program."""
+    jsonschema = pytest.importorskip("jsonschema", reason="the extra `docs` is not installed")
+    validator = jsonschema.Draft202012Validator(summary_schema(StoredBearing))
+    content = numbers(folder)
+    assert list(validator.iter_errors(content)) == []
+    assert not validator.is_valid(content | {"unknown": 1.0})
 
 
 # ---- numbers
