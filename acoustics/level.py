@@ -267,6 +267,26 @@ def peak_pressure(pressure_pa: Array) -> float:
 
 
 @ignoring_underflow
+def crest_factor_db(pressure_pa: Array) -> float | None:
+    """Return the peak of a record over its rms, both without weighting [dB]; None for silence.
+
+    A sine has 3.0 dB, Gaussian noise 12 to 14 dB, and knocks have more.
+
+    Parameters
+    ----------
+    pressure_pa : array (n,), Pa. Sound pressure; the record closes on itself or is faded.
+
+    Returns
+    -------
+    float or None, dB
+    """
+    mean_square = float(np.mean(np.square(pressure_pa)))
+    if mean_square == 0.0:
+        return None
+    return level_db(peak_pressure(pressure_pa) ** 2, mean_square)
+
+
+@ignoring_underflow
 def sound_levels(
     pressure_pa: Array, sample_rate_hz: float, highest_hz: float = math.inf, closed: bool = True
 ) -> SoundLevels:

@@ -36,6 +36,17 @@ class RecordNumbers:
         DB_A,
         default=None,
     )
+    crest_factor_db: float | None = number(
+        "peak of the sound pressure over its rms, without weighting; none for a silent record",
+        DB,
+        word="crest factor",
+        form=".1f",
+        explained=(
+            "the peak of the record over its rms. A sine has 3 dB, noise 12 to 14 dB, and knocks "
+            "have more."
+        ),
+        default=None,
+    )
     scatter_db: float | None = number(
         "uncertainty of LAeq, found by comparing three parts of the record",
         DB,

@@ -14,7 +14,7 @@ import numpy as np
 
 from acoustics import ears, loudness, uncertainty, wav
 from acoustics.arrays import Array
-from acoustics.level import is_single_event, lae_db, level_db
+from acoustics.level import crest_factor_db, is_single_event, lae_db, level_db
 from acoustics.modulation import MIN_PERIODS, envelope_spectrum, modulated_octave
 from acoustics.numbers import rounded
 from rolling.check import heights
@@ -164,6 +164,7 @@ def _record(run: SolvedRun, is_event: bool) -> RecordNumbers:
         single_event=is_event,
         highest_frequency_hz=sound.highest,
         laeq_db=run.record_laeq_db,
+        crest_factor_db=crest_factor_db(sound.pressure),
         scatter_db=record_scatter(sound.pressure, laps),
         q=scene.sound.q if has_q else None,
         factor_pa_per_w_m2=sound.factor,

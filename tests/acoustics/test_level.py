@@ -7,6 +7,7 @@ import pytest
 
 from acoustics.bands import BAND_NAMES
 from acoustics.level import (
+    crest_factor_db,
     is_single_event,
     lae_db,
     laeq_db,
@@ -146,6 +147,18 @@ def test_a_size_whose_square_is_no_number_is_refused():
         pytest.raises(ValueError, match=r"mean_square: got .* a finite number"),
     ):
         sound_levels(np.array([0.0, 1e200, -1e200, 0.0]), RATE)
+
+
+@pytest.mark.law("Crest factor: that of a sine is 3.01 dB, also where its peak is between samples.")
+def test_the_crest_factor_of_a_sine_is_the_root_of_two():
+    shifted = np.sin(2 * np.pi * (10 * np.arange(480) + 0.3) / 48)
+    for wave in (tone(1000.0, n=4800), 7.0 * shifted):
+        assert crest_factor_db(wave) == pytest.approx(10 * math.log10(2), abs=0.01)
+    noise = np.random.default_rng(1).standard_normal(RATE)
+    assert 12 < crest_factor_db(noise) < 14
+    knock = np.append(noise, 100.0)
+    assert crest_factor_db(knock) > 30
+    assert crest_factor_db(np.zeros(100)) is None
 
 
 # ---- single events
