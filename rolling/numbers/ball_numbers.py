@@ -923,11 +923,11 @@ class RunNumbers:
     """
 
     name: str = ""
-    sentence: str = number("what rolls on what", "", default="")
     vibration: Quantity = group("what a listener would hear", word="vibration")
     released_power: Quantity = group(
         "what one would hear if all released energy were sound", word="released power"
     )
+    sentence: str = number("what rolls on what", "", default="")
     record: RecordNumbers = group("what was solved, and the record of the sound files")
     levels: LevelNumbers = group("levels of both sources")
     bands: BandNumbers = group("third octaves")
@@ -956,6 +956,10 @@ class RunNumbers:
         "the long record, with `sound.listen_s`", default=None
     )
     doubts: tuple[Doubt, ...] = group("what limits the numbers", default=())
+
+    def __repr__(self) -> str:
+        both = f"vibration {self.vibration}; released power {self.released_power}"
+        return f"RunNumbers({self.name}: {both})"
 
     @property
     def played(self) -> SourceLevels:

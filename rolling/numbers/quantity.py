@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple
 
+from acoustics.bands import NOMINAL_HZ
 from acoustics.numbers import rounded
 from rolling.numbers.doubt import Doubt, Severity
 
@@ -22,6 +23,7 @@ SERIES = "series"  # what a doubt is about that touches the release along the tr
 
 BOUND = "bound"  # verdict of a number that is an upper bound
 ASSUMED = "assumed"  # verdict of a number that rests on a share or a gain of the scene
+_BANDS_HZ = frozenset(map(float, NOMINAL_HZ))
 _OF_ORIGIN: Mapping[How, str] = {"upper bound": BOUND, "assumed": ASSUMED}
 
 _NOT_SOLVED = Doubt("not_solved", "its errors are not computed", Severity.TRUST)
@@ -199,6 +201,9 @@ class Quantity:
             words = f"LAE {words}"
         return f"{words}, {self.how}"
 
+    def __repr__(self) -> str:
+        return f"Quantity({self.name}: {self})"
+
     def _repr_html_(self) -> str:
         """Write value, origin and verdict for a notebook."""
         text = f"<b>{html.escape(str(self))}</b>"
@@ -359,6 +364,13 @@ class BandQuantity:
     parts : dict of tuples of float
         Parts of the uncertainties by their source, 0 in bands where one is unknown; an uncertainty
         is the root of the sum of their squares. Empty where the sources are unknown.
+
+    Examples
+    --------
+    >>> from rolling import BandQuantity
+    >>> levels = BandQuantity.of({"63": 31.2, "80": None}, "dB", {"63": 0.8, "80": None})
+    >>> levels.by_name["63"], levels.uncertainty_by_name["63"]
+    (31.2, 0.8)
     """
 
     unit: str
@@ -367,6 +379,24 @@ class BandQuantity:
     uncertainty: tuple[float | None, ...] | None = None
     how: How = "computed"
     parts: dict[str, tuple[float, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Refuse frequencies that are no bands, and values that do not belong to them.
+
+        Raises
+        ------
+        ValueError : a frequency is none of a third octave, or a count differs.
+        """
+        unknown = [frequency for frequency in self.frequency_hz if frequency not in _BANDS_HZ]
+        if unknown:
+            raise ValueError(f"{unknown[0]:g} Hz is no nominal mid frequency of a third octave")
+        count = len(self.frequency_hz)
+        for values in (self.value, self.uncertainty, *self.parts.values()):
+            if values is not None and len(values) != count:
+                raise ValueError(f"{count} bands have {len(values)} values")
+
+    def __repr__(self) -> str:
+        return f"BandQuantity({len(self.value)} bands, {self.unit}, {self.how})"
 
     @classmethod
     def of(

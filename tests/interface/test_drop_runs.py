@@ -13,7 +13,7 @@ import rolling
 from acoustics.wav import SAMPLE_RATE_HZ
 from rolling.figures import levels, vibration
 from rolling.results import answer, listening, run_lines
-from rolling.results.level_words import level_texts
+from rolling.results.level_words import number_texts
 from rolling.results.quantities import with_quantities
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
@@ -105,10 +105,9 @@ def test_terminal_and_page_show_events_by_what_can_be_compared(run: Run) -> None
     assert f"{run.numbers.played.lae_db:.1f}" in table and "silent" not in table
     assert "LAE, dB(A)" in table and "LAFmax" in table and "LAeq" not in table
     assert "released power" not in table  # it is computed for a ball that rolls
-    rows = level_texts(run.numbers)
-    assert rows[0].said.word.startswith("LAE")
+    rows = [row for row in number_texts(run.numbers) if row.is_played]
+    assert rows[0].said.word.startswith("LAE") and rows[0].is_repeated
     assert not any("LAeq" in row.said.word for row in rows)
-    assert rows[0].text == run.vibration.number
     assert repr(run).count("LAE") == 1 and "LAeq" not in repr(run)
     assert f"{run.numbers.played.lae_db:.1f}" in run._repr_html_()
 
@@ -122,7 +121,7 @@ def test_a_record_that_is_long_enough_shows_its_maximum(run: Run) -> None:
     assert opened.numbers.played.laf_max_db is None and opened.sound.levels.laf_max_db is not None
     for steady in (loop, opened):
         assert not steady.numbers.record.single_event
-        words = [row.said.word for row in level_texts(steady.numbers)]
+        words = [row.said.word for row in number_texts(steady.numbers) if row.is_played]
         assert not any("LAE" in word.replace("LAeq", "") for word in words)
 
 
@@ -139,13 +138,13 @@ def test_falls_are_compared_by_their_exposure(run: Run) -> None:
     own = run.numbers.played
     levels_db = {"lae_db": own.lae_db + 6, "laeq_db": own.laeq_db - 6}
     longer = changed(run.numbers, {"levels": {"vibration": levels_db}})
-    longer = with_quantities(longer, run.vibration.parts, {})
+    longer = with_quantities(longer, run.vibration.parts, {}, {})
     run = replace(run, values={"rolling.drop_mm": 1})
     other = replace(run, values={"rolling.drop_mm": 2}, numbers=longer)
     assert "6.0 dB louder" in answer.follows([run, other])
     assert {*levels.level_table([run, other])["quantity"]} == {"LAE"}
     lasting = changed(run.numbers, {"record": {"single_event": False}})
-    lasting = with_quantities(lasting, run.vibration.parts, {})
+    lasting = with_quantities(lasting, run.vibration.parts, {}, {})
     steady = replace(run, label="steady", numbers=lasting)
     assert "louder" not in answer.follows([run, steady])  # LAE and LAeq cannot be compared
     assert {*levels.level_table([run, steady])["quantity"]} == {"LAE", "LAeq"}

@@ -184,8 +184,8 @@ def test_table_of_runs_is_runs_csv(folder: Path, tmp_path: Path) -> None:
     assert cli.main([*words, "--set", *loads]) == 0
     stored = pd.read_csv(tmp_path / "out/runs.csv")
     table = runs.table().reset_index()
-    assert [*table] == [*stored]
-    for name in ("run", "rolling.load_n", "laeq_db", "third_octave_a_db_8000", "doubts"):
+    assert [*stored] == [name for name in table if name in stored]
+    for name in ("run", "rolling.load_n", "vibration_db", "released_power_verdict", "doubts"):
         assert table[name].tolist() == pytest.approx(stored[name].tolist()), name
 
 

@@ -20,7 +20,7 @@ from rolling.numbers import views
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results import verdict
 from rolling.results.labels import labels
-from rolling.results.level_words import level_texts
+from rolling.results.level_words import number_texts
 from rolling.results.run_folder import RunFolder
 from rolling.results.run_lines import doubt_lines, error_line, further_lines, levels_table
 from rolling.results.run_result import make_run, write_run
@@ -255,7 +255,8 @@ def test_a_level_of_a_fixed_gain_is_none_of_a_share_q(tmp_path: Path) -> None:
 )
 def test_uncertainties_are_rounded_up(level: float | None, spread: float | None, text: str) -> None:
     levels = {"vibration": {"level_db": level, "spreads": {"laeq_db": spread, "level_db": spread}}}
-    texts = {one.said.word: one.text for one in level_texts(computed(level, levels=levels))}
+    rows = number_texts(computed(level, levels=levels))
+    texts = {one.said.word: one.text for one in rows if one.is_played}
     assert texts["LAeq"] == texts["LZeq"] == text
     assert texts["steady level"] == ("silent" if level is None else "-")
 

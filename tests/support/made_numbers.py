@@ -133,4 +133,4 @@ def _made(
 ) -> RunNumbers:
     """Return blank numbers with values and then changes by subject, and with both quantities."""
     numbers = changed(changed(blank(RunNumbers), base), changes)
-    return with_quantities(numbers, of_sound, of_estimate)
+    return with_quantities(numbers, of_sound, {}, of_estimate)
