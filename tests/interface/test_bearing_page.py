@@ -21,8 +21,9 @@ from rolling.bearing.motion import move_ring
 from rolling.bearing.ring_record import AXIAL, RADIAL
 from rolling.bearing.tracks import BodyTrack, smooth_tracks
 from rolling.bearing_run import page as pages_of_bearings
-from rolling.bearing_run.bearing_run import BearingRun
+from rolling.bearing_run.bearing_run import BearingRun, numbered
 from rolling.bearing_run.simulation import record_of
+from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.report import templates
 
 ENGINE = Path(templates.__file__).parent / "assets" / "bearing"
@@ -81,7 +82,7 @@ def test_the_small_model_has_the_bands_of_the_program() -> None:
     smooth = smooth_tracks(scene.geometry)
     tracks = replace(smooth, inner=rough(1), balls_on_outer=tuple(map(rough, range(2, 10))))
     record = record_of(move_ring(scene.model, tracks, 32768 / 48000), scene.kinematics)
-    run = BearingRun(scene=scene, record=record, tracks=tracks)
+    run = numbered(SolvedBearing(scene, record, tracks))
     data = pages_of_bearings.data_of(run)
     data["bearing"]["tracks"] = {
         "inner": tracks.inner.approach_m.tolist(),

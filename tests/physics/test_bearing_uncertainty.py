@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,7 +19,6 @@ from rolling.bearing.band_uncertainty import (
     RECORD,
     WINDOW,
     BandUncertainty,
-    stored_uncertainty,
 )
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
@@ -36,6 +34,7 @@ from rolling.bearing_contacts.contact_uncertainty import (
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import contact_plan
 from rolling.bearing_run.simulation import record_of
+from rolling.numbers.quantity import joined
 
 RATE = 48_000
 
@@ -174,13 +173,14 @@ def test_a_turn_that_is_marched_whole_has_no_window(scene: rolling.BearingScene)
 # ---- parts
 
 
-def test_parts_add_as_squares_and_are_stored(tmp_path: Path) -> None:
+def test_a_part_replaces_an_earlier_one_of_its_name() -> None:
     def of_all(value: float) -> dict[str, dict[str, float]]:
         return {direction: dict.fromkeys(VELOCITY_BANDS_HZ, value) for direction in DIRECTIONS}
 
     uncertainty = BandUncertainty().with_part(RECORD, of_all(3.0)).with_part(WINDOW, of_all(4.0))
-    assert uncertainty.total_db(RADIAL, "high") == pytest.approx(5.0)
-    assert stored_uncertainty(uncertainty.to_dict()) == uncertainty
+    assert joined(uncertainty.of_band(RADIAL, "high")) == pytest.approx(5.0)
     with_third = uncertainty.with_part(LOSS_FACTOR, of_all(12.0))
-    assert with_third.totals_db[AXIAL]["low"] == pytest.approx(13.0)
-    assert BandUncertainty().total_db(RADIAL, "low") == 0.0
+    assert joined(with_third.of_band(AXIAL, "low")) == pytest.approx(13.0)
+    again = with_third.with_part(WINDOW, of_all(0.0))
+    assert again.of_band(RADIAL, "low") == {RECORD: 3.0, WINDOW: 0.0, LOSS_FACTOR: 12.0}
+    assert joined(BandUncertainty().of_band(RADIAL, "low")) == 0.0

@@ -7,16 +7,22 @@ import json
 import os
 import signal
 import time
+from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 import pytest
-from bearing_runs import WAVY, written
-from commands import started
+from bearing_runs import WAVY, loads_bearing, written
+from commands import started, tree
 
-from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+import rolling
 from rolling import cli
-from rolling.bearing.ring_record import DIRECTIONS
 from rolling.bearing_run import stored_run
+from rolling.bearing_run.bearing_run import BearingRun
+from rolling.bearing_run.former_bearing import former_names
+from rolling.numbers.bearing_numbers import BearingNumbers
+from rolling.numbers.stored import to_bytes
+from rolling.results.provenance import program_provenance
 from rolling.terminal import files
 
 SHORT = WAVY.replace("0.5", "0.1")
@@ -32,22 +38,109 @@ numerics: {window_mm: 2}
 """
 
 
-@pytest.mark.parametrize("key", ["bands_verdict", "bands_below_bending_um_s", "parts_cpu_s"])
+@pytest.fixture(scope="module")
+def run() -> BearingRun:
+    return rolling.simulate_bearing(loads_bearing(SHORT), progress=False)
+
+
+def former_summary(run: BearingRun) -> dict[str, Any]:
+    """Return the summary.json of a run as version 0.8 wrote it."""
+    gains = {"seconds": 0.1, "own_full_scale_m_s2": 1.5, "full_scale_m_s2": 3.0}
+    provenance = program_provenance(run.label)
+    facts = {"listen": gains, "provenance": json.loads(to_bytes(provenance))}
+    return {**former_names(run.numbers, run.label), **facts}
+
+
+def velocities_of(numbers: BearingNumbers) -> list[tuple[object, ...]]:
+    """Return value, ±, verdict and parts of all velocities."""
+    return [
+        (one.name, one.value, one.uncertainty, one.verdict, one.parts)
+        for velocities in (numbers.velocities, numbers.below_bending)
+        for bands in velocities.by_direction.values()
+        for one in bands.by_band.values()
+    ]
+
+
+def test_a_summary_of_version_0_8_has_the_same_numbers(run: BearingRun, tmp_path: Path) -> None:
+    """Parts below the bending follow from the stored ± there, so they have its rounding."""
+    (tmp_path / "summary.json").write_text(json.dumps(former_summary(run)))
+    read = stored_run.read_stored_bearing(tmp_path)
+    numbers = read.numbers
+    assert read.files.listen.full_scale_m_s2 == 3.0
+    for own, stored in zip(velocities_of(run.numbers), velocities_of(numbers), strict=True):
+        assert stored[:2] == own[:2] and stored[3] == own[3]
+        assert stored[2] == pytest.approx(own[2], rel=1e-9, abs=1e-15)
+        assert stored[4] == pytest.approx(own[4], rel=1e-6, abs=1e-9)
+    same = {field.name for field in fields(BearingNumbers)} - {"velocities", "below_bending"}
+    for name in same:
+        assert getattr(numbers, name) == getattr(run.numbers, name), name
+
+
+def test_a_summary_of_version_0_8_0_lacks_what_it_did_not_know(
+    run: BearingRun, tmp_path: Path
+) -> None:
+    """It has the ± of the record alone, and no velocity of a band that the bending cuts."""
+    summary = former_summary(run)
+    for name in [*summary]:
+        if name.startswith("bands_") and name not in ("bands_um_s", "bands_uncertainty_db"):
+            del summary[name]
+    del summary["contact_angles_under_loads_deg"]
+    summary["contact_angle_under_load_deg"] = 13.9
+    (tmp_path / "summary.json").write_text(json.dumps(summary))
+    numbers = stored_run.read_stored_bearing(tmp_path).numbers
+    own = run.numbers.velocities.radial
+    assert numbers.below_bending.radial.low.value == own.low.value
+    assert numbers.below_bending.radial.high.value is None
+    assert "0.8" in str(numbers.below_bending.radial.high)
+    assert numbers.velocities.radial.high.uncertainty == own.high.uncertainty
+    assert numbers.angles.largest_under_loads_deg == 13.9
+
+
+@pytest.mark.parametrize(
+    "key", ["bands_um_s", "bands_below_bending_um_s", "bands_uncertainty_parts_db", "parts_cpu_s"]
+)
 @pytest.mark.parametrize("damage", [["x"], {"radial": "much"}, {"radial": {"low": "much"}}, "text"])
 def test_a_part_of_a_summary_that_a_stranger_wrote_is_refused(
-    tmp_path: Path, key: str, damage: object
+    tmp_path: Path, run: BearingRun, key: str, damage: object
 ) -> None:
-    """Parts that a summary of version 0.8.0 lacks may be missing, but of no other kind."""
-    bands = {direction: dict.fromkeys(VELOCITY_BANDS_HZ, 1.0) for direction in DIRECTIONS}
-    lists = {name: [] for name in ("lines", "doubts", "contact_doubts", "sentences")}
-    listen = {"own_full_scale_m_s2": 1.0, "full_scale_m_s2": 1.0}
-    whole = {"bands_um_s": bands, "bands_uncertainty_db": bands, "listen": listen, **lists}
-    path = tmp_path / "summary.json"
-    path.write_text(json.dumps(whole))
-    assert stored_run.read_summary(path) == whole
-    path.write_text(json.dumps(whole | {key: damage}))
+    (tmp_path / "summary.json").write_text(json.dumps(former_summary(run) | {key: damage}))
     with pytest.raises(files.FolderError, match="not readable"):
-        stored_run.read_summary(path)
+        stored_run.read_stored_bearing(tmp_path)
+
+
+@pytest.mark.parametrize("damage", [None, "much", [1.0], {"value": "much"}])
+def test_a_number_that_a_stranger_wrote_is_refused(
+    tmp_path: Path, run: BearingRun, damage: object
+) -> None:
+    folder = rolling.save_bearing(run, tmp_path / "run", report=False)
+    content = json.loads((folder / "numbers.json").read_text())
+    content["numbers"]["velocities"]["radial"]["low"] = damage
+    (folder / "numbers.json").write_text(json.dumps(content))
+    with pytest.raises(files.FolderError, match=r"numbers\.velocities\.radial\.low"):
+        stored_run.read_stored_bearing(folder)
+
+
+def test_a_folder_of_version_0_8_is_shown_and_not_resumed(
+    tmp_path: Path, run: BearingRun, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = rolling.save_bearing(run, tmp_path / "run", report=False)
+    (folder / "numbers.json").unlink()
+    (folder / "summary.json").write_text(json.dumps(former_summary(run)))
+    before = tree(folder)
+    for words in (
+        ["run", str(folder / "scene.yaml"), "--out", str(folder)],
+        ["listen", str(folder)],
+    ):
+        assert cli.main(words) == 2
+        said = capsys.readouterr().err
+        assert "a run of version 0.8" in said and "Version 0.8.1 does" in said
+    assert tree(folder) == before
+    assert cli.main(["table", str(folder)]) == 0
+    assert cli.main(["report", str(folder), "-q"]) == 0
+    shown = rolling.open_bearing(folder).numbers
+    assert shown.sentences == run.numbers.sentences
+    page = (folder / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
+    assert shown.sentences[0].replace(" um/s", " µm/s") in page
 
 
 @pytest.mark.slow
@@ -82,7 +175,7 @@ def test_a_full_disk_is_told_and_the_same_command_goes_on(
         for name in ("result.h5", "listen.wav", "acceleration.wav", "lines.csv", "spectrum.csv"):
             assert (out / name).read_bytes() == wanted[name]
     assert number == len(wanted)
-    assert stored_run.read_summary(out / "summary.json")["kind"] == "bearing"
+    assert stored_run.read_stored_bearing(out).kind == "bearing"
 
 
 @pytest.mark.slow
@@ -102,5 +195,4 @@ def test_ctrl_c_keeps_finished_marches(tmp_path: Path) -> None:
     kept = {path: path.stat().st_mtime_ns for path in out.glob("contacts/*.npz")}
     assert kept and cli.main([*map(str, words), "-q"]) == 0
     assert all(path.stat().st_mtime_ns == then for path, then in kept.items())
-    doubts = json.loads((out / "summary.json").read_text())["contact_doubts"]
-    assert isinstance(doubts, list)
+    assert stored_run.read_stored_bearing(out).numbers.contacts

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from rolling.bearing.ring_record import RingRecord
+from rolling.bearing_run.bearing_run import BearingRun, numbered
+from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.scene import file
 from rolling.scene.bearing_scene import BearingScene
 
@@ -33,6 +36,11 @@ def written(folder: Path, text: str = WAVY, name: str = "wavy.yaml") -> Path:
     path = folder / name
     path.write_text(text)
     return path
+
+
+def moved_as(run: BearingRun, record: RingRecord, scene: BearingScene | None = None) -> BearingRun:
+    """Return a run with the numbers of another record of its ring, and maybe of another scene."""
+    return numbered(SolvedBearing(scene or run.scene, record, run.tracks))
 
 
 def loads_bearing(
