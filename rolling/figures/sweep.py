@@ -1,5 +1,6 @@
 """Figures of sweeps and of tables of runs: numbers against swept keys, and means over seeds."""
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -277,10 +278,14 @@ def write_number_figures(
 
 
 class NumberOfRuns(NamedTuple):
-    """A number of each run in the unit that people read, and its name with this unit."""
+    """A number of each run in the unit that people read, its uncertainty, and its name with unit.
+
+    NaN stands for what a run does not have.
+    """
 
     head: str
     values: list[float]
+    uncertainties: list[float]
 
     @property
     def name(self) -> str:
@@ -290,18 +295,24 @@ class NumberOfRuns(NamedTuple):
 
 
 def number_of(runs: Sequence[RunFolder], column: str) -> NumberOfRuns:
-    """Return a number of runs by its column in `runs_table`; NaN where a run does not have it."""
+    """Return a number of runs by its column in `runs_table`, with its standard uncertainty."""
     values = []
+    uncertainties = []
     head = column
     for run in runs:
         numbers = numbers_of(run)
-        cell = None if numbers is None else views.columns(numbers).get(column)
-        if cell is None or cell.value is None:
-            values.append(np.nan)
-        else:
-            head = cell.head
-            values.append(cell.said.factor * float(cell.value))
-    return NumberOfRuns(head, values)
+        cells = {} if numbers is None else views.columns(numbers)
+        cell = cells.get(column)
+        if numbers is None or cell is None or cell.value is None:
+            values.append(math.nan)
+            uncertainties.append(math.nan)
+            continue
+        spread = cells.get(views.spread_columns(numbers).get(column, ""))
+        of_value = None if spread is None else spread.value
+        head = cell.head
+        values.append(cell.said.factor * float(cell.value))
+        uncertainties.append(math.nan if of_value is None else float(of_value))
+    return NumberOfRuns(head, values, uncertainties)
 
 
 def _draw_into(
@@ -322,8 +333,12 @@ def number_against(
     ax: Axes,
     title: str,
 ) -> Axes:
-    """Plot the mean of a number of runs against a swept key, a line per value of `curves`."""
-    frame = frame.assign(number=number.values)
+    """Plot a number of runs against a swept key, a line per value of `curves`.
+
+    Runs of equal values have their mean with its standard deviation, a single one its uncertainty.
+    """
+    frame = frame.assign(number=number.values, uncertainty=number.uncertainties)
+    is_single = frame.groupby([key, *curves], dropna=False).size().max() == 1
     groups = [*groups_of(frame, curves)]
     places = places_of(frame[key])
     x = np.array([*places.values()])
@@ -334,11 +349,15 @@ def number_against(
         values = group["number"].groupby(group[key])
         mean = values.mean().reindex([*places])
         deviation = values.std().reindex([*places])
+        if is_single:
+            deviation = group.set_index(key)["uncertainty"].reindex([*places])
         ax.plot(x, mean, markersize=5, label=label or None, **style)
         error_bars(ax, x, mean, deviation, style["color"])
     label_values(ax, key, places)
     ax.set_ylabel(number.head)
     facts = _facts_of_means(frame, [key, *curves], "bars", len(groups))
+    if is_single and frame["uncertainty"].notna().any():
+        facts.append("bars: ± standard uncertainty")
     return finish(ax, f"{number.name} against {x_quantity(ax)}: {title}", facts)
 
 

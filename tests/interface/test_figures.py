@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from report_runs import runs_of, single
@@ -254,10 +255,24 @@ def test_a_number_of_runs_is_drawn_as_its_field_says() -> None:
     assert pressure.head == "maximum pressure [GPa]" and pressure.name == "Maximum pressure"
     expected = [run.numbers.contact.max_pressure_pa * 1e-9 for run in runs]
     assert pressure.values == pytest.approx(expected)
-    assert sweep.number_of(runs, "vibration_db").head == "vibration [dB(A)]"
+    heard = sweep.number_of(runs, "vibration_db")
+    assert heard.head == "vibration [dB(A)]"
+    assert heard.uncertainties == pytest.approx([run.vibration.uncertainty for run in runs])
     peak = sweep.number_of(runs, "levels_released_power_lz_peak_db")
     assert peak.head == "LZpeak of the released power [dB]"
     assert np.isnan(sweep.number_of(runs, "motion_resonance_hz").values).all()
+
+
+def test_bars_of_single_runs_are_the_uncertainty_of_the_quantity(three) -> None:
+    """Runs of one seed have no standard deviation, so each point has the ± of its run."""
+    number = sweep.number_of(three, "vibration_db")
+    ax = sweep.number_against(
+        sweep.sweep_table(three), number, "rolling.load_n", [], Figure().subplots(), "three"
+    )
+    (bars,) = (container for container in ax.containers if isinstance(container, ErrorbarContainer))
+    segments = bars.lines[2][0].get_segments()
+    halves = [(segment[1][1] - segment[0][1]) / 2 for segment in segments]
+    assert halves == pytest.approx([run.vibration.uncertainty for run in three])
 
 
 def test_a_run_with_dynamics_has_four_figures_of_its_vibration() -> None:

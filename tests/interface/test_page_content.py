@@ -5,7 +5,8 @@ from __future__ import annotations
 import base64
 import io
 import re
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
+from importlib.resources import files
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -17,7 +18,9 @@ from report_runs import HOSTILE, runs_of, solved
 from ruamel.yaml import YAML
 
 from acoustics.wav import PEAK
+from rolling.numbers import ball_numbers
 from rolling.numbers.doubt import sized
+from rolling.numbers.fields import said_of
 from rolling.report import film, maps, quantities, records, text
 from rolling.report.assumed import assumptions
 from rolling.report.number_table import number_table
@@ -333,6 +336,25 @@ def test_no_row_of_the_numbers_is_empty(three) -> None:
         table = number_table(runs)
         for head, cells in table.rows:
             assert len(cells) == len(table.labels) and set(cells) != {"-"}, head
+
+
+def test_templates_and_scripts_know_no_number_by_its_name() -> None:
+    """Python hands over what is shown, so a new number needs no change of the page."""
+    names = {
+        one.name
+        for kind in vars(ball_numbers).values()
+        if is_dataclass(kind) and kind.__module__ == ball_numbers.__name__
+        for one in fields(kind)
+        if said_of(one) is not None and "_" in one.name
+    }
+    assert {"max_pressure_pa", "laf_max_db", "released_power"} < names
+    assets = Path(str(files("rolling.report").joinpath("assets")))
+    shown = [*assets.rglob("*.html"), *assets.rglob("*.js")]
+    assert len(shown) > 50
+    for path in shown:
+        # A slider names the key of the scene that it moves.
+        content = re.sub(r'"[a-z]+\.[a-z_]+"', "", path.read_text())
+        assert not names & {*re.findall(r"\w+", content)}, path
 
 
 def test_letters_that_turn_the_text_around_are_escaped() -> None:
