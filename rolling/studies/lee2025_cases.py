@@ -78,7 +78,7 @@ def finished_runs(
 def case_of(reading: str, run: Run) -> dict[str, Any]:
     """Return the row of a run; the names of its columns end in their units."""
     scene = run.scene
-    summary = run.summary
+    contact = run.numbers.contact
     surface = scene.surface
     assert isinstance(surface, Gaussian)
     skewness, kurtosis = surface.moments
@@ -95,16 +95,16 @@ def case_of(reading: str, run: Run) -> dict[str, Any]:
         "width_um": surface.width_um,
         "spacing_um": surface.spacing_um,
         "step_um": scene.step * 1e6,
-        "duration_s": summary["duration_s"],
+        "duration_s": run.numbers.record.duration_s,
         "radius_mm": scene.sphere.radius_mm,
         "contact_modulus_gpa": scene.contact_modulus * 1e-9,
         "hardness_gpa": scene.plate.cap_gpa if has_hardness else math.nan,
         "as_stated": (scene.sphere.radius_mm, scene.sphere.youngs_modulus_gpa) == STATED_SPHERE,
-        "rms_slope": summary["surface"]["rms_slope"],
-        "max_pressure_gpa": summary["max_pressure_pa"] * 1e-9,
-        "contact_area_um2": summary["contact_area_mean_m2"] * 1e12,
-        "plastic_area_um2": summary["plastic_area_mean_m2"] * 1e12,
-        "plastic_ratio": summary["plastic_ratio"],
+        "rms_slope": run.numbers.surface.rms_slope,
+        "max_pressure_gpa": contact.max_pressure_pa * 1e-9,
+        "contact_area_um2": contact.area_mean_m2 * 1e12,
+        "plastic_area_um2": contact.plastic_area_mean_m2 * 1e12,
+        "plastic_ratio": contact.plastic_ratio,
         "deflection_um": float(np.nanmean(run.series["max_deflection"])) * 1e6,
         **_sound_measures(run),
         **_line_measures(run),
@@ -116,30 +116,38 @@ def _sound_measures(run: Run) -> dict[str, float]:
 
     LAeq is 10 lg of the release. The same fluctuation as 20 lg has no absolute value.
     """
-    summary = run.summary
+    numbers = run.numbers
+    spreads = numbers.played.spreads
+    third_octaves = numbers.bands.released_power
+    assert spreads is not None and third_octaves is not None  # the release plays
     sound = run.sound
     laps = run.laps
     unscaled = level_uncertainty(sound.pressure, sound.sample_rate, sound.levels, False, laps=laps)
-    factor = summary["factor_pa_per_w_m2"]
+    factor = numbers.record.factor_pa_per_w_m2
     unscaled_db = 20 * math.log10(P_REF_PA / (factor * I_REF_W_M2)) if factor else math.nan
-    level_db = float(np.float64(summary["laeq_db"]))
-    bands_db = np.array([summary["third_octave_db"][name] for name in BAND_NAMES], dtype=float)
+    level_db = _or_nan(numbers.played.laeq_db)
+    bands_db = np.array(third_octaves.value, dtype=float)
     square = np.nan_to_num(10 ** (bands_db / 10))
     return {
         "audible_10_db": level_db,
-        "audible_10_uncertainty_db": np.float64(summary["uncertainty_db"]["laeq"]),
+        "audible_10_uncertainty_db": _or_nan(spreads.laeq_db),
         "audible_20_db": level_db + unscaled_db,
-        "audible_20_uncertainty_db": np.float64(unscaled.laeq_db),
+        "audible_20_uncertainty_db": _or_nan(unscaled.laeq_db),
         "centroid_hz": float(square @ MID_HZ / square.sum()) if square.any() else math.nan,
         **dict(zip(band_columns(BAND_NAMES), map(float, bands_db + unscaled_db), strict=True)),
     }
+
+
+def _or_nan(value: float | None) -> float:
+    """Return a number, NaN where there is none."""
+    return math.nan if value is None else value
 
 
 def _line_measures(run: Run) -> dict[str, Any]:
     """Compute the article's A-weighted line spectrum and its heights [dB] with 10 and 20 lg."""
     scene = run.scene
     power = run.release_power
-    rate_hz = len(power) / run.summary["duration_s"]
+    rate_hz = len(power) / run.numbers.record.duration_s
     frequency_hz, level_db = article_line_level_db(
         power, rate_hz, scene.sound.distance_m, scene.sound.q
     )

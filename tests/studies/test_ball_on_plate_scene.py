@@ -22,11 +22,12 @@ def test_force_and_slopes() -> None:
     shorter.append(f"sweep.rolling.speed_m_s={SPEEDS}")
     runs = rc.simulate_sweep(rc.read_scene(SCENE, shorter), workers=1)
     for thickness, forces in FORCE_N.items():
-        own = [runs[speed, thickness].summary for speed in SPEEDS]
+        own = [runs[speed, thickness].numbers for speed in SPEEDS]
+        motions = [numbers.motion for numbers in own]
         # A fifth of the track is uncertain by 3 dB where the resonance rings.
-        ratios = [each["force_rms_n"] / force for each, force in zip(own, forces, strict=True)]
+        ratios = [motion.force_rms_n / force for motion, force in zip(motions, forces, strict=True)]
         assert np.all(np.abs(20 * np.log10(ratios)) < 3.0), ratios
-        levels = [each["vibration_level_db"] for each in own]
+        levels = [numbers.levels.vibration.level_db for numbers in own]
         slope = np.polyfit(np.log10(SPEEDS), levels, 1)[0]
         assert slope == pytest.approx(SLOPE_DB[thickness], abs=3.0)
-        assert all(each["motion_balance_error"] < 1e-6 for each in own)
+        assert all(motion.balance_error < 1e-6 for motion in motions)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +17,7 @@ from rolling import cli
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.state import Window
+from rolling.results.stored_numbers import read_stored
 from rolling.scene import library
 from rolling.scene.file import read_scene
 from rolling.scene.scene import Scene
@@ -105,8 +105,8 @@ def test_a_study_is_solved_once_and_judged(
     # The third octaves add up to the fluctuation within hearing (Parseval) at 1 m; 1e-2 is the
     # share outside of the bands.
     bands = (10 ** (cases[band_columns(BAND_NAMES)] / 10)).sum(axis=1)
-    summaries = [json.loads(path.read_bytes()) for path in out.rglob("summary.json")]
-    watts = sorted(summary["release_power_audible_rms_w"] for summary in summaries)
+    energies = [read_stored(path.parent).numbers.energy for path in out.rglob("numbers.json")]
+    watts = sorted(energy.release_power_audible_rms_w for energy in energies)
     assert sorted(np.sqrt(bands) * 4 * math.pi * I_REF_W_M2) == pytest.approx(watts, rel=1e-2)
     verdicts = pd.read_csv(out / "statements.csv").set_index("key")["verdict"]
     assert verdicts["plastic-area-load"] == "holds"

@@ -191,7 +191,7 @@ def test_zener_without_and_with_loss() -> None:
 def test_restitution_on_plates() -> None:
     """The scene of the page, against Zener's equation; its plates share one march."""
     runs = rolling.simulate_sweep(validate._scene("restitution"), workers=1, progress=False)
-    kept = [run.summary["restitution"] for run in runs.values()]
+    kept = [run.numbers.motion.restitution for run in runs.values()]
     assert kept == pytest.approx([0.9894, 0.9585, 0.8455, 0.6328], abs=0.003)
 
 
