@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from frozen_numbers import Frozen
 
-from rolling.check.doubt import Doubt, Severity
+from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene import library
 
 PLACES = {
