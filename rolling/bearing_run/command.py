@@ -79,8 +79,9 @@ def run_bearing(
     """
     folder = out or folders.default_folder(scene)
     folders.refuse_other(folder, scene)
-    refuse_former(folders.bearing_runs_in(folder, scene))
     source = None if start_from is None else folders.bearing_home(start_from)
+    if source is not None:
+        refuse_former(folders.stored_bearing_runs(source))
     simulation.refuse(scene, workers, folder)
     folder.mkdir(parents=True, exist_ok=True)
     with folders.locked(folder):

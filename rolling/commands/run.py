@@ -11,6 +11,7 @@ from rolling.commands.derived import write_derived_alone
 from rolling.results import labels, run_lines
 from rolling.results.run_folder import PAGE, RunFolder
 from rolling.results.run_result import PASSES
+from rolling.results.stored_numbers import refuse_former
 from rolling.run import folder as folders
 from rolling.run.ending import Ending
 from rolling.run.solving import runs_of_part, solve_folder
@@ -101,6 +102,7 @@ def resound(
     stored = [run for run in folders.stored_runs(folder) if run.is_done]
     if not stored:
         raise FolderError(f"{folder}: no run in it is done, so there is no march to take")
+    refuse_former(stored)
     scene = file.resound(folders.stored_scene(folder), overrides)
     program = folders.made_by(stored[0].home)
     if program != folders.this_program():

@@ -15,6 +15,7 @@ from rolling.results import labels, listening, runs_table
 from rolling.results.long_record import ListeningError
 from rolling.results.run_folder import BANDS, PAGE, TABLE, RunFolder
 from rolling.results.run_result import Run
+from rolling.results.stored_numbers import refuse_former
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs
 from rolling.scene.messages import nearest
@@ -137,6 +138,7 @@ def listen(
         long listening, or a number is not allowed. Nothing is written.
     """
     stored = folders.done_run(folder, "listen to")
+    refuse_former([stored])
     with progress.step("reading the run, making its sound"):
         (run,) = open_runs([stored])
     try:

@@ -4,6 +4,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.height_files import read_regular
@@ -18,6 +19,7 @@ PAGE = "report.html"  # of all runs of a folder
 TABLE = "runs.csv"
 BANDS = "bands.csv"
 MAX_FAILURE = 1_000_000  # bytes of a failed.json
+MAX_NUMBERS = 10_000_000  # bytes of a numbers.json or summary.json
 
 
 class RunPlace:
@@ -25,6 +27,7 @@ class RunPlace:
 
     values: Mapping[str, Value]
     folder: Path
+    format_of_0_8: ClassVar[int | None] = None  # of a summary.json
 
     @property
     def home(self) -> Path:
@@ -37,6 +40,17 @@ class RunPlace:
         return (self.folder / RESULT).is_file() and (self.folder / SUMMARY).is_file()
 
     @property
+    def is_of_0_8(self) -> bool:
+        """Whether version 0.8 wrote the numbers of the run, by the format of its summary."""
+        if not is_former(self.folder):
+            return False
+        try:
+            summary = json.loads(read_regular(self.folder / SUMMARY, MAX_NUMBERS))
+        except (OSError, ValueError, RecursionError):
+            return False
+        return isinstance(summary, dict) and summary.get("format") == self.format_of_0_8
+
+    @property
     def failure(self) -> str | None:
         """The reason of the last failure, or None."""
         try:
@@ -45,6 +59,11 @@ class RunPlace:
             return None
         except (OSError, ValueError, KeyError, TypeError, RecursionError):
             return "unknown"
+
+
+def is_former(folder: Path) -> bool:
+    """Tell whether a run folder lacks its numbers, as those of version 0.8 do."""
+    return not (folder / NUMBERS).is_file() and (folder / SUMMARY).is_file()
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +88,8 @@ class BearingFolder(RunPlace):
     scene : BearingScene. The scene with these values, without a sweep.
     folder : Path. The folder of the run.
     """
+
+    format_of_0_8: ClassVar[int | None] = 1
 
     values: Mapping[str, Value]
     scene: BearingScene

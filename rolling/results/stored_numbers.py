@@ -17,12 +17,18 @@ from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.run_file import StoredBearing, StoredNumbers
 from rolling.numbers.stored import from_bytes, summary_of, to_bytes
 from rolling.results.former_numbers import former_numbers
-from rolling.results.run_folder import NUMBERS, SUMMARY, RunFolder, RunPlace
+from rolling.results.run_folder import (
+    MAX_NUMBERS,
+    NUMBERS,
+    SUMMARY,
+    RunFolder,
+    RunPlace,
+    is_former,
+)
 from rolling.scene.height_files import read_regular
 from rolling.terminal import files
 from rolling.terminal.files import FolderError
 
-MAX_NUMBERS = 10_000_000  # bytes
 _ADVICE = "delete it, and the same command solves the run again"
 _Stored = TypeVar("_Stored", StoredNumbers, StoredBearing)
 
@@ -64,11 +70,6 @@ def read_kind(folder: Path, kind: type[_Stored], former: Callable[[bytes], _Stor
     return stored
 
 
-def is_former(folder: Path) -> bool:
-    """Tell whether a run folder has the numbers of version 0.8, or lacks its own."""
-    return not (folder / NUMBERS).is_file() and (folder / SUMMARY).is_file()
-
-
 def refuse_former(runs: Iterable[RunPlace]) -> None:
     """Refuse to go on with runs of version 0.8, or to make their sound anew.
 
@@ -77,7 +78,7 @@ def refuse_former(runs: Iterable[RunPlace]) -> None:
     FolderError : one of the runs has the numbers of version 0.8.
     """
     for run in runs:
-        if is_former(run.folder):
+        if run.is_of_0_8:
             raise FolderError(
                 f"{run.folder}: a run of version 0.8. This version shows it (`rolling report`,"
                 " `table`), but does not go on with it or make its sound anew. Version 0.8.1 does;"

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from rolling.results.run_folder import FAILED, RESULT, BearingFolder, RunFolder, RunPlace
+from rolling.results.stored_numbers import refuse_former
 from rolling.scene import bearing_file, file
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.height_files import open_regular
@@ -235,6 +236,7 @@ def refuse_other(folder: Path, scene: Scene | BearingScene) -> bool:
     if lines and not adds_runs:
         text = "".join(f"\n  {text}" for text in lines)
         raise FolderError(f"{folder}: holds runs of another scene; {_way_out(folder)}{text}")
+    refuse_former(_places_in(folder, new))
     maker = made_by(folder)
     if maker != this_program() and not all(run.is_done for run in _places_in(folder, new)):
         raise FolderError(

@@ -15,6 +15,7 @@ from rolling.marches.piece import contact_identity
 from rolling.results import labels, result_file
 from rolling.results.run_folder import FAILED, RESULT, RunFolder
 from rolling.results.run_result import LISTEN, Run, make_run, read_run
+from rolling.results.stored_numbers import refuse_former
 from rolling.run import folder as folders
 from rolling.run.cluster import Cluster
 from rolling.run.ending import Ending
@@ -120,6 +121,8 @@ def solve_folder(
         raise SceneError(["sweep: a part is a share of the runs of a sweep, the scene has none"])
     folders.refuse_other(folder, scene)
     elsewhere = [] if start_from is None else folders.stored_runs(start_from)
+    if start_from is not None:
+        refuse_former(elsewhere)
     if cluster is not None:  # its workers have other working folders
         scene = Scene.from_dict(scene.to_dict(), scene.folder.resolve())
         folder = folder.resolve()

@@ -10,7 +10,6 @@ from __future__ import annotations
 import csv
 import json
 import shutil
-from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,8 +22,9 @@ from commands import tree
 import rolling as rc
 from rolling import cli
 from rolling.bearing_run import stored_run
-from rolling.results import answer, run_folder, verdict
+from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results.run_result import Run
+from rolling.results.stored_numbers import read_stored
 
 FOLDERS = Path(__file__).parents[1] / "data" / "folders_0_8_0"
 SUMMARIES = [
@@ -75,25 +75,27 @@ def stored_summary(folder: Path) -> dict[str, Any]:
 
 def stored_answer(folder: Path) -> Answer:
     """Return the two numbers that a run folder has stored."""
-    numbers = stored_summary(folder)["answer"]
-    heard = numbers["vibration"]
-    released = numbers["released_power"]
+    summary = stored_summary(folder)
+    heard = summary["answer"]["vibration"]
+    released = summary["answer"]["released_power"]
     word = None if heard["verdict"] is None else heard["verdict"]["word"]
+    # Errors of grid and solver stood beside the ± of the record, and are a part of it now.
+    spread_db = released["standard_uncertainty_db"]
+    if spread_db is not None:
+        spread_db = summary.get("laeq_uncertainty_db") or spread_db
     return Answer(
         vibration=Number(heard["level_db"], heard["standard_uncertainty_db"], word),
-        released_power=(released["level_db"], released["standard_uncertainty_db"]),
+        released_power=(released["level_db"], spread_db),
     )
 
 
-def shown_answer(summary: Mapping[str, Any]) -> Answer:
-    """Return the two numbers that this program shows of the summary of a run."""
-    heard = answer.vibration(summary)
-    released = answer.released_power(summary)
-    judged = verdict.of_vibration(summary)
-    word = None if judged is None else judged.word
+def shown_answer(numbers: RunNumbers) -> Answer:
+    """Return the two numbers of a run that this program shows."""
+    heard = numbers.vibration
+    released = numbers.released_power
     return Answer(
-        vibration=Number(heard.level_db, heard.uncertainty_db, word),
-        released_power=(released.level_db, released.uncertainty_db),
+        vibration=Number(heard.value, heard.uncertainty, heard.verdict),
+        released_power=(released.value, released.uncertainty),
     )
 
 
@@ -153,7 +155,7 @@ def test_the_folders_are_small_and_written_by_version_0_8_0() -> None:
 def test_a_run_has_the_numbers_that_are_stored(name: str) -> None:
     stored = stored_answer(FOLDERS / name)
     assert stored.vibration.level_db is not None
-    assert are_same(shown_answer(opened(name).summary), stored)
+    assert are_same(shown_answer(opened(name).numbers), stored)
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -207,8 +209,7 @@ def test_a_table_has_the_numbers_of_all_runs_of_a_sweep(copied: Path) -> None:
 def test_a_summary_has_the_numbers_that_are_stored(name: str) -> None:
     """Summaries have an error estimate, passes, a fixed gain, a measured surface, and so on."""
     folder = FOLDERS / "numbers_only" / name
-    numbers = run_folder.read_summary(folder / "summary.json")
-    assert numbers == stored_summary(folder)
+    numbers = read_stored(folder).numbers
     assert are_same(shown_answer(numbers), stored_answer(folder))
 
 
@@ -254,12 +255,50 @@ def test_page_and_table_of_a_bearing_are_written(copied: Path) -> None:
 def test_a_specimen_of_a_choice_has_the_level_that_the_choice_stores() -> None:
     choice = json.loads((FOLDERS / "choice" / "choice.json").read_text())
     (ground,) = [one for one in choice["candidates"] if one["label"] == "ground"]
-    level_db = shown_answer(opened("choice/ground/01").summary).vibration.level_db
+    level_db = shown_answer(opened("choice/ground/01").numbers).vibration.level_db
     # A choice hears each specimen at five speeds around that of its run.
     assert level_db == pytest.approx(ground["vibration_db"][0], abs=0.1)
 
 
 # ---- nothing is resumed
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run", "ball/scene.yaml", "--out", "ball"],
+        ["run", "sweep/scene.yaml", "--out", "sweep"],
+        ["run", "ball/scene.yaml", "--out", "new", "--from", "ball"],
+        ["run", "bearing/scene.yaml", "--out", "bearing"],
+        ["run", "bearing/scene.yaml", "--out", "new", "--from", "bearing"],
+        ["resound", "ball", "--set", "sound.distance_m=2", "--out", "new"],
+        ["listen", "ball"],
+        ["listen", "sweep/load_n=0.03,seed=2"],
+        ["listen", "bearing"],
+    ],
+    ids=" ".join,
+)
+def test_what_goes_on_with_a_run_is_refused_with_the_version_that_does(
+    words: list[str],
+    copied: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(copied)
+    before = tree(copied)
+    assert cli.main([*words, "-q"]) == 2
+    said = capsys.readouterr().err
+    assert "a run of version 0.8" in said and "Version 0.8.1 does" in said
+    assert len(said.strip().splitlines()) == 1
+    assert tree(copied) == before
+
+
+def test_a_run_that_lost_its_numbers_is_not_taken_for_one_of_080(copied: Path) -> None:
+    """Its summary says its format, and the message what to delete."""
+    summary = copied / "ball" / "summary.json"
+    summary.write_text(json.dumps({"format": 1, **json.loads(summary.read_text())}))
+    with pytest.raises(rc.FolderError, match=r"numbers\.json, is missing\); delete it"):
+        rc.open_run(copied / "ball")
 
 
 def test_runs_are_not_added_to_a_sweep(copied: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -268,7 +307,7 @@ def test_runs_are_not_added_to_a_sweep(copied: Path, capsys: pytest.CaptureFixtu
     before = tree(folder)
     words = ["run", str(SWEEP / "scene.yaml"), "--out", str(folder), "--no-report"]
     assert cli.main([*words, "--workers", "1"]) == 2
-    assert "version 0.8.0" in capsys.readouterr().err
+    assert "a run of version 0.8" in capsys.readouterr().err
     assert tree(folder) == before
 
 
