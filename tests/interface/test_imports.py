@@ -125,9 +125,9 @@ def test_every_room_has_one_floor(package: str) -> None:
 
 
 def test_the_house_is_small() -> None:
-    """A stranger keeps eleven floors, 23 rooms and one meaning of a class name in mind."""
+    """A stranger keeps eleven floors, 24 rooms and one meaning of a class name in mind."""
     assert max(map(len, FLOORS.values())) <= 11
-    assert sum(map(len, FLOORS["rolling"])) <= 23
+    assert sum(map(len, FLOORS["rolling"])) <= 24
     names = [
         node.name
         for package in FLOORS

@@ -23,6 +23,7 @@ import rolling as rc
 from rolling import cli
 from rolling.bearing_run import stored_run
 from rolling.numbers.ball_numbers import RunNumbers
+from rolling.numbers.bearing_numbers import BearingNumbers
 from rolling.results.run_result import Run
 from rolling.results.stored_numbers import read_stored
 
@@ -99,9 +100,10 @@ def shown_answer(numbers: RunNumbers) -> Answer:
     )
 
 
-def shown_bands(run: rc.BearingRun) -> Bands:
+def shown_bands(numbers: BearingNumbers) -> Bands:
     """Return the velocities of a ring [um/s] that this program shows."""
-    return run.bands_um_s
+    velocities = numbers.velocities.by_direction
+    return {direction: bands.um_s for direction, bands in velocities.items()}
 
 
 def rows_of(table: Path) -> list[dict[str, str]]:
@@ -218,13 +220,19 @@ def test_a_summary_has_the_numbers_that_are_stored(name: str) -> None:
 
 def test_a_summary_of_a_bearing_with_a_fault_is_read() -> None:
     folder = FOLDERS / "numbers_only" / "faulty_bearing"
-    assert stored_run.read_summary(folder / "summary.json") == stored_summary(folder)
+    numbers = stored_run.read_stored_bearing(folder).numbers
+    stored = stored_summary(folder)
+    assert shown_bands(numbers)["radial"] == pytest.approx(stored["bands_um_s"]["radial"])
+    assert numbers.without_faults is not None
+    without = stored["without_faults"]["bands_um_s"]["radial"]
+    assert numbers.without_faults.radial.by_band == pytest.approx(without)
+    assert [line.name for line in numbers.lines] == [line["name"] for line in stored["lines"]]
 
 
 def test_a_bearing_has_the_velocities_and_the_motion_that_are_stored() -> None:
     run = rc.open_bearing(BEARING)
     stored = stored_summary(BEARING)["bands_um_s"]
-    shown = shown_bands(run)
+    shown = shown_bands(run.numbers)
     for direction, bands in stored.items():
         assert shown[direction] == pytest.approx(bands, rel=1e-6, abs=1e-9)
     with h5py.File(BEARING / "result.h5") as file:
@@ -242,9 +250,9 @@ def test_page_and_table_of_a_bearing_are_written(copied: Path) -> None:
     assert cli.main(["table", str(folder), "-q"]) == 0
     (row,) = rows_of(folder / "runs.csv")
     for band in ("low", "medium", "high"):
-        velocity_um_s = float(row[f"radial_{band}_um_s"])
+        velocity_um_s = float(row[f"velocities_radial_{band}_um_s"])
         assert velocity_um_s == pytest.approx(stored["bands_um_s"]["radial"][band], rel=ROUNDED)
-        uncertainty_db = float(row[f"radial_{band}_uncertainty_db"])
+        uncertainty_db = float(row[f"velocities_radial_{band}_uncertainty_db"])
         stated_db = stored["bands_uncertainty_db"]["radial"][band]
         assert uncertainty_db == pytest.approx(stated_db, rel=ROUNDED)
 
