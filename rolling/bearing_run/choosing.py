@@ -7,6 +7,7 @@ bearings are heard on the same draws, so that what they share cancels.
 
 from __future__ import annotations
 
+import json
 import math
 from collections import deque
 from collections.abc import Sequence
@@ -29,10 +30,12 @@ from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan, stages_of
 from rolling.bearing_contacts.solving import Marches, solved_stages
 from rolling.bearing_run import simulation
-from rolling.bearing_run.band_difference import HOUSING, NAMES
+from rolling.bearing_run.band_difference import NAMES
 from rolling.bearing_run.bearing_choice import BearingChoice
+from rolling.bearing_run.heard_specimen import HeardSpecimen, StoredSpecimens
 from rolling.bearing_run.housing import housing_of_scene
 from rolling.figures.picture import csv_bytes
+from rolling.numbers.stored import from_bytes, to_bytes
 from rolling.run import choice_folder
 from rolling.run import folder as folders
 from rolling.run.budget import Budget, Clock
@@ -40,6 +43,7 @@ from rolling.run.choice_folder import CHOICE, PICTURE, RUNS, TABLE
 from rolling.run.executor import ended_by_signal
 from rolling.run.pools import Pool, Task, pool_for_tasks
 from rolling.scene.bearing_scene import BearingScene
+from rolling.scene.height_files import read_regular
 from rolling.scene.identity import digest
 from rolling.scene.messages import SceneError, quoted
 from rolling.terminal import files, progress, shortage
@@ -63,14 +67,14 @@ class BearingCandidate:
     label : str. What it is called in sentences.
     scene : BearingScene. A scene without a sweep.
     plan : ContactPlan. Its rough contacts.
-    heard : list of dict. Root mean squares by band, of each specimen so far.
+    heard : list of HeardSpecimen. Root mean squares of each specimen so far.
     rough_bands : dict of RoughBand. What its rough contacts make of each band.
     """
 
     label: str
     scene: BearingScene
     plan: ContactPlan
-    heard: list[dict[str, float]] = field(default_factory=list)
+    heard: list[HeardSpecimen] = field(default_factory=list)
     rough_bands: dict[str, RoughBand] = field(default_factory=dict)
 
     @property
@@ -322,8 +326,8 @@ def _until_known(hearing: _Hearing, budget: Budget, looks: Sequence[int]) -> Bea
 
 def heard_specimen(
     scene: BearingScene, plan: ContactPlan, marches: Marches, number: int
-) -> dict[str, float]:
-    """Return the root mean squares of a specimen by band: radial velocity [um/s], housing [Pa]."""
+) -> HeardSpecimen:
+    """Return the root mean squares of a specimen: radial velocity [um/s] and housing [Pa]."""
     model = scene.model
     # The marched one, 0, is left out: its stretch has fewer waves than a turn, so it scatters more.
     tracks = bearing_tracks(plan, marches, draw=number + 1)
@@ -334,11 +338,12 @@ def heard_specimen(
     for name in VELOCITY_BANDS_HZ:
         velocity = UM_S * math.sqrt((x.rms_m_s[name] ** 2 + y.rms_m_s[name] ** 2) / 2)
         rms[name] = velocity if velocity > ROUNDING_UM_S else 0.0
-    housing = housing_of_scene(scene, linear_ring(model), motion.velocity_m_s[:, 0])
-    if housing is not None:
-        weighted = a_weighted(housing.pressure, motion.rate_hz)
-        rms[HOUSING] = float(np.sqrt(np.mean(np.square(weighted)))) if any(rms.values()) else 0.0
-    return rms
+    sound = housing_of_scene(scene, linear_ring(model), motion.velocity_m_s[:, 0])
+    housing = None
+    if sound is not None:
+        weighted = a_weighted(sound.pressure, motion.rate_hz)
+        housing = float(np.sqrt(np.mean(np.square(weighted)))) if any(rms.values()) else 0.0
+    return HeardSpecimen(**rms, housing=housing)
 
 
 def _choice(
@@ -348,7 +353,7 @@ def _choice(
     folder: Path,
 ) -> BearingChoice:
     """Return the answer from the first specimens of all bearings."""
-    bands = [band for band in NAMES if all(band in one.heard[0] for one in candidates)]
+    bands = [band for band in NAMES if all(band in one.heard[0].by_band for one in candidates)]
     rms = {band: _of_band(candidates, band, count) for band in bands}
     return BearingChoice(
         labels=[one.label for one in candidates],
@@ -368,7 +373,7 @@ def _choice(
 
 def _of_band(candidates: Sequence[BearingCandidate], band: str, count: int) -> Array:
     """Return the root mean squares of a band, (bearings, specimens)."""
-    return np.array([[heard[band] for heard in one.heard[:count]] for one in candidates])
+    return np.array([[heard.by_band[band] for heard in one.heard[:count]] for one in candidates])
 
 
 def specimens_needed(choice: BearingChoice) -> int:
@@ -395,29 +400,20 @@ def _identity(candidates: Sequence[BearingCandidate]) -> str:
 
 def _take_heard(folder: Path, candidates: Sequence[BearingCandidate]) -> None:
     """Take what a folder has heard of the same bearings; refuse a folder of something else."""
-    kept = choice_folder.take(folder, FORMATS)
-    if kept is None:
+    if choice_folder.take(folder, FORMATS) is None:
         return
+    path = folder / CHOICE
     try:
-        is_same = kept["identity"] == _identity(candidates)
-        heard = [_as_heard(of_one) for of_one in kept["heard"]]
-        if is_same and len(heard) != len(candidates):
+        kept = from_bytes(StoredSpecimens, read_regular(path, choice_folder.MAX_CHOICE))
+        is_same = kept.identity == _identity(candidates)
+        if is_same and len(kept.heard) != len(candidates):
             raise ValueError("specimens of other bearings")
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        path = folder / CHOICE
+    except (OSError, ValueError, RecursionError) as error:
         raise FolderError(f"{path}: it is damaged; give another folder with --out") from error
     if not is_same:
         raise FolderError(f"{folder}: it holds another choice; give another folder with --out")
-    for one, of_one in zip(candidates, heard, strict=True):
-        one.heard = of_one
-
-
-def _as_heard(stored: Sequence[dict[str, Any]]) -> list[dict[str, float]]:
-    """Return the root mean squares of specimens as they are stored, a number for each band."""
-    for rms in stored:
-        if not rms.keys() >= VELOCITY_BANDS_HZ.keys():
-            raise ValueError("a specimen lacks a band")
-    return [{band: float(value) for band, value in rms.items()} for rms in stored]
+    for one, of_one in zip(candidates, kept.heard, strict=True):
+        one.heard = [*of_one]
 
 
 def _keep_heard(folder: Path, candidates: Sequence[BearingCandidate]) -> None:
@@ -427,13 +423,15 @@ def _keep_heard(folder: Path, candidates: Sequence[BearingCandidate]) -> None:
 
 def _as_json(candidates: Sequence[BearingCandidate]) -> dict[str, Any]:
     """Return what was heard so far for JSON."""
-    return {
-        "format": FORMAT,
-        "program": folders.this_program(),
-        "identity": _identity(candidates),
-        "labels": [one.label for one in candidates],
-        "heard": [one.heard for one in candidates],
-    }
+    kept = StoredSpecimens(
+        format=FORMAT,
+        program=folders.this_program(),
+        identity=_identity(candidates),
+        labels=tuple(one.label for one in candidates),
+        heard=tuple(tuple(one.heard) for one in candidates),
+    )
+    content: dict[str, Any] = json.loads(to_bytes(kept))
+    return content
 
 
 def _write_files(choice: BearingChoice, candidates: Sequence[BearingCandidate]) -> None:

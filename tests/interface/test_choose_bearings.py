@@ -54,8 +54,8 @@ def test_twice_the_roughness_of_balls_is_six_decibels_more() -> None:
     one, two = choosing.candidates_of([swept])
     for draw in (0, 3):
         ratio = (
-            choosing.heard_specimen(two.scene, two.plan, {}, draw)["high"]
-            / choosing.heard_specimen(one.scene, one.plan, {}, draw)["high"]
+            choosing.heard_specimen(two.scene, two.plan, {}, draw).high
+            / choosing.heard_specimen(one.scene, one.plan, {}, draw).high
         )
         assert 20 * math.log10(ratio) == pytest.approx(6.02, abs=0.05)
 
