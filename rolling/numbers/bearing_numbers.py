@@ -286,7 +286,7 @@ class BearingNumbers:
     ... )
     >>> numbers = rolling.simulate_bearing(scene, progress=False).numbers
     >>> print(numbers.below_bending.radial.low)
-    80 um/s ± 0.1 dB, computed
+    81 um/s ± 0.1 dB, computed
     """
 
     name: str = ""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 import shutil
 import zipfile
 from pathlib import Path
@@ -20,6 +19,7 @@ from rolling.bearing_contacts.plan import ContactPlan, contact_plan
 from rolling.bearing_contacts.solving import Marches, solved_stages
 from rolling.marches.piece import Piece, contact_identity
 from rolling.results import result_file
+from rolling.results.stored_numbers import read_stored
 from rolling.run import folder as folders
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.scene import Scene
@@ -76,7 +76,7 @@ def test_a_sphere_takes_the_marches_of_another_folder(
     assert f"{swept}: 1 march is not taken: load 3 N: no finished march there has an equal" in said
     runs = {run.scene.load: run.folder for run in folders.stored_runs(out)}
     costs = {
-        load: json.loads((folder / "summary.json").read_text())["march_cpu_s"]
+        load: read_stored(folder).numbers.effort.march_cpu_s
         for load, folder in runs.items()
     }
     assert costs[2.0] == 0 < costs[3.0]
