@@ -6,7 +6,8 @@ Each rule was read from marches of both surfaces together and of each alone.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -107,23 +108,28 @@ def contact_doubts(
     uncertainty : BandUncertainty
         Parts of the uncertainty of the bands that come from the contacts.
     """
-    numbers = marched_contacts(plan, marches)
-    doubts = [
-        *_superposition(plan),
-        *_narrow_turns(plan),
-        *_coarse_nodes(plan),
-        *_steep_waves(plan),
-        *_short_windows(plan, uncertainty),
-    ]
-    doubts += _unmarched(plan, numbers)
-    for contact in numbers:
-        doubts += _stiffness(contact)
-        doubts += _yielding(contact, hardness_pa)
-    return tuple(doubts)
+    contacts = JudgedContacts(plan, marched_contacts(plan, marches), hardness_pa, uncertainty)
+    return tuple(doubt for rule in RULES for doubt in rule(contacts))
 
 
-def _superposition(plan: ContactPlan) -> Iterator[Doubt]:
+class JudgedContacts(NamedTuple):
+    """The contacts of a bearing about which there are doubts.
+
+    plan : ContactPlan. All contacts.
+    marched : list of MarchedContact. Numbers of those that were marched.
+    hardness_pa : float, Pa. Hardness of rings and balls, infinite where it is unknown.
+    uncertainty : BandUncertainty. Parts of the uncertainty of the bands that come from them.
+    """
+
+    plan: ContactPlan
+    marched: list[MarchedContact]
+    hardness_pa: float
+    uncertainty: BandUncertainty
+
+
+def superposition(contacts: JudgedContacts) -> Iterator[Doubt]:
     """State the error of adding the approaches of both surfaces of a contact."""
+    plan = contacts.plan
     balls = plan.surfaces["balls"]
     ball_law = None if balls is None else law_of(balls)
     worst = 0.0
@@ -162,9 +168,9 @@ def coarse_nodes_db(law: Roughness, spacing_um: float) -> float:
     return 10 * math.log10(ratio)
 
 
-def _coarse_nodes(plan: ContactPlan) -> Iterator[Doubt]:
+def coarse_nodes(contacts: JudgedContacts) -> Iterator[Doubt]:
     """State that nodes are too far apart for the roughness."""
-    for contact in plan.rough.values():
+    for contact in contacts.plan.rough.values():
         law = contact.scene.surface.law
         if not isinstance(law, Roughness):
             continue
@@ -180,8 +186,9 @@ def _coarse_nodes(plan: ContactPlan) -> Iterator[Doubt]:
             )
 
 
-def _steep_waves(plan: ContactPlan) -> Iterator[Doubt]:
+def steep_waves(contacts: JudgedContacts) -> Iterator[Doubt]:
     """State that a contact bridges waves around a body, which enter by its linear response."""
+    plan = contacts.plan
     lightest = plan.loads_n[0]
     for body, surface in plan.surfaces.items():
         if surface is None or not surface.has_form:
@@ -212,9 +219,10 @@ def window_scatter_db(length_m: float, speed_m_s: float, band_hz: tuple[float, f
     return 10 / math.log(10) / math.sqrt(count)
 
 
-def _short_windows(plan: ContactPlan, uncertainty: BandUncertainty) -> Iterator[Doubt]:
+def short_windows(contacts: JudgedContacts) -> Iterator[Doubt]:
     """State the scatter of levels whose roughness is known from a stretch of track only."""
-    part = uncertainty.parts_db.get(WINDOW)
+    plan = contacts.plan
+    part = contacts.uncertainty.parts_db.get(WINDOW)
     short = [contact for contact in plan.rough.values() if not is_whole_turn(plan, contact)]
     if part is None or not short:
         return
@@ -240,8 +248,9 @@ def _short_windows(plan: ContactPlan, uncertainty: BandUncertainty) -> Iterator[
     )
 
 
-def _narrow_turns(plan: ContactPlan) -> Iterator[Doubt]:
+def narrow_turns(contacts: JudgedContacts) -> Iterator[Doubt]:
     """State that measured turns narrower than a contact enter by the linear response alone."""
+    plan = contacts.plan
     for body, surface in plan.surfaces.items():
         if isinstance(surface, BallHeightFile) and kinds_of_contact(body)[0] not in plan.rough:
             yield Doubt(
@@ -253,9 +262,10 @@ def _narrow_turns(plan: ContactPlan) -> Iterator[Doubt]:
             )
 
 
-def _unmarched(plan: ContactPlan, numbers: list[MarchedContact]) -> Iterator[Doubt]:
+def unmarched(contacts: JudgedContacts) -> Iterator[Doubt]:
     """State that contacts are not marched, so that the linear response stands in their place."""
-    missing = sorted(plan.rough.keys() - {contact.name for contact in numbers})
+    marched = {contact.name for contact in contacts.marched}
+    missing = sorted(contacts.plan.rough.keys() - marched)
     if missing:
         yield Doubt(
             "unmarched_contacts",
@@ -263,6 +273,13 @@ def _unmarched(plan: ContactPlan, numbers: list[MarchedContact]) -> Iterator[Dou
             " because its march is not there",
             Severity.INDICATIVE,
         )
+
+
+def marched(contacts: JudgedContacts) -> Iterator[Doubt]:
+    """State what the march of each rough contact shows against the motion and the hardness."""
+    for contact in contacts.marched:
+        yield from _stiffness(contact)
+        yield from _yielding(contact, contacts.hardness_pa)
 
 
 def _stiffness(contact: MarchedContact) -> Iterator[Doubt]:
@@ -289,3 +306,15 @@ def _yielding(contact: MarchedContact, hardness_pa: float) -> Iterator[Doubt]:
         f" hardness of {rounded(hardness_pa * 1e-9)} GPa; they are marched as elastic",
         Severity.INDICATIVE,
     )
+
+
+Rule = Callable[[JudgedContacts], Iterator[Doubt]]
+RULES: tuple[Rule, ...] = (
+    superposition,
+    narrow_turns,
+    coarse_nodes,
+    steep_waves,
+    short_windows,
+    unmarched,
+    marched,
+)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 from acoustics.numbers import rounded
 from rolling.bearing import assumed_damping
@@ -20,29 +21,23 @@ _LEAST_DB = 0.1  # effects below it have no sentence
 _ENERGY_DB = 10 / math.log(10)
 
 
-def doubts_of(
-    bearing: SolvedBearing,
-    rigid: RingVelocities,
-    below_bending: RingVelocities,
-    of_contacts: Sequence[Doubt],
-) -> Iterator[Doubt]:
-    """Yield what makes the numbers of a run uncertain, one sentence each.
+class JudgedBearing(NamedTuple):
+    """A bearing about whose numbers there are doubts.
 
-    Parameters
-    ----------
     bearing : SolvedBearing. Motion of the ring.
     rigid, below_bending : RingVelocities. Its velocities in the whole bands and in their parts.
     of_contacts : sequence of Doubt. Doubts about the rough contacts, from their marches.
     """
-    yield from of_contacts
-    yield from _short_record(bearing, rigid)
-    yield from _assumed_damping(bearing, rigid)
-    for doubt in scene_rules(bearing.scene):
-        if isinstance(doubt, Doubt):
-            is_bending = doubt.key == "ring_bending"
-            yield _with_share(rigid, below_bending, doubt) if is_bending else doubt
-    yield from _lost_contact(bearing)
-    yield from _energy(bearing)
+
+    bearing: SolvedBearing
+    rigid: RingVelocities
+    below_bending: RingVelocities
+    of_contacts: Sequence[Doubt] = ()
+
+
+def doubts_of(judged: JudgedBearing) -> list[Doubt]:
+    """Return what makes the numbers of a run uncertain, one sentence each."""
+    return [doubt for rule in RULES for doubt in rule(judged)]
 
 
 def moves(um_s: float | None) -> bool:
@@ -50,12 +45,18 @@ def moves(um_s: float | None) -> bool:
     return um_s is not None and um_s >= NOTHING_UM_S
 
 
-def _short_record(bearing: SolvedBearing, rigid: RingVelocities) -> Iterator[Doubt]:
+def of_contacts(judged: JudgedBearing) -> Iterator[Doubt]:
+    """Yield the doubts about the rough contacts, which their marches raised."""
+    yield from judged.of_contacts
+
+
+def short_record(judged: JudgedBearing) -> Iterator[Doubt]:
     """Doubt bands that scatter within a short record."""
+    bearing = judged.bearing
     uncertain = {
         name: db
         for name, db in bearing.record.bands[RADIAL].uncertainty_db.items()
-        if moves(rigid.radial.um_s[name])
+        if moves(judged.rigid.radial.um_s[name])
     }
     if not uncertain:
         return
@@ -71,11 +72,12 @@ def _short_record(bearing: SolvedBearing, rigid: RingVelocities) -> Iterator[Dou
     )
 
 
-def _assumed_damping(bearing: SolvedBearing, rigid: RingVelocities) -> Iterator[Doubt]:
+def assumed_loss_factor(judged: JudgedBearing) -> Iterator[Doubt]:
     """Doubt bands that an assumed loss factor of the contacts moves."""
+    bearing = judged.bearing
     parts = [
         velocity.parts[LOSS_FACTOR]
-        for bands in rigid.by_direction.values()
+        for bands in judged.rigid.by_direction.values()
         for velocity in bands.by_band.values()
         if LOSS_FACTOR in velocity.parts
     ]
@@ -103,10 +105,17 @@ def _without_minus_zero(bands: Mapping[str, float]) -> list[float]:
     return [round(decibels, 1) + 0.0 for decibels in bands.values()]
 
 
-def _with_share(rigid: RingVelocities, below_bending: RingVelocities, doubt: Doubt) -> Doubt:
+def of_scene(judged: JudgedBearing) -> Iterator[Doubt]:
+    """Yield the doubts that the scene raises; one about a ring that bends has its share."""
+    for doubt in scene_rules(judged.bearing.scene):
+        if isinstance(doubt, Doubt):
+            yield _with_share(judged, doubt) if doubt.key == "ring_bending" else doubt
+
+
+def _with_share(judged: JudgedBearing, doubt: Doubt) -> Doubt:
     """Return the doubt about a ring that bends, with the part of the high band that it has."""
-    whole = rigid.radial.high.value
-    below = below_bending.radial.high.value
+    whole = judged.rigid.radial.high.value
+    below = judged.below_bending.radial.high.value
     if whole is None or below is None or not moves(whole):
         return doubt
     if not below > 0:
@@ -117,8 +126,9 @@ def _with_share(rigid: RingVelocities, below_bending: RingVelocities, doubt: Dou
     return replace(doubt, text=text, severity=severity_of(decibels), decibels=decibels)
 
 
-def _lost_contact(bearing: SolvedBearing) -> Iterator[Doubt]:
+def lost_contact(judged: JudgedBearing) -> Iterator[Doubt]:
     """Say that balls lose contact, where an axial load presses all of them."""
+    bearing = judged.bearing
     share = bearing.record.lost_contact_share
     if share > 0 and bearing.housing is not None:
         yield Doubt(
@@ -137,10 +147,21 @@ def _lost_contact(bearing: SolvedBearing) -> Iterator[Doubt]:
         )
 
 
-def _energy(bearing: SolvedBearing) -> Iterator[Doubt]:
+def energy_balance(judged: JudgedBearing) -> Iterator[Doubt]:
     """Doubt a motion whose energy does not balance."""
-    error = abs(bearing.record.energy_error)
+    error = abs(judged.bearing.record.energy_error)
     decibels = _ENERGY_DB * error
     if decibels > _LEAST_DB:
         text = f"the energy of the motion lacks {rounded(100 * error)} %: {decibels:.1f} dB"
         yield sized("energy_balance", text, decibels)
+
+
+Rule = Callable[[JudgedBearing], Iterator[Doubt]]
+RULES: tuple[Rule, ...] = (
+    of_contacts,
+    short_record,
+    assumed_loss_factor,
+    of_scene,
+    lost_contact,
+    energy_balance,
+)

@@ -11,7 +11,7 @@ from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.moving_angle import angles_under_loads
 from rolling.bearing.ring_record import PLACES, UM_S
 from rolling.bearing_contacts.bearing_check import departures
-from rolling.bearing_run.doubts import doubts_of
+from rolling.bearing_run.doubts import JudgedBearing, doubts_of
 from rolling.bearing_run.line_numbers import envelope_lines, velocity_lines
 from rolling.bearing_run.sentences import sentences
 from rolling.bearing_run.solved_bearing import SolvedBearing
@@ -57,7 +57,8 @@ def bearing_numbers(bearing: SolvedBearing, found: MarchFindings) -> BearingNumb
     scene = bearing.scene
     rigid = rigid_velocities(bearing, found.uncertainty)
     below_bending = velocities_below_bending(bearing, found.uncertainty)
-    doubts = tuple(doubts_of(bearing, rigid, below_bending, found.doubts))
+    judged = JudgedBearing(bearing, rigid, below_bending, of_contacts=found.doubts)
+    doubts = tuple(doubts_of(judged))
     numbers = BearingNumbers(
         name=scene.name,
         title=scene.title,
