@@ -1,7 +1,7 @@
 """The two numbers of runs as the page shows them: value, uncertainty, verdict, and their words.
 
-The vibration leads. A bound or an assumption has a word of its own, and its numerical error beside
-it in small type.
+The vibration leads. A bound or an assumption has a word and a look of its own, and its numerical
+error beside it.
 """
 
 from __future__ import annotations
@@ -21,9 +21,8 @@ WORDS = {  # of verdicts
     "trust": "no error above 1 dB is known",
     "indicative": "good for comparing, because its error is up to 3 dB or of unknown size",
     "do not quote": "its error exceeds 3 dB",
-    BOUND: "what one would hear lies below it; in small type stands its numerical error",
-    ASSUMED: "it rests on a share q or a gain that the scene assumes; in small type stands its "
-    "numerical error",
+    BOUND: "what one would hear lies below it; its numerical error stands beside it",
+    ASSUMED: "a share q or a gain is assumed; its numerical error stands beside it",
 }
 AT_LEAST = (">", "a part of the error has this size, and the rest is not known")
 
@@ -34,29 +33,26 @@ class ShownQuantity(NamedTuple):
     Attributes
     ----------
     value, spread : str
-        The number, such as `11.0`, and its uncertainty, such as `± 1.2`; empty where there is none.
+        The number, such as `11.0`, and its uncertainty, such as `± 1.2`.
     measure : str
-        LAE or LAeq where the page has both, otherwise empty.
+        LAE or LAeq where the page has both.
     missing : str
-        Why there is no number, otherwise empty.
+        Why there is no number.
     verdict : str
-        Word of the verdict; empty without a number.
-    severity : str
-        How good a bound or an assumed number is as a number, if it is not trusted.
+        Word of the verdict.
     error : str
-        Size of its numerical error, as the verdict has it; empty where it is unknown.
+        Size of its numerical error; how good a bound or an assumed number is as a number.
     leads : bool
         Whether it is the number that is read first.
     """
 
-    value: str
-    spread: str
-    measure: str
-    missing: str
-    verdict: str
-    severity: str
-    error: str
-    leads: bool
+    value: str = ""
+    spread: str = ""
+    measure: str = ""
+    missing: str = ""
+    verdict: str = ""
+    error: str = ""
+    leads: bool = False
 
 
 class ShownColumn(NamedTuple):
@@ -105,26 +101,24 @@ def _shown(quantity: Quantity, is_mixed: bool, leads: bool) -> ShownQuantity:
     """Return a quantity as the page shows it."""
     judged = quantity.judged
     if judged is None:
-        return ShownQuantity("", "", "", quantity.reason, "", "", "", leads)
+        return ShownQuantity(missing=quantity.reason, leads=leads)
     value, _, spread = quantity.number.partition(" ± ")
     return ShownQuantity(
         value=value,
         spread=f"± {spread}" if spread else "",
         measure=quantity.measure if is_mixed else "",
-        missing="",
         verdict=judged.word,
-        severity=_severity(judged),
-        error=judged.error,
+        error=_error(judged),
         leads=leads,
     )
 
 
-def _severity(judged: Judged) -> str:
-    """Return how good a bound or an assumed number is as a number, where that is not trusted."""
+def _error(judged: Judged) -> str:
+    """Write the numerical error of a number; of a bound or an assumption how good it is, too."""
     severity = judged.worst.severity
-    if severity <= Severity.TRUST or judged.word == severity.word:
-        return ""
-    return f"numerically {severity.word}"
+    if judged.word == severity.word or severity <= Severity.TRUST:
+        return judged.error
+    return ", ".join(filter(None, (f"numerically {severity.word}", judged.error)))
 
 
 # ---- words
@@ -187,17 +181,14 @@ def doubts(runs: Sequence[Run]) -> list[str]:
         for by_label in by_reason.values():
             largest = max(by_label.values(), key=_size)
             of_some = "" if len(by_label) == len(runs) else f" of {description.listed(by_label)}"
-            sentences.append(f"{name}{of_some} is {_ended(_doubtful(largest))}")
+            words = (
+                largest.short if largest.word == largest.worst.severity.word else _error(largest)
+            )
+            sentences.append(_ended(f"{name}{of_some} is {words}: {largest.worst.text}"))
     for doubt in verdict.warnings([(run.label, run.numbers) for run in runs]):
         if doubt.key not in told:
             sentences.append(_ended(f"{doubt.text[0].upper()}{doubt.text[1:]}"))
     return sentences
-
-
-def _doubtful(judged: Judged) -> str:
-    """Write how good a number is, its error, and the reason."""
-    word = _severity(judged) or judged.word
-    return f"{', '.join(filter(None, (word, judged.error)))}: {judged.worst.text}"
 
 
 def _size(judged: Judged) -> float:
