@@ -136,13 +136,14 @@ class _Source(NamedTuple):
 def _sources(run: Run) -> list[_Source]:
     """Return the sources of a run with dynamics, the vibration first.
 
-    The release belongs to a ball that rolls under its load, which a ball that falls does not.
+    All are heard where the vibration is. The release belongs to a ball that rolls under its load,
+    which a ball that falls does not.
     """
     bands = run.numbers.bands
     release = f"released power, {_share_text(run)} [dB re 20 µPa]"
     found = [("vibration", "vibration, sound pressure level [dB re 20 µPa]", bands.vibration)]
     if not _falls(run):
-        found.append(("released_power", release, bands.released_power))
+        found.append(("released_power", release, bands.released_power_at_listener))
     found += [
         ("plate_power", "sound power level of the plate [dB re 1 pW]", bands.plate_power),
         ("ball_power", "sound power level of the ball [dB re 1 pW]", bands.ball_power),
