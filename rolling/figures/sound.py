@@ -67,7 +67,7 @@ def third_octaves(
     """
     shown = compared(runs)
     curves = [
-        (label, _bands(run, a_weighted), run.sound.uncertainty.third_octave_db)
+        (label, _bands(run, a_weighted), _spreads(run))
         for label, run in zip(labels.labels(shown), shown, strict=True)
     ]
     ax = plots.third_octaves(
@@ -81,7 +81,7 @@ def third_octaves(
     of = picture.level_of(shown)
     facts = [of.meaning, picture.distance_text(shown), picture.duration_text(shown)]
     if len(shown) <= plots.FEW and any(run.sound.levels.level_db is not None for run in shown):
-        facts.append("bars: ± standard uncertainty for noise of that length")
+        facts.append("bars: ± standard uncertainty")
     weighted = "A-weighted" if a_weighted else "without weighting"
     ax.set_ylabel(f"{weighted_level(of, a_weighted)} [dB re 20 µPa]")
     return finish(ax, f"Third octaves of the {of.name}, {weighted}: {subject(shown)}", facts)
@@ -104,7 +104,7 @@ def third_octave_table(runs: Sequence[Run], a_weighted: bool = False) -> pd.Data
     for run in runs:
         columns = {
             "level_db": _bands(run, a_weighted),
-            "standard_uncertainty_db": run.sound.uncertainty.third_octave_db,
+            "standard_uncertainty_db": _spreads(run),
         }
         errors = _band_errors(run)
         if errors is None:
@@ -393,6 +393,13 @@ def _bands(run: Run, a_weighted: bool) -> _Levels:
     if a_weighted:
         return run.sound.levels.third_octave_a_db
     return run.sound.levels.third_octave_db
+
+
+def _spreads(run: Run) -> _Levels:
+    """Return the standard uncertainties of the third octaves of a run [dB]."""
+    bands = run.numbers.played_bands
+    assert bands is not None  # each source that plays has third octaves
+    return bands.uncertainty_by_name
 
 
 def _band_errors(run: Run) -> plots.BandErrors | None:

@@ -969,6 +969,13 @@ class RunNumbers:
         return own or SourceLevels()
 
     @property
+    def played_bands(self) -> BandQuantity | None:
+        """Third octaves of the sound that the files have, without weighting."""
+        if self.record.source == "vibration":
+            return self.bands.vibration
+        return self.bands.released_power
+
+    @property
     def played_bands_a(self) -> BandQuantity | None:
         """A-weighted third octaves of the sound that the files have."""
         if self.record.source == "vibration":

@@ -188,11 +188,8 @@ def run_spread(run: Run, measured: MeasuredQuantity) -> RunSpread:
     numbers = run.numbers
     is_sound = measured is PRESSURE
     quantity = stated_quantity(run) if is_sound else numbers.vibration
-    bands = numbers.bands.vibration
-    weighted = numbers.bands.vibration_a
-    if is_sound and numbers.record.source == "release":
-        bands = numbers.bands.released_power
-        weighted = numbers.bands.released_power_a
+    bands = numbers.played_bands if is_sound else numbers.bands.vibration
+    weighted = numbers.played_bands_a if is_sound else numbers.bands.vibration_a
     band_parts: dict[str, Array] = {}
     known = np.zeros(len(BAND_NAMES), dtype=bool)
     if bands is not None and bands.uncertainty is not None:
