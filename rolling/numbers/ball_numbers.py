@@ -983,6 +983,11 @@ class RunNumbers:
         return self.bands.released_power_a
 
     @property
+    def played_quantity(self) -> Quantity:
+        """The quantity of the sound that the files have."""
+        return self.vibration if self.record.source == "vibration" else self.released_power
+
+    @property
     def leading(self) -> Quantity:
         """The vibration, or the released power of a run without one."""
         return self.released_power if self.vibration.value is None else self.vibration

@@ -47,7 +47,6 @@ from rolling.recordings.run_spread import (
     RunSpread,
     TotalSpread,
     run_spread,
-    stated_quantity,
 )
 from rolling.results.run_result import Run
 from rolling.terminal.files import FolderError
@@ -331,7 +330,7 @@ def _run_note(run: Run, pairs: Sequence[RecordPair]) -> str:
 
 def _stated_level(run: Run) -> str:
     """Name what the levels of a run are of, with the level that it states and the verdict on it."""
-    quantity = stated_quantity(run)
+    quantity = run.numbers.played_quantity
     of = "vibration"
     if run.numbers.record.source == "release":
         q = run.numbers.record.q

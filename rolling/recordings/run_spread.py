@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, EDGES_HZ
-from rolling.numbers.quantity import BandQuantity, Quantity, joined
+from rolling.numbers.quantity import BandQuantity, joined
 from rolling.recordings.levels import Total
 from rolling.recordings.recorded import PRESSURE, MeasuredQuantity
 from rolling.results.run_result import Run
@@ -174,12 +174,6 @@ def _by_chance(powers: Array, part: Array) -> float:
     return float(np.linalg.norm(powers * part)) / float(powers.sum() or 1.0)
 
 
-def stated_quantity(run: Run) -> Quantity:
-    """Return the quantity of the sound that a run plays."""
-    numbers = run.numbers
-    return numbers.vibration if numbers.record.source == "vibration" else numbers.released_power
-
-
 def run_spread(run: Run, measured: MeasuredQuantity) -> RunSpread:
     """Return what is uncertain of the levels of a run's records of a quantity.
 
@@ -187,7 +181,7 @@ def run_spread(run: Run, measured: MeasuredQuantity) -> RunSpread:
     """
     numbers = run.numbers
     is_sound = measured is PRESSURE
-    quantity = stated_quantity(run) if is_sound else numbers.vibration
+    quantity = numbers.played_quantity if is_sound else numbers.vibration
     bands = numbers.played_bands if is_sound else numbers.bands.vibration
     weighted = numbers.played_bands_a if is_sound else numbers.bands.vibration_a
     band_parts: dict[str, Array] = {}

@@ -11,7 +11,7 @@ from acoustics.numbers import bracketed, decibels_a, micrometres, rounded, round
 from rolling.check import resolution
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.doubt import Severity
-from rolling.numbers.quantity import BOUND, Judged, Quantity, uncertain
+from rolling.numbers.quantity import BOUND, Judged, Quantity, joined, uncertain
 from rolling.results import verdict
 from rolling.results.answer import follows, gap
 from rolling.results.channels import channel_line
@@ -29,6 +29,7 @@ MAX_STEPS = 8  # of the preparation of height files that are written; one run ha
 MAX_BAND_DB = 0.3  # what the steps may cut off of a level that is corrected for its errors
 UPPER_BOUND = "released power: what one would hear if all of it were sound (q = 1)"
 LEAST_DB = 0.01  # smallest error that the line of grid and solver names
+CORRECTED = ("grid", "solver")  # sources whose errors a corrected level does not have
 
 Solved = Sequence[tuple[str, RunNumbers]]  # label and numbers of each run
 
@@ -291,8 +292,8 @@ def error_line(label: str, numbers: RunNumbers) -> str:
         detail = f"{errors.subgrid_db:+.2f} ± {of_detail:.2f} dB"
         texts.append(f"{detail} from missing detail below the spacing")
     texts.append(f"{solver:+.2f} dB from the solver")
-    spread = None if own.spreads is None else own.spreads.laeq_db
-    whole = spread and math.hypot(spread, grid_spread)
+    parts = numbers.played_quantity.parts
+    whole = math.hypot(joined(parts, left_out=CORRECTED), grid_spread) if parts else None
     corrected = f"corrected LAeq {uncertain(own.laeq_db - grid - solver, whole)} dB(A)"
     band_db = band_error_db(numbers)
     if band_db is not None and band_db > MAX_BAND_DB and errors.band_end_hz is not None:

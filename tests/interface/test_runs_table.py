@@ -39,7 +39,10 @@ SWEEP = f"""\
 
 
 def test_a_corrected_level_is_as_uncertain_as_level_and_correction() -> None:
-    """The ± of 0.3 dB of the record and of 0.4 dB of the grid make 0.5 dB."""
+    """The ± of 0.3 dB of the record and of 0.4 dB of the correction make 0.5 dB.
+
+    The errors that are corrected do not count.
+    """
     errors = {
         "is_asked": True,
         "grid_db": 1.0,
@@ -49,8 +52,8 @@ def test_a_corrected_level_is_as_uncertain_as_level_and_correction() -> None:
         "stretch_steps": 239,
         "order": 1.5,
     }
-    levels = {"released_power": {"spreads": {"laeq_db": 0.3}}}
-    numbers = released(50.0, errors=errors, levels=levels)
+    parts = {"record": 0.3, "grid": math.hypot(1.0, 0.4), "solver": 0.1}
+    numbers = released(50.0, parts=parts, errors=errors)
     assert "corrected LAeq 49.0 ± 0.5 dB(A)" in error_line("run", numbers)
 
 
