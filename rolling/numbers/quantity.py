@@ -280,21 +280,26 @@ class QuantityDifference(NamedTuple):
     left_out: tuple[str, ...] = ()
 
 
-def difference(before: Sequence[Quantity], after: Sequence[Quantity]) -> QuantityDifference | None:
+def difference(
+    before: Sequence[Quantity], after: Sequence[Quantity], not_shared: Iterable[str] = ()
+) -> QuantityDifference | None:
     """Return the mean of some quantities less that of others; None where they do not compare.
 
     Several quantities are those of surfaces that differ by chance. What both sides share, such as
     the error of the linear chain, shifts both by nearly the same and is left out. The other parts
     are taken as independent, which is on the safe side. A cause that changes both in a known sense
-    counts by half the change of the difference.
+    counts by half the change of the difference. `not_shared` names sources that both have, but not
+    the same, such as the baffles of different plates.
     """
     every = [*before, *after]
     if any(one.value is None for one in every) or len({one.measure for one in every}) > 1:
         return None
+    apart = {*not_shared}
     shared = tuple(
         source
         for source in SHARED
-        if all(any(one.parts.get(source) for one in side) for side in (before, after))
+        if source not in apart
+        and all(any(one.parts.get(source) for one in side) for side in (before, after))
     )
     signed = {source for one in every for source in one.signed}
     without = (*shared, *signed)

@@ -231,7 +231,9 @@ def _comparison(first: _Side, last: _Side) -> str:
     released = _released_difference(first, last)
     # Where the ball would lose contact, the chain is too loud by an unknown amount.
     loses_contact = any(map(loses_contact_in_estimate, every))
-    heard = None if loses_contact else difference(first.vibrations, last.vibrations)
+    heard = None
+    if not loses_contact:
+        heard = difference(first.vibrations, last.vibrations, _not_shared(every))
     if heard is None:
         if released is None:
             return _not_compared(every)
@@ -249,6 +251,13 @@ def _comparison(first: _Side, last: _Side) -> str:
     is_one_sided = _is_certain(released) and not _is_certain(heard)
     joint = "although" if is_opposite or is_one_sided else "and"
     return f"{sentence}, {joint} it {_more_power(released)}.{_means(first, last)}"
+
+
+def _not_shared(runs: Sequence[RunNumbers]) -> tuple[str, ...]:
+    """Name the sources of uncertainty that runs have, but not the same: baffles of other plates."""
+    bands = [numbers.bands.vibration for numbers in runs]
+    baffles = {one.parts.get("baffle") for one in bands if one is not None}
+    return ("baffle",) if len(baffles) > 1 else ()
 
 
 def _is_certain(apart: QuantityDifference) -> bool:
@@ -276,13 +285,14 @@ def _louder(heard: QuantityDifference, than: str, estimated: bool) -> str:
         return f"as loud as {than} within the uncertainty"
     word = "louder" if heard.value > 0 else "quieter"
     size = _decibels(heard.value)
-    if not estimated:
-        return f"{size} {word} than {than}"
-    spread = math.ceil(10 * heard.uncertainty) / 10
     shared = ""
     if heard.left_out:
         both = listed([PART_WORDS[source] for source in heard.left_out])
         shared = f", without {both}, which both share"
+    if not estimated:
+        apart_from = f" ({shared.removeprefix(', ')})" if shared else ""
+        return f"{size} {word} than {than}{apart_from}"
+    spread = math.ceil(10 * heard.uncertainty) / 10
     return f"about {size} (± {spread:.1f} dB, estimated{shared}) {word} than {than}"
 
 

@@ -8,6 +8,7 @@ import pytest
 from made_numbers import bands, computed, estimated, run_with
 
 from rolling.numbers.ball_numbers import RunNumbers
+from rolling.numbers.quantity import BandQuantity
 from rolling.results.answer import follows, gap
 from rolling.results.description import runs_sentence, special
 from rolling.results.run_folder import RunFolder
@@ -82,6 +83,23 @@ def test_a_difference_leaves_out_what_both_levels_share_and_says_so() -> None:
     """The chain of 1 dB shifts both; two combs of 0.5 dB leave 0.8 dB, rounded up."""
     text = follows(loads({5.0: estimated(), 100.0: estimated(20.5)}))
     assert "± 0.8 dB" in text and "without the linear chain, which both share" in text
+
+
+def on_free_plate(level_db: float, baffle_db: float) -> RunNumbers:
+    """Return the numbers of a run on a free plate, whose baffle is that of its size."""
+    of_band = {"baffle": (baffle_db,)}
+    own = BandQuantity("dB", (1000.0,), (level_db,), (baffle_db,), parts=of_band)
+    parts = {"record": 0.2, "baffle": 5.0}
+    return computed(level_db, 70.2, parts, bands={"vibration": own})
+
+
+@pytest.mark.law("Free plates: two runs share what the baffle changes on the same plate only.")
+def test_baffles_of_different_plates_are_not_shared() -> None:
+    """Five decibels lie within the two parts of 5 dB of different plates, and beyond 0.2 dB."""
+    text = follows(loads({5.0: on_free_plate(30.0, 6.0), 100.0: on_free_plate(35.0, 6.0)}))
+    assert "5.0 dB louder than at 5 N (without the baffle that a free plate does not have" in text
+    text = follows(loads({5.0: on_free_plate(30.0, 6.0), 100.0: on_free_plate(35.0, 10.0)}))
+    assert "as loud as at 5 N within the uncertainty" in text
 
 
 def test_an_estimate_is_not_compared_where_the_ball_would_lose_contact() -> None:
