@@ -207,17 +207,17 @@ def read_result(path: Path, scene: BearingScene) -> tuple[RingRecord, BearingTra
 
 def _record(arrays: dict[str, Array], facts: dict[str, Any]) -> RingRecord:
     """Return the motion of a ring from its arrays and facts."""
-    numbers = {name: float(facts[name]) for name in _FACTS}
-    for name, number in numbers.items():
+    known = {name: float(facts[name]) for name in _FACTS}
+    for name, number in known.items():
         if not math.isfinite(number):
             raise ValueError(f"{name}: no finite number")
-    if numbers["rate_hz"] != wav.SAMPLE_RATE_HZ:
-        raise ValueError(f"rate_hz: got {numbers['rate_hz']:g}, allowed: {wav.SAMPLE_RATE_HZ}")
+    if known["rate_hz"] != wav.SAMPLE_RATE_HZ:
+        raise ValueError(f"rate_hz: got {known['rate_hz']:g}, allowed: {wav.SAMPLE_RATE_HZ}")
     return RingRecord(
         velocity_m_s=_finite(arrays, "velocity"),
         acceleration_m_s2=_finite(arrays, "acceleration"),
         ball_load_n=_finite(arrays, "ball_load"),
-        **numbers,
+        **known,
     )
 
 

@@ -19,7 +19,7 @@ DB = "dB"
 
 
 @dataclass(frozen=True, kw_only=True)
-class RecordNumbers:
+class RunRecord:
     """The record that the sound files have, and what was solved for it."""
 
     source: Source = number("sound that the files have: vibration or release", "")
@@ -461,7 +461,7 @@ class EffortNumbers:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Levelling:
+class LevellingNumbers:
     """The plane that was removed from the heights of a file, and the seam that is left."""
 
     slope_along: float = number("slope along the track that was removed")
@@ -488,7 +488,7 @@ class PreparationStep:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MadeSurface:
+class MadeSurfaceNumbers:
     """How well a made surface meets its law."""
 
     skewness: float = number("skewness of the heights")
@@ -502,7 +502,7 @@ class MadeSurface:
 
 
 @dataclass(frozen=True, kw_only=True)
-class WavelengthOctave:
+class WavelengthNumbers:
     """An octave of roughness wavelength, and how much of the sound comes from it."""
 
     from_um: float = number("shortest wave of the octave", "um")
@@ -568,13 +568,13 @@ class SurfaceNumbers:
     lowest_m: float = number("lowest point, counted from the mean", "m")
     plate_ra_m: float | None = number("Ra of the plate alone", "m", default=None)
     ball_ra_m: float | None = number("Ra of the ball alone", "m", default=None)
-    levelling: Levelling | None = group("plane that was removed, and seam", default=None)
+    levelling: LevellingNumbers | None = group("plane that was removed, and seam", default=None)
     preparation: tuple[PreparationStep, ...] | None = group("steps of a height file", default=None)
-    made: MadeSurface | None = group("how well a made surface meets its law", default=None)
-    ball_made: MadeSurface | None = group(
+    made: MadeSurfaceNumbers | None = group("how well a made surface meets its law", default=None)
+    ball_made: MadeSurfaceNumbers | None = group(
         "how well a made surface of the ball meets its law", default=None
     )
-    wavelength_octaves: tuple[WavelengthOctave, ...] = group(
+    wavelength_octaves: tuple[WavelengthNumbers, ...] = group(
         "octaves of wavelength that sound", default=()
     )
     instrument: InstrumentNumbers | None = group(
@@ -928,7 +928,7 @@ class RunNumbers:
         "what one would hear if all released energy were sound", word="released power"
     )
     sentence: str = number("what rolls on what", "", default="")
-    record: RecordNumbers = group("what was solved, and the record of the sound files")
+    record: RunRecord = group("what was solved, and the record of the sound files")
     levels: LevelNumbers = group("levels of both sources")
     bands: BandNumbers = group("third octaves")
     errors: ErrorNumbers = group("errors of the level of the sound that plays")

@@ -77,7 +77,7 @@ class RecordOfNumber:
         return self.solved_s / self.heard_s if self.solved_s < self.heard_s else 1.0
 
 
-class Judged(NamedTuple):
+class Verdict(NamedTuple):
     """The verdict on a number.
 
     word : str. trust, indicative, do not quote, bound or assumed.
@@ -227,14 +227,14 @@ class Quantity:
         return 1.0 if self.record is None else self.record.solved_share
 
     @property
-    def judged(self) -> Judged | None:
+    def judged(self) -> Verdict | None:
         """The verdict with its reason; None without a value, but for that of a forecast."""
         if self.value is None and self.coming is None:
             return None
         worst = worst_of(self.doubts) if self.is_solved else _NOT_SOLVED
         known = [doubt.decibels for doubt in self.doubts if doubt.decibels]
         largest_db = round(max(known, default=0.0), 1)
-        return Judged(
+        return Verdict(
             word=_OF_ORIGIN.get(self.coming or self.how, worst.severity.word),
             worst=worst,
             known_db=None if worst.decibels or not largest_db else largest_db,

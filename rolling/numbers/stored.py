@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import math
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
@@ -17,6 +16,7 @@ from rolling.numbers.fields import said_of
 from rolling.numbers.quantity import Quantity
 
 DIGITS = 6  # of a number in summary.json
+LARGEST = 1e100  # no number of a run is larger in any unit
 _Numbers = TypeVar("_Numbers")
 
 
@@ -49,7 +49,7 @@ def from_bytes(kind: type[_Numbers], content: bytes) -> _Numbers:
     Raises
     ------
     ValueError : the content is of another kind, or a number is missing, not finite or of another
-        type. The message names the first such field.
+        type, or larger than LARGEST. The message names the first such field.
     """
     from pydantic import ValidationError
 
@@ -59,20 +59,20 @@ def from_bytes(kind: type[_Numbers], content: bytes) -> _Numbers:
         first = error.errors(include_url=False, include_context=False)[0]
         place = ".".join(map(str, first["loc"])) or "the file"
         raise ValueError(f"{place}: {first['msg']}") from error
-    _refuse_endless(json.loads(content))
+    _refuse_endless(json.loads(content), ())
     return read
 
 
-def _refuse_endless(value: Any) -> None:
-    """Raise ValueError for a number that is not finite, which JSON does not have."""
-    if isinstance(value, float) and not math.isfinite(value):
-        raise ValueError(f"{value} is no number")
+def _refuse_endless(value: Any, path: tuple[Any, ...]) -> None:
+    """Raise ValueError for a number that is not finite, or beyond all physics."""
+    if isinstance(value, int | float) and not abs(value) <= LARGEST:
+        raise ValueError(f"{'.'.join(map(str, path))}: {value} is no number")
     if isinstance(value, Mapping):
-        for inner in value.values():
-            _refuse_endless(inner)
+        for name, inner in value.items():
+            _refuse_endless(inner, (*path, name))
     elif isinstance(value, list):
-        for inner in value:
-            _refuse_endless(inner)
+        for number, inner in enumerate(value):
+            _refuse_endless(inner, (*path, number))
 
 
 # ---- the view for people

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from rolling.numbers.doubt import Severity
-from rolling.numbers.quantity import ASSUMED, BOUND, Judged, Quantity
+from rolling.numbers.quantity import ASSUMED, BOUND, Quantity, Verdict
 from rolling.results import description, verdict
 from rolling.results.quantities import LAE
 from rolling.results.run_result import Run
@@ -113,7 +113,7 @@ def _shown(quantity: Quantity, is_mixed: bool, leads: bool) -> ShownQuantity:
     )
 
 
-def _error(judged: Judged) -> str:
+def _error(judged: Verdict) -> str:
     """Write the numerical error of a number; of a bound or an assumption how good it is, too."""
     severity = judged.worst.severity
     if judged.word == severity.word or severity <= Severity.TRUST:
@@ -134,7 +134,7 @@ def verdict_words(runs: Sequence[Run]) -> list[tuple[str, str]]:
     return explained
 
 
-def _judged(runs: Sequence[Run]) -> Iterator[Judged]:
+def _judged(runs: Sequence[Run]) -> Iterator[Verdict]:
     """Yield the verdicts on the numbers of runs."""
     for quantities in _quantities(runs):
         for quantity in quantities:
@@ -172,7 +172,7 @@ def doubts(runs: Sequence[Run]) -> list[str]:
     sentences = []
     told = set[str]()
     for name, quantities in zip(NAMES, _quantities(runs), strict=True):
-        by_reason: dict[str, dict[str, Judged]] = {}
+        by_reason: dict[str, dict[str, Verdict]] = {}
         for run, quantity in zip(runs, quantities, strict=True):
             judged = quantity.judged
             if judged is not None and judged.worst.severity > Severity.TRUST:
@@ -191,7 +191,7 @@ def doubts(runs: Sequence[Run]) -> list[str]:
     return sentences
 
 
-def _size(judged: Judged) -> float:
+def _size(judged: Verdict) -> float:
     """Return the decibels of a verdict, by which verdicts of one reason are sorted."""
     return abs(judged.worst.decibels or judged.known_db or 0.0)
 

@@ -77,20 +77,20 @@ def follows(runs: Sequence[RunFolder]) -> str:
     return " ".join(filter(None, sentences))
 
 
-class _Solved(NamedTuple):
+class _NumberedPlace(NamedTuple):
     """A run with its numbers."""
 
     run: RunFolder
     numbers: RunNumbers
 
 
-def _solved(runs: Sequence[RunFolder]) -> list[_Solved]:
+def _solved(runs: Sequence[RunFolder]) -> list[_NumberedPlace]:
     """Return the runs that have numbers, with these."""
     stored = [(run, numbers_of(run)) for run in runs]
-    return [_Solved(run, numbers) for run, numbers in stored if numbers is not None]
+    return [_NumberedPlace(run, numbers) for run, numbers in stored if numbers is not None]
 
 
-def _follows(solved: Sequence[_Solved]) -> str:
+def _follows(solved: Sequence[_NumberedPlace]) -> str:
     """Say in one sentence what follows from the two numbers of solved runs."""
     if not solved:
         return ""
@@ -132,12 +132,12 @@ def _range(values: Sequence[float]) -> str:
 class _Side(NamedTuple):
     """One side of a comparison: runs that differ in their seed at most.
 
-    runs : list of _Solved. The runs with their numbers.
+    runs : list of _NumberedPlace. The runs with their numbers.
     values : dict. Their swept values, but for the seed.
     words : str. Words that follow `the ball is louder`, such as `at 100 N`.
     """
 
-    runs: list[_Solved]
+    runs: list[_NumberedPlace]
     values: dict[str, Any]
     words: str
 
@@ -162,9 +162,9 @@ class _Side(NamedTuple):
         return [one.numbers.released_power for one in self.runs]
 
 
-def _sides(runs: Sequence[_Solved]) -> list[_Side]:
+def _sides(runs: Sequence[_NumberedPlace]) -> list[_Side]:
     """Gather runs that differ in their seed at most, with the words for each side."""
-    by_values: dict[tuple[Any, ...], list[_Solved]] = {}
+    by_values: dict[tuple[Any, ...], list[_NumberedPlace]] = {}
     for one in runs:
         values = {key: value for key, value in one.run.values.items() if key != SEED}
         by_values.setdefault((one.run.scene.name, *values.items()), []).append(one)
@@ -325,7 +325,7 @@ def _conversion(scene: Scene) -> tuple[float, ...]:
     return scene.sound.distance_m, scene.vibration_distance_m, scene.sound.q
 
 
-def _scatter_of_seeds(runs: Sequence[_Solved]) -> str:
+def _scatter_of_seeds(runs: Sequence[_NumberedPlace]) -> str:
     """Say how far the numbers scatter between surfaces that differ in their seed alone."""
     texts = []
     heard = [one.numbers.vibration.value for one in runs]

@@ -32,21 +32,21 @@ from rolling.numbers.ball_numbers import (
     EnergyNumbers,
     EstimateNumbers,
     InstrumentNumbers,
-    Levelling,
+    LevellingNumbers,
     LevelNumbers,
     LevelSpreads,
     ListenerLevels,
     ListeningNumbers,
-    MadeSurface,
+    MadeSurfaceNumbers,
     MotionNumbers,
     PassNumbers,
     PreparationStep,
-    RecordNumbers,
     RunNumbers,
+    RunRecord,
     SourceLevels,
     SurfaceNumbers,
     TurnNumbers,
-    WavelengthOctave,
+    WavelengthNumbers,
 )
 from rolling.numbers.quantity import BandQuantity
 from rolling.results.description import runs_sentence
@@ -146,7 +146,7 @@ def _listening(run: SolvedRun) -> ListeningNumbers | None:
 # ---- record and levels
 
 
-def _record(run: SolvedRun, is_event: bool) -> RecordNumbers:
+def _record(run: SolvedRun, is_event: bool) -> RunRecord:
     """Return what was solved, and the record of the sound files."""
     scene = run.scene
     sound = run.sound
@@ -155,7 +155,7 @@ def _record(run: SolvedRun, is_event: bool) -> RecordNumbers:
     vibration = run.vibration_sound
     if sound.source == "vibration" and not (vibration and vibration.motion.settled):
         laps = 1.0  # the motion does not repeat from lap to lap
-    return RecordNumbers(
+    return RunRecord(
         source=sound.source,
         load_n=scene.load,
         steps=run.result.steps,
@@ -590,21 +590,21 @@ def _surface(
         made=_made(surface.made.get("surface_made")),
         ball_made=_made(surface.made.get("ball_surface_made")),
         wavelength_octaves=tuple(
-            WavelengthOctave(**octave._asdict()) for octave in run.wavelength_octaves
+            WavelengthNumbers(**octave._asdict()) for octave in run.wavelength_octaves
         ),
         instrument=instrument,
     )
 
 
-def _made(described: Mapping[str, Any] | None) -> MadeSurface | None:
+def _made(described: Mapping[str, Any] | None) -> MadeSurfaceNumbers | None:
     """Return how well a made surface meets its law; None for one that is not compared."""
-    return None if described is None else MadeSurface(**described)
+    return None if described is None else MadeSurfaceNumbers(**described)
 
 
-def _levelling(taken: levelling.Levelling) -> Levelling:
+def _levelling(taken: levelling.Levelling) -> LevellingNumbers:
     """Return the tilt removed from the heights of a file, and the seam of the levelled heights."""
     seam = taken.seams[0]
-    return Levelling(
+    return LevellingNumbers(
         slope_along=taken.taken[0],
         slope_across=taken.taken[1],
         height_along_m=taken.rises[0],

@@ -45,10 +45,10 @@ class RunPlace:
         if not is_former(self.folder):
             return False
         try:
-            summary = json.loads(read_regular(self.folder / SUMMARY, MAX_NUMBERS))
+            content = json.loads(read_regular(self.folder / SUMMARY, MAX_NUMBERS))
         except (OSError, ValueError, RecursionError):
             return False
-        return isinstance(summary, dict) and summary.get("format") == self.format_of_0_8
+        return isinstance(content, dict) and content.get("format") == self.format_of_0_8
 
     @property
     def failure(self) -> str | None:

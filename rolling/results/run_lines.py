@@ -11,7 +11,7 @@ from acoustics.numbers import bracketed, decibels_a, micrometres, rounded, round
 from rolling.check import resolution
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.doubt import Severity
-from rolling.numbers.quantity import BOUND, Judged, Quantity, joined, uncertain
+from rolling.numbers.quantity import BOUND, Quantity, Verdict, joined, uncertain
 from rolling.results import verdict
 from rolling.results.answer import follows, gap
 from rolling.results.channels import channel_line
@@ -200,7 +200,7 @@ def _largest_doubts(runs: Solved) -> list[str]:
     return lines
 
 
-def _differ(judged: Sequence[tuple[str, Judged]]) -> bool:
+def _differ(judged: Sequence[tuple[str, Verdict]]) -> bool:
     """Tell whether runs have different verdicts, in other things than their decibels."""
     return len({(of_run.word, of_run.worst.key) for _, of_run in judged}) > 1
 

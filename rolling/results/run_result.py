@@ -7,6 +7,7 @@ channels as a WAV.
 from __future__ import annotations
 
 import html
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -134,6 +135,12 @@ class Run(NumberedRun):
     @property
     def summary(self) -> Mapping[str, Any]:
         """Numbers by the names of version 0.8; read `numbers` instead."""
+        warnings.warn(
+            "Run.summary has the names of version 0.8; read the attributes of Run.numbers, such as"
+            " run.numbers.contact.max_pressure_pa",
+            DeprecationWarning,
+            stacklevel=2,
+        )
         return former_names(self.numbers)
 
     def __repr__(self) -> str:

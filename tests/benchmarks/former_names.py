@@ -27,6 +27,7 @@ EXPECTED = {
     "verdict": "stands in the quantities now",
     "laeq_uncertainty_db": "was unknown where grid and solver are; is the ± of the level now",
     "laeq_uncertainty_parts_db": "had parts that are unknown, which are left out now",
+    "third_octave_uncertainty_db": "has all parts now, that of the force law among them",
     "doubts": "has the doubts about an estimated vibration, too, and other words for ±",
 }
 TIMED = ("parts_cpu_s", "march_cpu_s", "step_ms")  # processor times

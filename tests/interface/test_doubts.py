@@ -20,7 +20,7 @@ from acoustics.bands import BAND_NAMES
 from rolling.check.findings import check_run, check_scene, conclusion
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.doubt import Doubt, Severity, severity_of
-from rolling.numbers.quantity import Judged, Quantity, worst_of
+from rolling.numbers.quantity import Quantity, Verdict, worst_of
 from rolling.results import doubts, notes, run_lines, verdict
 from rolling.results.quantities import judged
 from rolling.results.run_result import Run
@@ -164,7 +164,7 @@ KNOWN: dict[str, float | None] = {
 
 def verdict_of(
     changes: dict[str, Any], overrides: tuple[str, ...] = (), **motion: float
-) -> tuple[Quantity, Judged]:
+) -> tuple[Quantity, Verdict]:
     """Return the quantity that leads and its verdict, with other numbers, keys and a motion."""
     run = vibrating()
     assert run.vibration_sound is not None

@@ -75,10 +75,7 @@ def test_a_sphere_takes_the_marches_of_another_folder(
     assert f"{swept}: 1 march is taken: load 2 N" in said
     assert f"{swept}: 1 march is not taken: load 3 N: no finished march there has an equal" in said
     runs = {run.scene.load: run.folder for run in folders.stored_runs(out)}
-    costs = {
-        load: read_stored(folder).numbers.effort.march_cpu_s
-        for load, folder in runs.items()
-    }
+    costs = {load: read_stored(folder).numbers.effort.march_cpu_s for load, folder in runs.items()}
     assert costs[2.0] == 0 < costs[3.0]
     own = result_file.read_result(runs[2.0] / "result.h5", read_of(out, 2.0))
     theirs = result_file.read_result(folder_of(swept, 2.0) / "result.h5", read_of(swept, 2.0))
