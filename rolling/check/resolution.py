@@ -326,7 +326,7 @@ def _step_length(scene: Scene) -> Iterator[Finding | Doubt]:
         )
 
 
-def record(scene: Scene) -> Iterator[Finding | Doubt]:
+def record(scene: Scene) -> Iterator[Finding]:
     """Count the third octaves whose level the length of the record makes certain within 2 dB."""
     certain = bands.reliable(scene.duration)
     value = f"{certain.sum()} of {len(certain)}"
