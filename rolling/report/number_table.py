@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from acoustics.numbers import bracketed
-from rolling.results.level_words import NOTHING, SILENT, NumberText, number_texts
+from rolling.results.level_words import SILENT, NumberRow, number_rows
 from rolling.results.quantities import LAE, level_beside, measure
 from rolling.results.run_result import Run
 
@@ -17,53 +17,22 @@ A_ABOVE_Z = (
 )
 
 
-class TableRow(NamedTuple):
-    """A number of each run, as text, below the name and unit of the number."""
-
-    head: str
-    cells: list[str]
-
-
 class NumberTable(NamedTuple):
     """The table of all numbers of runs: their labels, a row for each number, words explained."""
 
     labels: list[str]
-    rows: list[TableRow]
+    rows: list[NumberRow]
     explained: list[tuple[str, str]]
 
 
 def number_table(runs: Sequence[Run]) -> NumberTable:
-    """Return the table of all numbers of runs, and the words in it at which a stranger stumbles.
-
-    A row is shown if a run has its number. A row that only repeats the two numbers of the runs is
-    left out.
-    """
-    columns = [{text.head: text for text in number_texts(run.numbers)} for run in runs]
-    by_head: dict[str, list[NumberText]] = {}
-    for column in columns:
-        for head, text in column.items():
-            by_head.setdefault(head, []).append(text)
-    heads = sorted(by_head, key=lambda head: min(text.place for text in by_head[head]))
-    rows = []
-    explained = dict[str, str]()
-    for head in heads:
-        known = [text for text in by_head[head] if text.text != NOTHING]
-        if not known:
-            continue
-        said = known[0].said
-        if said.explained:
-            explained[said.word] = said.explained
-        if not all(text.is_repeated for text in known):
-            rows.append(TableRow(head, [_cell(column, head) for column in columns]))
-    words = [*explained.items()]
+    """Return the table of all numbers of runs, and the words in it at which a stranger stumbles."""
+    rows = number_rows([run.numbers for run in runs])
+    words = [(row.said.word, row.said.explained) for row in rows if row.said.explained]
+    words = list(dict.fromkeys(words))
     if any(map(_is_raised_by_a_weighting, runs)):
         words.append(A_ABOVE_Z)
     return NumberTable([run.label for run in runs], rows, words)
-
-
-def _cell(column: dict[str, NumberText], head: str) -> str:
-    """Return the text of a number of a run; `-` where the run does not have it."""
-    return column[head].text if head in column else NOTHING
 
 
 def _is_raised_by_a_weighting(run: Run) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from rolling.numbers import views
@@ -65,6 +66,35 @@ def number_texts(numbers: RunNumbers) -> list[NumberText]:
         )
         texts.append(number_text)
     return texts
+
+
+class NumberRow(NamedTuple):
+    """A number of each run, as text, below its name and unit."""
+
+    head: str
+    cells: list[str]
+    said: NumberField
+
+
+def number_rows(every: Sequence[RunNumbers]) -> list[NumberRow]:
+    """Return the rows of a table of the numbers of runs that have a word, in the order of fields.
+
+    A row is there if a run has its number. A row that only repeats the two numbers of the runs is
+    left out.
+    """
+    columns = [{text.head: text for text in number_texts(numbers)} for numbers in every]
+    by_head: dict[str, list[NumberText]] = {}
+    for column in columns:
+        for head, text in column.items():
+            by_head.setdefault(head, []).append(text)
+    rows = []
+    for head in sorted(by_head, key=lambda head: min(text.place for text in by_head[head])):
+        known = [text for text in by_head[head] if text.text != NOTHING]
+        if not known or all(text.is_repeated for text in known):
+            continue
+        cells = [column[head].text if head in column else NOTHING for column in columns]
+        rows.append(NumberRow(head, cells, known[0].said))
+    return rows
 
 
 def _head(row: Leaf, numbers: RunNumbers) -> str:

@@ -18,6 +18,7 @@ from rolling.results.channels import channel_line
 from rolling.results.description import runs_sentence
 from rolling.results.doubts import band_error_db, band_text
 from rolling.results.labels import labels
+from rolling.results.level_words import number_rows
 from rolling.results.notes import REPEATS, TURNS
 from rolling.results.quantities import LAE, heard_levels, level_beside, measure
 from rolling.results.run_folder import RunFolder
@@ -69,7 +70,7 @@ def further_lines(runs: Sequence[RunFolder]) -> list[str]:
     if not solved:
         return []
     every = [numbers for _, numbers in solved]
-    lines = [gap(every), *_beside(solved)]
+    lines = [gap(every), *_at_listeners(solved)]
     lines += [error_line(label, numbers) for label, numbers in solved]
     lines.append(verdict.headline(solved))
     lines += dict.fromkeys(surface_text(numbers) for numbers in every)
@@ -77,7 +78,7 @@ def further_lines(runs: Sequence[RunFolder]) -> list[str]:
     noted = (*REPEATS, TURNS)
     lines += [f"note: {doubt.text}" for doubt in verdict.notes(solved) if doubt.key in noted]
     lines += [f"warning: {doubt.text}" for doubt in verdict.warnings(solved)]
-    return [folded(line) for line in lines if line]
+    return [*(folded(line) for line in lines if line), "", *_number_tables(solved)]
 
 
 def _solved(runs: Sequence[RunFolder]) -> list[tuple[str, RunNumbers]]:
@@ -305,33 +306,37 @@ def error_line(label: str, numbers: RunNumbers) -> str:
     )
 
 
-def _beside(runs: Solved) -> list[str]:
-    """Write other levels of the vibration of runs: of an even source, and at other listeners."""
+def _number_tables(runs: Solved) -> list[str]:
+    """Write the numbers of runs that have a word in a table, or in one a run if it is too wide."""
+    table = _number_table(runs)
+    if max(map(len, table.splitlines())) <= line_width():
+        return [table]
+    return [f"{_number_table([run])}\n" for run in runs]
+
+
+def _number_table(runs: Solved) -> str:
+    """Write the numbers of runs in aligned columns, a column each."""
+    rows = number_rows([numbers for _, numbers in runs])
+    return columns([["", *(label for label, _ in runs)], *([row.head, *row.cells] for row in rows)])
+
+
+def _at_listeners(runs: Solved) -> list[str]:
+    """Write the levels of runs at other listeners than the first."""
     lines = []
     for label, numbers in runs:
-        texts = other_levels(numbers)
+        texts = other_listeners(numbers)
         if texts:
-            lines.append(f"other levels of {label}: {'; '.join(texts)}")
+            lines.append(f"other listeners of {label}: {'; '.join(texts)}")
     return lines
 
 
-def other_levels(numbers: RunNumbers) -> list[str]:
-    """Return levels beside that of a vibration: mean over directions, power, other listeners."""
+def other_listeners(numbers: RunNumbers) -> list[str]:
+    """Return the levels of the vibration of a run at other listeners than the first."""
     if numbers.record.source != "vibration":
         return []
-    levels = numbers.levels
     name = measure(numbers)
-    listeners = levels.listeners or ()
-    words = "a compact source of the same power"
-    even_db = level_beside(numbers, levels.compact_source_level_db)
-    if listeners:
-        words = "the mean over the half sphere"
-        even_db = level_beside(numbers, levels.hemisphere_mean_level_db)
-    text = "not available" if even_db is None else f"{even_db:.1f} dB(A)"
-    texts = [f"{name} of {words}: {text}"]
-    if listeners and levels.plate_power_level_db is not None:
-        texts.append(f"sound power of the plate: {levels.plate_power_level_db:.1f} dB re 1 pW")
-    for listener in listeners[1:]:
+    texts = []
+    for listener in (numbers.levels.listeners or ())[1:]:
         text = decibels_a(level_beside(numbers, listener.laeq_db))
         texts.append(f"{name} at {bracketed(listener.at_mm)} mm: {text}")
     return texts

@@ -240,6 +240,8 @@ def test_few_lines_follow_the_table_and_the_others_wait_for_verbose(runs: list[R
     for word in ("upper bound", "microphone", "surface: Ra", "note: When it loops", "warning: "):
         assert word in further
     assert further.count("microphone") == 1
+    crest = f"{read_stored(runs[0].folder).numbers.record.crest_factor_db:.1f}"
+    assert f"crest factor [dB] {crest}" in further
 
 
 def test_a_level_of_a_fixed_gain_is_none_of_a_share_q(tmp_path: Path) -> None:

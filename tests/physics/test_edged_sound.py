@@ -11,8 +11,9 @@ from finished import VIBRATING, doubt_lines, heard_again, marched
 from acoustics import wav
 from acoustics.arrays import Array
 from rolling.dynamics import of_scene
+from rolling.results.level_words import number_rows
 from rolling.results.listening import listen_wav
-from rolling.results.run_lines import other_levels
+from rolling.results.run_lines import other_listeners
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
@@ -112,8 +113,9 @@ def test_listeners_in_numbers_words_and_files(run: Run, tmp_path: Path) -> None:
     assert numbers.levels.listeners[0].laeq_db == numbers.played.laeq_db
     assert numbers.levels.compact_source_level_db is None
     assert numbers.levels.hemisphere_mean_level_db is not None
-    others = "; ".join(other_levels(numbers))
-    assert "at [140, 55, 300] mm" in others and "half sphere" in others
+    others = "; ".join(other_listeners(numbers))
+    assert "at [140, 55, 300] mm" in others and "at [86, 55, 300]" not in others
+    assert any("half sphere" in row.head for row in number_rows([numbers]))
     assert {"at_listener", "plate_edges"} <= doubt_lines(run).keys()
     samples, _, comment = wav.read(_written(tmp_path / "listen.wav", listen_wav(run)[0]))
     assert samples.shape[1] == 2 and "left and right" in comment
