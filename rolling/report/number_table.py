@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from acoustics.numbers import bracketed
-from rolling.results.level_words import SILENT, NumberRow, number_rows
+from rolling.results.level_words import SILENT, number_rows
 from rolling.results.quantities import LAE, level_beside, measure
 from rolling.results.run_result import Run
 
@@ -17,11 +17,18 @@ A_ABOVE_Z = (
 )
 
 
+class TableRow(NamedTuple):
+    """A number of each run, as text, below the name and unit of the number."""
+
+    head: str
+    cells: list[str]
+
+
 class NumberTable(NamedTuple):
     """The table of all numbers of runs: their labels, a row for each number, words explained."""
 
     labels: list[str]
-    rows: list[NumberRow]
+    rows: list[TableRow]
     explained: list[tuple[str, str]]
 
 
@@ -32,7 +39,8 @@ def number_table(runs: Sequence[Run]) -> NumberTable:
     words = list(dict.fromkeys(words))
     if any(map(_is_raised_by_a_weighting, runs)):
         words.append(A_ABOVE_Z)
-    return NumberTable([run.label for run in runs], rows, words)
+    shown = [TableRow(row.head, row.cells) for row in rows]
+    return NumberTable([run.label for run in runs], shown, words)
 
 
 def _is_raised_by_a_weighting(run: Run) -> bool:

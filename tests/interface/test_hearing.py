@@ -70,7 +70,7 @@ def test_weighting_is_explained_where_it_raises_a_level(heard) -> None:
     of_sources = replace(heard[0].numbers.levels, released_power=levels)
     above = replace(heard[0], numbers=replace(heard[0].numbers, levels=of_sources))
     assert "LAeq above LZeq" in dict(number_table([above]).explained)
-    assert {"steady level", "plastic ratio"} == set(words) - {"LAeq above LZeq"}
+    assert {"steady level", "plastic ratio"} <= set(words)
 
 
 def test_runs_heard_by_their_vibration_have_the_words_of_their_own_columns() -> None:
