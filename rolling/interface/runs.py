@@ -219,7 +219,7 @@ def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
     >>> scene = rolling.read_scene("quickstart", ["rolling.load_n=1", "rolling.duration_s=0.005"])
     >>> run = rolling.simulate(scene, workers=1, progress=False)
     >>> sorted(path.name for path in rolling.save_run(run, "kept", report=False).iterdir())
-    ['listen.wav', 'result.h5', 'runs.csv', 'scene.yaml', 'signal.wav', 'summary.json']
+    ['bands.csv', 'listen.wav', 'numbers.json', ..., 'signal.wav', 'summary.json']
     """
     instance("run", run, Run)
     instance("folder", folder, str, Path)

@@ -40,7 +40,7 @@ class Runs(dict[Values, Run]):
     'load 2 N'
     >>> runs.table().index.get_level_values("rolling.load_n").to_list()
     [1, 2]
-    >>> runs.to_xarray().released_power_db.sel(load_n=2).item() == runs[2].sound.levels.laeq_db
+    >>> runs.to_xarray().released_power_db.sel(load_n=2).item() == runs[2].released_power.value
     True
     """
 
@@ -65,12 +65,13 @@ class Runs(dict[Values, Run]):
         return html_table([*self.values()])
 
     def table(self) -> pd.DataFrame:
-        """Tabulate the numbers of the runs, one row per run, as `rolling run` writes runs.csv.
+        """Tabulate the numbers of the runs, one row per run.
 
         Returns
         -------
         table : pandas.DataFrame
-            All single numbers by label, folder and swept keys. Names end in their units.
+            All single numbers by label, folder and swept keys; runs.csv has those that a person
+            reads. Names join subject and field, as in `contact_plastic_ratio`, and end in units.
         """
         return runs_table([*self.values()])
 
@@ -85,8 +86,8 @@ class Runs(dict[Values, Run]):
         -------
         dataset : xarray.Dataset
             `vibration_db` and `released_power_db` with their uncertainties, and in `vibration_how`
-            and `released_power_how` whether they are computed, estimated or an upper bound; the
-            numbers of runs.csv; third octaves by `band`, the nominal mid frequency; the series of
+            and `released_power_how` whether they are computed, estimated or an upper bound; all
+            other numbers of `table`; third octaves by `band`, the nominal mid frequency; the series of
             `run.series` by `position` and `step` [m]. Runs with places of their own, as under
             different speeds, are padded with NaN, and `position` and `step` have a row per run.
             Every variable has `units` and `long_name` in `attrs`, and the Dataset has the version
