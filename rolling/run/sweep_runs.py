@@ -87,11 +87,11 @@ class Runs(dict[Values, Run]):
         dataset : xarray.Dataset
             `vibration_db` and `released_power_db` with their uncertainties, and in `vibration_how`
             and `released_power_how` whether they are computed, estimated or an upper bound; all
-            other numbers of `table`; third octaves by `band`, the nominal mid frequency; the series of
-            `run.series` by `position` and `step` [m]. Runs with places of their own, as under
-            different speeds, are padded with NaN, and `position` and `step` have a row per run.
-            Every variable has `units` and `long_name` in `attrs`, and the Dataset has the version
-            of the program.
+            other numbers of `table`; third octaves by `band`, the nominal mid frequency; the
+            series of `run.series` by `position` and `step` [m]. Runs with places of their own, as
+            under different speeds, are padded with NaN, and `position` and `step` have a row per
+            run. Every variable has `units` and `long_name` in `attrs`, and the Dataset has the
+            version of the program.
 
         Raises
         ------
