@@ -237,7 +237,7 @@ def _keys_that_end_in(name: str, root: type[BaseModel]) -> list[str]:
 # ---- all faults of plain values
 
 
-class Verdict(NamedTuple):
+class Judged(NamedTuple):
     """Faults of plain values.
 
     faults : list of Fault. Faults that do not follow from one another.
@@ -288,7 +288,7 @@ class Refused:
         return not self._names.isdisjoint(words)
 
 
-def judge(values: Mapping[str, Any], root: type[BaseModel], known: Sequence[Fault] = ()) -> Verdict:
+def judge(values: Mapping[str, Any], root: type[BaseModel], known: Sequence[Fault] = ()) -> Judged:
     """Find all faults of plain values that do not follow from one another.
 
     Pydantic judges a rule only where the values before it are valid. So faulty values are left out
@@ -304,7 +304,7 @@ def judge(values: Mapping[str, Any], root: type[BaseModel], known: Sequence[Faul
     for _ in range(_MAX_ROUNDS):
         try:
             model = root.model_validate(rest)
-            return Verdict(_without_misspelt(faults), 0, rest, model, refused)
+            return Judged(_without_misspelt(faults), 0, rest, model, refused)
         except ValidationError as error:
             batch, more = faults_of(error, rest, root)
         if rest is values:
@@ -319,7 +319,7 @@ def judge(values: Mapping[str, Any], root: type[BaseModel], known: Sequence[Faul
             rest = _without(rest, found, root)
         if more or rest is before:  # nothing is left to leave out
             break
-    return Verdict(_without_misspelt(faults), more, rest, None, refused)
+    return Judged(_without_misspelt(faults), more, rest, None, refused)
 
 
 def _without_misspelt(faults: Sequence[Fault]) -> list[Fault]:
