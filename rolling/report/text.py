@@ -42,6 +42,10 @@ def heard(run: Run, is_alone: bool) -> str:
         return f"{_capitalized(run.label)} is silent: {silence(run)}."
     if run.sound.source == "vibration":
         sound = "the vibration of ball and plate"
+    elif run.numbers.record.q is None:
+        sound = "the released power under the gain that the scene fixes"
+    elif run.numbers.record.q != 1:
+        sound = f"the released power, as if a share of {run.numbers.record.q:g} became sound"
     else:
         sound = "the released power, as if all of it became sound"
     sentence = f"You hear {sound}."
