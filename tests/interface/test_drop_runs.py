@@ -142,12 +142,12 @@ def test_falls_are_compared_by_their_exposure(run: Run) -> None:
     run = replace(run, values={"rolling.drop_mm": 1})
     other = replace(run, values={"rolling.drop_mm": 2}, numbers=longer)
     assert "6.0 dB louder" in answer.follows([run, other])
-    assert {*levels.level_table([run, other])["quantity"]} == {"LAE"}
+    assert {*levels.level_table([run, other])["measure"]} == {"LAE"}
     lasting = changed(run.numbers, {"record": {"single_event": False}})
     lasting = with_quantities(lasting, run.vibration.parts, {}, {})
     steady = replace(run, label="steady", numbers=lasting)
     assert "louder" not in answer.follows([run, steady])  # LAE and LAeq cannot be compared
-    assert {*levels.level_table([run, steady])["quantity"]} == {"LAE", "LAeq"}
+    assert {*levels.level_table([run, steady])["measure"]} == {"LAE", "LAeq"}
 
 
 def test_loudness_of_a_fall_is_that_of_its_course_in_time(run: Run) -> None:
