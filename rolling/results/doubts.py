@@ -223,7 +223,7 @@ def _comb_mean(sound: ContactSound, vibration: Vibration | None) -> Iterator[Dou
         "comb: one undamped resonance decides the level of so short a track, so the LAeq that is "
         f"stated is the mean over speeds within {_NEAR} and ± is the spread over them, "
         f"{spread:.1f} dB; sound files, third octaves and the other levels belong to the one speed "
-        f"of the record, whose LAeq is {record} (record_laeq_db)",
+        f"of the record, whose LAeq is {record} (numbers.record.laeq_db)",
         Severity.TRUST,
     )
 
