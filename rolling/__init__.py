@@ -12,7 +12,8 @@ Scenes
     surface_parameters
 Bearings
     read_bearing, BearingScene and its sections Bearing, BearingSurfaces, HousingPlate,
-    BearingNumerics, BearingSound; simulate_bearing, open_bearing, save_bearing, BearingRun
+    BearingNumerics, BearingSound; simulate_bearing, open_bearing, save_bearing, BearingRun,
+    BearingNumbers
 Runs
     simulate, simulate_sweep, choose, choose_bearings, sensitivities, coarsest_below, open_run,
     save_run, live, plot (module), ContactError, SweepError, FolderError

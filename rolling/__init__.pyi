@@ -32,6 +32,7 @@ from rolling.interface.runs import save_run as save_run
 from rolling.interface.runs import simulate as simulate
 from rolling.interface.runs import simulate_sweep as simulate_sweep
 from rolling.numbers.ball_numbers import RunNumbers as RunNumbers
+from rolling.numbers.bearing_numbers import BearingNumbers as BearingNumbers
 from rolling.numbers.doubt import Doubt as Doubt
 from rolling.numbers.quantity import BandQuantity as BandQuantity
 from rolling.numbers.quantity import Quantity as Quantity

@@ -264,7 +264,7 @@ class BearingNumbers:
         Lines of the spectrum of the velocity and of its envelope.
     without_faults : FaultlessNumbers or None
         The same bearing without its single faults; None for one that has none.
-    ring, motion, speeds, loads, angles, effort
+    ring, motion, speeds, loads, angles, effort : data classes
         Numbers of the ring, of its record, of the kinematics, of the balls, of the contact angle,
         and processor times.
     housing : HousingNumbers or None
