@@ -41,19 +41,20 @@ class MarchFindings:
     doubts : tuple of Doubt. Doubts about the rough contacts.
     contacts : tuple of MarchedContact. Numbers of those that were marched.
     uncertainty : BandUncertainty. Parts of the ± of the bands that come from them.
-    parts_cpu_s : dict. Processor time [s] of each part of the run, as far as it is done.
     without_faults : FaultlessNumbers or None. The same bearing without its single faults.
     """
 
     doubts: tuple[Doubt, ...] = ()
     contacts: tuple[MarchedContact, ...] = ()
     uncertainty: BandUncertainty = field(default_factory=BandUncertainty)
-    parts_cpu_s: Mapping[str, float | None] = field(default_factory=dict)
     without_faults: FaultlessNumbers | None = None
 
 
 def bearing_numbers(bearing: SolvedBearing, found: MarchFindings) -> BearingNumbers:
-    """Return the numbers of a bearing from the motion of its ring, and what its marches found."""
+    """Return the numbers of a bearing from the motion of its ring, and what its marches found.
+
+    Processor times are not known yet.
+    """
     scene = bearing.scene
     rigid = rigid_velocities(bearing, found.uncertainty)
     below_bending = velocities_below_bending(bearing, found.uncertainty)
@@ -83,14 +84,17 @@ def bearing_numbers(bearing: SolvedBearing, found: MarchFindings) -> BearingNumb
         angles=_angles(bearing),
         housing=_housing(bearing, doubts),
         contacts=found.contacts,
-        effort=BearingEffort(
-            march_cpu_s=found.parts_cpu_s.get(effort.MARCH),
-            parts_cpu_s=dict(found.parts_cpu_s),
-        ),
+        effort=BearingEffort(march_cpu_s=None),
         departures=tuple(departures(scene)),
         doubts=doubts,
     )
     return replace(numbers, sentences=tuple(sentences(scene, numbers)))
+
+
+def with_effort(numbers: BearingNumbers, parts_cpu_s: Mapping[str, float | None]) -> BearingNumbers:
+    """Return numbers with the processor times [s] of the parts of the run."""
+    own = BearingEffort(march_cpu_s=parts_cpu_s.get(effort.MARCH), parts_cpu_s=dict(parts_cpu_s))
+    return replace(numbers, effort=own)
 
 
 def _speeds(bearing: SolvedBearing) -> SpeedNumbers:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +20,8 @@ from rolling.bearing_contacts.contact_uncertainty import contact_uncertainty
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
 from rolling.bearing_contacts.solving import Marches, solved_stages
-from rolling.bearing_run.bearing_run import BearingRun, numbered
-from rolling.bearing_run.numbers import MarchFindings
+from rolling.bearing_run.bearing_run import BearingRun, numbered, with_numbers
+from rolling.bearing_run.numbers import MarchFindings, with_effort
 from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.bearing_run.without_faults import without_faults_of_record
 from rolling.contact.processor_time import ProcessorTime
@@ -117,12 +117,13 @@ def _final(
     began = ProcessorTime.now()
     bearing = _moved(scene, plan, marches)
     found = _findings(bearing, plan, marches)
-    moved = ProcessorTime.now().since(began)
-    parts = march_effort(plan, marches).numbers(effort.OF_BEARING)
-    for spent in [*motions, moved]:
-        parts = effort.with_work(parts, effort.SOUND, spent)
     with progress.step("making the numbers"):
-        return numbered(bearing, replace(found, parts_cpu_s=parts))
+        run = numbered(bearing, found)
+    own = ProcessorTime.now().since(began)
+    parts = march_effort(plan, marches).numbers(effort.OF_BEARING)
+    for spent in [*motions, own]:
+        parts = effort.with_work(parts, effort.SOUND, spent)
+    return with_numbers(run, with_effort(run.numbers, parts))
 
 
 def march_effort(plan: ContactPlan, marches: Marches) -> Effort:
