@@ -7,6 +7,7 @@ import math
 import re
 import shutil
 from dataclasses import replace
+from operator import attrgetter
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -476,6 +477,18 @@ def test_a_bearing_that_hardly_turns_has_few_lines_and_all_figures() -> None:
     for name in ("spectrum", "envelope", "load_distribution", "ball_forces"):
         assert run.plot(name).lines
     plt.close("all")
+
+
+def test_the_page_of_former_names_leads_to_numbers_of_a_bearing(run: BearingRun) -> None:
+    """Groups that this bearing lacks end at their name."""
+    page = Path(rolling.__file__).parents[1] / "docs" / "former-names.md"
+    section = page.read_text(encoding="utf-8").partition("\n## Bearings\n")[2]
+    places = re.findall(r"`run\.numbers\.([\w.]+)`", section)
+    assert len(places) > 20
+    for place in places:
+        if not place.startswith(("housing.", "without_faults.")):
+            named = place.replace("DIRECTION", "axial").replace("BAND", "high")
+            attrgetter(named)(run.numbers)
 
 
 # ---- files
