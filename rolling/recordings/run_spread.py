@@ -187,7 +187,10 @@ def run_spread(run: Run, measured: MeasuredQuantity) -> RunSpread:
     band_parts: dict[str, Array] = {}
     known = np.zeros(len(BAND_NAMES), dtype=bool)
     if bands is not None and bands.uncertainty is not None:
-        band_parts = {source: np.array(part) for source, part in bands.parts.items()}
+        # A run of version 0.8 does not know the parts of its third octaves.
+        whole = tuple(spread or 0.0 for spread in bands.uncertainty)
+        parts = bands.parts or {RECORD: whole}
+        band_parts = {source: np.array(part) for source, part in parts.items()}
         known = np.array([spread is not None for spread in bands.uncertainty])
     excess = np.ones(len(BAND_NAMES))
     vibration = run.vibration_sound

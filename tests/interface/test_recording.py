@@ -16,9 +16,8 @@ from finished import VIBRATING, heard_again, marched
 from acoustics import BAND_NAMES, resampling
 from rolling import cli, open_run, save_run
 from rolling.numbers.quantity import joined
-from rolling.recordings import comparison
+from rolling.recordings import comparison, pairs
 from rolling.recordings.levels import Total, third_octave_levels
-from rolling.recordings.pairs import of_run
 from rolling.recordings.recorded import PRESSURE, QUANTITIES, Recording, full_scales
 from rolling.recordings.run_spread import run_spread
 from rolling.results import listening
@@ -170,7 +169,7 @@ SMALL = {
 
 def with_itself(run: Run, folder: Path) -> comparison.RecordingComparison:
     """Compare a run with its own record, repeated until it is long enough for a recording."""
-    pressure = of_run(run).samples
+    pressure = pairs.of_run(run).samples
     scale = 2 * np.abs(pressure).max()
     laps = int(np.ceil(RATE / len(pressure)))
     soundfile.write(folder / "own.wav", np.tile(pressure, laps) / scale, 48000, "FLOAT")
@@ -229,8 +228,16 @@ def test_what_the_comparison_cannot_have_is_left_out_by_name(run: Run, tmp_path:
     assert table["difference_uncertainty_db"].to_numpy() == pytest.approx(whole.to_numpy())
     found = bands(table)
     assert (found["records_uncertainty_db"] < found["difference_uncertainty_db"]).all()
-    of_motion = run_spread(free, QUANTITIES["acceleration"])
     none = np.zeros(len(BAND_NAMES))
+    without_parts = replace(free.numbers.bands.vibration, parts={})
+    older = replace(free.numbers, bands=replace(free.numbers.bands, vibration=without_parts))
+    known = run_spread(free, PRESSURE).known
+    of_older, of_run = (
+        run_spread(one, PRESSURE).of_bands(none).whole_db[known]
+        for one in (replace(free, numbers=older), free)
+    )
+    assert of_older == pytest.approx(of_run, rel=1e-9)
+    of_motion = run_spread(free, QUANTITIES["acceleration"])
     everywhere = np.ones(len(BAND_NAMES), dtype=bool)
     of_total = of_motion.of_total(
         Total("all bands", "Z"), everywhere, everywhere + none, record_db=0.5
