@@ -582,7 +582,10 @@ def _doubts(summary: Mapping[str, Any], source: str) -> Iterable[Doubt]:
     severities = {severity.word: severity for severity in Severity}
     plays = VIBRATION if source == "vibration" else RELEASED_POWER
     found = []
-    for stored in summary["doubts"]:
+    listed = summary["doubts"]
+    if not isinstance(listed, list):
+        raise TypeError("doubts")
+    for stored in listed:
         key = stored["key"]
         about: tuple[str, ...] = ()
         if key in _OF_RELEASE:

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from commands import contents, words_of
+from made_numbers import blank, changed
 from scene_text import TINY
 
 from acoustics import wav
 from acoustics.level import laeq_db
 from rolling import cli
+from rolling.numbers.run_file import StoredNumbers
 from rolling.results.common_gain import common_gains
+from rolling.results.stored_numbers import read_stored, write_stored
 
 LOADS = TINY + "sweep: {rolling.load_n: [0.005, 0.02]}\n"
 FIRST = TINY + "sweep: {rolling.load_n: [0.005]}\n"
@@ -42,7 +46,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def listened(folder: Path) -> dict:
-    return summary(folder)["listen"]
+    return summary(folder)["files"]["listen"]
 
 
 @pytest.mark.law("listening: a louder run of a sweep is louder in listen.wav, by its LAeq.")
@@ -53,7 +57,7 @@ def test_a_louder_run_sounds_louder(swept: Path) -> None:
     for folder in sorted(swept.glob("load_n=*")):
         samples, rate, comment = wav.read(folder / "listen.wav")
         heard.append(laeq_db(samples, rate))
-        stated.append(summary(folder)["laeq_db"])
+        stated.append(summary(folder)["released_power"]["value"])
         facts = listened(folder)
         assert facts["rule"] == "the common gain of its sweep" and facts["rule"] in comment
         assert facts["common_gain_full_scale_per_pa"] == facts["gain_full_scale_per_pa"]
@@ -90,13 +94,13 @@ def test_a_command_that_was_killed_while_it_wrote_is_finished(swept: Path, tmp_p
     scene = write(tmp_path, LOADS)
     assert run(scene, out) == 0
     quiet = out / "load_n=0.005"
-    whole = json.loads((quiet / "summary.json").read_text())
-    before = whole | {"listen": whole["listen"] | {"common_gain_full_scale_per_pa": None}}
-    (quiet / "summary.json").write_text(json.dumps(before))
+    whole = read_stored(quiet)
+    listen = replace(whole.files.listen, common_gain_full_scale_per_pa=None)
+    write_stored(quiet, replace(whole, files=replace(whole.files, listen=listen)))
     (out / "load_n=0.02" / "listen.wav").unlink()
     assert run(scene, out) == 0
     assert contents(out) == contents(swept)
-    assert json.loads((quiet / "summary.json").read_text()) == whole
+    assert read_stored(quiet).files == whole.files
     stamps = [path.stat().st_mtime_ns for path in sorted(out.glob("*/listen.wav"))]
     assert run(scene, out) == 0
     assert stamps == [path.stat().st_mtime_ns for path in sorted(out.glob("*/listen.wav"))]
@@ -114,9 +118,10 @@ def test_a_single_run_keeps_its_own_gain(text: str, tmp_path: Path) -> None:
 def test_silence_and_other_sources_do_not_share_the_gain() -> None:
     """The gain is the minimum of the sounding runs of a source: none clips."""
 
-    def a_run(source: str, gain: float, rule: str = "equal loudness") -> dict:
+    def a_run(source: str, gain: float, rule: str = "equal loudness") -> StoredNumbers:
         listen = {"own_gain_full_scale_per_pa": gain, "rule": rule}
-        return {"source": source, "listen": listen}
+        numbers = {"record": {"source": source}}
+        return changed(blank(StoredNumbers), {"files": {"listen": listen}, "numbers": numbers})
 
     runs = [
         a_run("release", 3.0),

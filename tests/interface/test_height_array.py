@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -37,16 +36,16 @@ def test_an_array_is_heard_in_five_lines(tmp_path: Path) -> None:
 
 
 def test_steps_of_the_preparation_are_stored(tmp_path: Path) -> None:
-    """The summary holds the roughness before and after each step, in numbers and in words."""
+    """The numbers hold the roughness before and after each step, in numbers and in words."""
     gaps = np.where(Z > 2e-7, np.nan, Z)
     measured = rc.HeightArray(gaps, spacing_um=2, unmeasured="fill", periodic="blend")
     scene = file.loads(PLAIN, SHORT).with_(surface=measured)
     folder = rc.simulate(scene, workers=1, progress=False).save(tmp_path / "run", report=False)
-    steps = json.loads((folder / "summary.json").read_text())["preparation"]
-    assert [step["step"] for step in steps] == ["unmeasured", "f_operator", "periodic"]
+    steps = rc.open_run(folder).numbers.surface.preparation
+    assert [step.step for step in steps] == ["unmeasured", "f_operator", "periodic"]
     number = np.count_nonzero(np.isnan(gaps))
-    assert steps[0]["text"].startswith(f"{number} filled, ") and " -> " in steps[0]["text"]
-    assert steps[0]["before"]["Sq"] == pytest.approx(np.nanstd(gaps), rel=1e-9)
+    assert steps[0].text.startswith(f"{number} filled, ") and " -> " in steps[0].text
+    assert steps[0].before["Sq"] == pytest.approx(np.nanstd(gaps), rel=1e-9)
     assert rc.open_run(folder).scene.track.n_along == 96 - 10
 
 

@@ -116,14 +116,17 @@ def test_threads_simulate_at_the_same_time(capsys: pytest.CaptureFixture[str]) -
     assert "100%" in capsys.readouterr().err
 
 
-def test_a_damaged_summary_is_refused_whatever_is_wrong_in_it(run: rc.Run, tmp_path: Path) -> None:
+def test_a_damaged_file_of_numbers_is_refused_whatever_is_wrong_in_it(
+    run: rc.Run, tmp_path: Path
+) -> None:
     """Without a key, and with a list in its place, the run opens or is refused in words."""
     folder = run.save(tmp_path / "run", report=False)
-    path = folder / "summary.json"
+    path = folder / "numbers.json"
     whole = json.loads(path.read_text())
-    for key in whole:
-        for damaged in ({k: v for k, v in whole.items() if k != key}, {**whole, key: ["odd"]}):
-            path.write_text(json.dumps(damaged))
+    own = whole["numbers"]
+    for key in own:
+        for damaged in ({k: v for k, v in own.items() if k != key}, {**own, key: ["odd"]}):
+            path.write_text(json.dumps({**whole, "numbers": damaged}))
             try:
                 opened = rc.open_run(folder)
                 assert repr(opened) and opened._repr_html_()
