@@ -32,7 +32,7 @@ from typing import Any
 
 from rolling import _own_acoustics
 
-__version__ = "0.8.1"
+__version__ = "0.9.0.dev0"
 
 _STUB = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
 _MODULES = {
