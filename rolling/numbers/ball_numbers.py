@@ -906,10 +906,14 @@ class RunNumbers:
         What rolls on what.
     vibration, released_power : Quantity
         The two numbers of a run.
-    record, levels, bands, errors, energy, contact, effort, surface, ears, turns, motion, estimate
-        Numbers by subject; None where a run does not have the subject.
-    channels, passes, listening
-        Numbers of each channel and each pass, and of the long record.
+    record, levels, bands, errors, energy, contact, effort, surface : data class
+        Numbers by subject, which every run has.
+    ears, turns, motion, estimate, listening : data class or None
+        Numbers of a subject that a run may not have.
+    contact_loss_db : float, dB
+        Change of the vibration by a loss factor of the contact where the scene states none.
+    channels, passes : tuple of data classes, or None
+        Numbers of each channel and of each pass over a plate that remembers.
     doubts : tuple of Doubt
         All that limits the numbers.
 
