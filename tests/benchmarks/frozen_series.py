@@ -49,7 +49,7 @@ SKIPPED = {"measured-surface"}  # its heights are made by a command that the sce
 RATE_HZ = acoustics.wav.SAMPLE_RATE_HZ
 RECORDING_S = 1.0
 NOISE = 0.1  # rms of the noise in a recording over that of the run
-KEPT_PIECES = 2  # after which a run is killed
+KEPT_PIECES = 2  # and marches of a bearing, with which a run is killed
 POLL_S = 0.005
 KINDS = ("series", "values", "verdicts")
 Table = dict[str, dict[str, Any]]  # by label: what is frozen, by kind and name
@@ -245,7 +245,7 @@ def _command(job: Job, out: Path) -> subprocess.Popen[bytes]:
 def _kill_midway(job: Job, out: Path) -> None:
     """Run a scene until some pieces are kept, and kill the command and its processes."""
     process = _command(job, out)
-    while process.poll() is None and len(list(out.glob("pieces/*/*.npz"))) < KEPT_PIECES:
+    while process.poll() is None and len(list(out.rglob("*.npz"))) < KEPT_PIECES:
         time.sleep(POLL_S)
     if process.poll() is None:
         os.killpg(process.pid, signal.SIGKILL)
