@@ -288,12 +288,10 @@ def _levels(numbers: RunNumbers) -> dict[str, Any]:
 def _bands(numbers: RunNumbers) -> dict[str, Any]:
     """Return third octaves by their former names."""
     bands = numbers.bands
-    is_vibration = numbers.record.source == "vibration"
-    own = bands.vibration if is_vibration else bands.released_power
-    own_a = bands.vibration_a if is_vibration else bands.released_power_a
+    own = numbers.played_bands
     named = {
         "third_octave_db": own,
-        "third_octave_a_db": own_a,
+        "third_octave_a_db": numbers.played_bands_a,
         "plate_power_third_octave_db": bands.plate_power,
         "ball_power_third_octave_db": bands.ball_power,
         "force_third_octave_n": bands.force,
@@ -322,9 +320,7 @@ def _errors(numbers: RunNumbers) -> dict[str, Any]:
     facts: dict[str, Any] = {"reason": errors.reason}
     if errors.reason is None:
         facts = _renamed(values, _FACTS)
-    quantity = numbers.vibration
-    if numbers.record.source == "release":
-        quantity = numbers.released_power
+    quantity = numbers.played_quantity
     return {
         **_renamed(values, _ERRORS),
         "error_estimate": facts,

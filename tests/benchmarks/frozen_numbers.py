@@ -21,12 +21,37 @@ import numpy as np
 
 from acoustics.bands import BAND_NAMES
 
-PLACES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-ROOTS = ("summary", "numbers")  # of a run, all numbers of which are to be frozen
+EVERY = "*"  # of a place: every entry of a list; of what is left out: every name
+ROOTS = ("numbers", "summary")  # of a run, all numbers of which are to be frozen: the first it has
 NOTHING = object()  # what stands at a place that does not exist
-EVERY = "*"  # of a place: every entry of a list
 NOT_SERIES = ("step_time",)  # processor times
 COSTS = ("time", "memory", "disk")  # in the keys of rows of a check that differ from day to day
+
+
+def _in_full(places: Mapping[str, Sequence[str]], words: Mapping[str, Sequence[str]]) -> Any:
+    """Return places by name, with each of some words where `<word>` stands for them."""
+    for word, meant in words.items():
+        mark = f"<{word}>"
+        longer: dict[str, list[str]] = {}
+        for name, of_name in places.items():
+            for one in meant if any(mark in text for text in (name, *of_name)) else [""]:
+                of_one = [place.replace(mark, one) for place in of_name]
+                longer.setdefault(name.replace(mark, one), []).extend(of_one)
+        places = longer
+    return places
+
+
+def read_table(path: Path) -> dict[str, dict[str, dict[str, list[str]]]]:
+    """Return the places of each section of a table, by kind."""
+    table = tomllib.loads(path.read_text(encoding="utf-8"))
+    words = table.pop("words")
+    return {
+        kind: {section: _in_full(places, words) for section, places in sections.items()}
+        for kind, sections in table.items()
+    }
+
+
+PLACES = read_table(Path(__file__).with_suffix(".toml"))
 
 
 class Frozen(NamedTuple):
@@ -103,8 +128,11 @@ def read_all(thing: Any, places: Mapping[str, Sequence[str]]) -> Iterator[tuple[
 
 
 def read(thing: Any, path: Sequence[str]) -> Any:
-    """Return what stands at a path of attributes and keys from a thing on, or NOTHING."""
-    if not path or thing is NOTHING:
+    """Return what stands at a path from a thing on, NOTHING where a version has no such place.
+
+    Below a subject that a run has not, which is None, stands None.
+    """
+    if not path or thing is NOTHING or thing is None:
         return thing
     step, *rest = path
     if step == EVERY:
@@ -114,6 +142,8 @@ def read(thing: Any, path: Sequence[str]) -> Any:
         return NOTHING if any(entry is NOTHING for entry in entries) else entries
     if isinstance(thing, Mapping):
         return read(thing.get(step, NOTHING), rest)
+    if isinstance(thing, list | tuple) and step.isdigit():
+        return read(thing[int(step)], rest)
     return read(getattr(thing, step, NOTHING), rest)
 
 
@@ -123,9 +153,8 @@ def unread(thing: Any, kind: str) -> list[str]:
     for section in PLACES[kind].values():
         for places in section.values():
             listed.update(places)
-    found = set[str]()
-    for root in ROOTS:
-        found.update(_places_below(read(thing, [root]), root))
+    root = next((root for root in ROOTS if hasattr(thing, root)), ROOTS[0])
+    found = {*_places_below(read(thing, [root]), root)}
     return sorted(place for place in found if not _is_listed(place, listed))
 
 
@@ -141,7 +170,12 @@ def _places_below(value: Any, place: str) -> Iterator[str]:
 
 def _is_listed(place: str, listed: Iterable[str]) -> bool:
     """Tell whether a place stands in the table, or below one that does."""
-    return any(place == one or place.startswith(f"{one}.") for one in listed)
+    steps = place.split(".")
+    return any(
+        all(wanted in (EVERY, step) for wanted, step in zip(one.split("."), steps, strict=False))
+        for one in listed
+        if one.count(".") < len(steps)
+    )
 
 
 # ---- values
@@ -153,6 +187,9 @@ def parts_of(value: Any) -> list[tuple[str, Any]]:
         return [(str(key), part) for key, part in value.items()]
     if is_record(value):
         return list(value._asdict().items())
+    if hasattr(value, "by_name"):  # a quantity of bands
+        names = ["by_name", "uncertainty_by_name", "unit", "how", "parts"]
+        return [(name, getattr(value, name)) for name in names]
     if dataclasses.is_dataclass(value):
         names = [field.name for field in dataclasses.fields(value)]
         return [(name, getattr(value, name)) for name in names if not name.startswith("_")]
@@ -169,8 +206,16 @@ def is_record(value: Any) -> bool:
 
 
 def leaves(name: str, value: Any) -> dict[str, Any]:
-    """Return the numbers and words of a value by dotted names, without those that are unknown."""
+    """Return the numbers and words of a value by dotted names, without those that are unknown.
+
+    A `*` in the name becomes the number of an entry.
+    """
     parts = parts_of(value)
+    if EVERY in name:
+        found = {}
+        for number, entry in parts:
+            found.update(leaves(name.replace(EVERY, number, 1), entry))
+        return found
     if parts:
         found = {}
         for part_name, part in parts:

@@ -160,14 +160,19 @@ def freeze_sweep(job: Job) -> Iterator[tuple[str, Frozen]]:
 
 def check(scene: Any) -> Frozen:
     """Return the forecasts of a check."""
-    from rolling.check import level
-
     findings = scene.check()
-    verdicts = {}
-    if isinstance(scene, rc.Scene):
-        for run, (name, doubts) in zip(scene.runs(), findings.doubts.items(), strict=True):
-            verdicts[name] = level.expected(run.scene, doubts).severity.word
+    verdicts = expected_words(scene, findings) if isinstance(scene, rc.Scene) else {}
     return Frozen.of_check(findings, verdicts)
+
+
+def expected_words(scene: Any, findings: Any) -> dict[str, str]:
+    """Return the verdict that a check of a scene of balls expects of each run, in a word."""
+    if hasattr(findings, "quantities"):
+        return {name: run.leading.judged.word for name, run in findings.quantities.items()}
+    from rolling.check import level  # of version 0.8, which has a function for it
+
+    runs = zip(scene.runs(), findings.doubts.items(), strict=True)
+    return {name: level.expected(run.scene, doubts).severity.word for run, (name, doubts) in runs}
 
 
 # ---- choices

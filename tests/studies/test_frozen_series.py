@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from types import SimpleNamespace
 
 import frozen_numbers
@@ -17,11 +18,16 @@ from rolling.scene import library
 
 PLACES = {
     "arrays": {"force": ["motion.force", "vibration.force"]},
-    "values": {"laeq_db": ["numbers.levels.laeq.value", "summary.laeq_db"]},
+    "values": {
+        "laeq_db": ["numbers.levels.laeq.value", "summary.laeq_db"],
+        "lines.*.height": ["numbers.lines.*.height_over", "summary.lines.*.height"],
+        "first_angle": ["numbers.angles.0", "summary.angle"],
+        "impacts": ["numbers.motion.impacts", "summary.impacts"],
+    },
     "bands": {"third_octave_db": ["numbers.bands", "summary.third_octave_db"]},
     "doubts": {"doubts": ["doubts", "summary.doubts"]},
     "verdicts": {"verdict": ["numbers.verdict", "summary.verdict.word"]},
-    "left_out": {"times": ["summary.cpu_s"]},
+    "left_out": {"times": ["summary.cpu_s", "numbers.*.cpu_s"]},
 }
 FORCE = np.array([1.0, 2.0])
 
@@ -87,10 +93,42 @@ def test_a_number_that_is_unknown_has_no_entry():
     assert frozen[0] == frozen[1] and "laeq_db" not in frozen[0].values
 
 
+def test_an_entry_of_a_list_has_its_number_in_the_name_or_in_the_place():
+    old = run_with_summary(lines=[{"height": 2.0}, {"height": None}, {"height": 5.0}], angle=12.5)
+    lines = [{"height_over": over} for over in (2.0, None, 5.0)]
+    new = SimpleNamespace(numbers={"lines": lines, "angles": (12.5, 15)})
+    for run in (old, new):
+        values = Frozen.of(run, "few").values
+        assert (values["lines.0.height"], values["lines.2.height"]) == (2.0, 5.0)
+        assert values["first_angle"] == 12.5 and "lines.1.height" not in values
+
+
+def test_a_number_below_a_subject_that_a_run_has_not_is_not_looked_for_elsewhere():
+    run = SimpleNamespace(numbers={"motion": None}, summary={"impacts": 3})
+    assert "impacts" not in Frozen.of(run, "few").values
+    assert Frozen.of(run_with_summary(impacts=3), "few").values["impacts"] == 3
+
+
 def test_numbers_that_the_table_has_not_are_named():
     assert frozen_numbers.unread(run_with_summary(), "few") == []
-    run = run_with_summary(impacts=3, lines=[{"height": 2.0}], unknown=None)
-    assert frozen_numbers.unread(run, "few") == ["summary.impacts", "summary.lines.*.height"]
+    run = run_with_summary(flights=3, lines=[{"height": 2.0, "width": 1.0}], unknown=None)
+    assert frozen_numbers.unread(run, "few") == ["summary.flights", "summary.lines.*.width"]
+    new = run_with_records(1 / 3)
+    new.numbers = {"levels": new.numbers.levels, "effort": {"cpu_s": 1.5, "steps": 3}}
+    assert frozen_numbers.unread(new, "few") == ["numbers.effort.steps"]
+
+
+def test_a_word_in_angle_brackets_stands_for_each_of_its_words(tmp_path: Path):
+    table = tmp_path / "places.toml"
+    table.write_text(
+        '[words]\nband = ["low", "high"]\n[run.values]\n"um_s.<band>" = ["numbers.<band>.value"]\n'
+        '[run.left_out]\nunits = ["numbers.<band>.unit"]\n',
+        encoding="utf-8",
+    )
+    assert frozen_numbers.read_table(table)["run"] == {
+        "values": {"um_s.low": ["numbers.low.value"], "um_s.high": ["numbers.high.value"]},
+        "left_out": {"units": ["numbers.low.unit", "numbers.high.unit"]},
+    }
 
 
 def test_a_last_bit_is_a_change_and_a_word_of_a_verdict_fails_nothing():
