@@ -84,6 +84,8 @@ def forecasts(scene: Scene, doubts: Iterable[Doubt]) -> Forecasts:
         of_vibration.append(
             Doubt("vibration_estimate", text, Severity.INDICATIVE, about=(VIBRATION,))
         )
+    elif scene.sound.source == "release":
+        of_vibration.append(replace(resolution.grid_of_silent_vibration(), about=(VIBRATION,)))
     if scene.is_smooth and scene.rolling.drop_mm is None:
         reason = "a smooth surface is silent"
         vibration = replace(vibration, coming=None, reason=reason)

@@ -74,8 +74,19 @@ def grid_of_level(scene: Scene, reason: str | None = None) -> Doubt:
         decibels = 20 * math.log10(1 + 10 ** (error / 20))
         text = f"the grid may leave {rounded(decibels)} dB, by a rule"
         return sized(LEVEL_KEY, text, decibels, least=Severity.INDICATIVE)
-    why = f"because {reason}" if reason else "without numerics.error_estimate"
-    return Doubt(LEVEL_KEY, f"the error of the grid is unknown, {why}", Severity.INDICATIVE)
+    return _unknown_grid(f"because {reason}" if reason else "without numerics.error_estimate")
+
+
+def grid_of_silent_vibration() -> Doubt:
+    """Return the doubt about a vibration that is computed while the release plays."""
+    advice = "`sound.source: vibration` plays the vibration"
+    return _unknown_grid("because it is estimated for the sound that plays", advice)
+
+
+def _unknown_grid(why: str, advice: str = "") -> Doubt:
+    """Return the doubt about a level whose error of the grid is unknown."""
+    text = f"the error of the grid is unknown, {why}"
+    return Doubt(LEVEL_KEY, text, Severity.INDICATIVE, advice=advice)
 
 
 def _spacing(scene: Scene) -> Iterator[Finding | Doubt]:

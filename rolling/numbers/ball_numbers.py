@@ -973,11 +973,6 @@ class RunNumbers:
         return own or SourceLevels()
 
     @property
-    def played_quantity(self) -> Quantity:
-        """The quantity of the sound that the files have."""
-        return self.vibration if self.record.source == "vibration" else self.released_power
-
-    @property
     def played_bands(self) -> BandQuantity | None:
         """Third octaves of the sound that the files have, without weighting."""
         if self.record.source == "vibration":

@@ -5,7 +5,7 @@ unknown. The worst of them is the verdict.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -85,7 +85,7 @@ def doubts(
     if numbers.played.laeq_db is not None:
         found += _about(plays, [*_spread(numbers), *_errors(scene, numbers)])
     # What was measured replaces what a rule for the scene expects.
-    return [*{doubt.key: doubt for doubt in found}.values(), *estimate_doubts(numbers)]
+    return [*{doubt.key: doubt for doubt in found}.values(), *silent_vibration_doubts(numbers)]
 
 
 def _about(quantity: str, found: Iterable[Doubt]) -> list[Doubt]:
@@ -285,14 +285,25 @@ def _estimate_of_errors(scene: Scene, sound: ContactSound, numbers: RunNumbers) 
         )
 
 
-def estimate_doubts(numbers: RunNumbers) -> list[Doubt]:
-    """Return the doubts about a vibration that does not play, and that a linear chain estimates."""
+def silent_vibration_doubts(numbers: RunNumbers) -> list[Doubt]:
+    """Return the doubts about a vibration that does not play, computed or by a linear chain."""
     if numbers.record.source == "vibration" or numbers.vibration.value is None:
         return []
-    found = [*_estimate(numbers)]
+    found = [*_computed(numbers), *_estimate(numbers)]
     if numbers.surface.instrument is not None:
         found.append(instrument(numbers, "vibration"))
     return _about(VIBRATION, found)
+
+
+def _computed(numbers: RunNumbers) -> Iterator[Doubt]:
+    """Yield the doubts about a vibration that is computed while the release plays."""
+    if numbers.motion is None:
+        return
+    parts = numbers.vibration.parts
+    spread = joined(parts, left_out=("force_law",)) if parts else None
+    yield from _parts_of_spread(numbers, [*_of_motion(numbers)], spread)
+    yield from _force_law_error(numbers)
+    yield resolution.grid_of_silent_vibration()
 
 
 def _estimate(numbers: RunNumbers) -> Iterator[Doubt]:
@@ -315,17 +326,26 @@ def _estimate(numbers: RunNumbers) -> Iterator[Doubt]:
 
 def _spread(numbers: RunNumbers) -> Iterator[Doubt]:
     """Yield the parts of ±: length and comb of the record, time steps, contact loss, baffle."""
-    parts = []
-    if numbers.record.source == "vibration":  # a release has no comb and no motion
-        parts = [
-            *_comb_spread(numbers),
-            *_time_step(numbers),
-            *_contact_loss(numbers),
-            *_baffle(numbers),
-        ]
-    yield from parts
+    # A release has no comb and no motion.
+    of_motion = [*_of_motion(numbers)] if numbers.record.source == "vibration" else []
     spreads = numbers.played.spreads
-    spread = None if spreads is None else spreads.laeq_db
+    yield from _parts_of_spread(numbers, of_motion, None if spreads is None else spreads.laeq_db)
+
+
+def _of_motion(numbers: RunNumbers) -> Iterator[Doubt]:
+    """Yield the parts of the ± of a vibration beside the length of its record."""
+    yield from _comb_spread(numbers)
+    yield from _time_step(numbers)
+    yield from _contact_loss(numbers)
+    yield from _baffle(numbers)
+
+
+def _parts_of_spread(
+    numbers: RunNumbers, of_motion: Sequence[Doubt], spread: float | None
+) -> Iterator[Doubt]:
+    """Yield the parts of a ± [dB], what the length of the record adds, and all of them together."""
+    parts = [*of_motion]
+    yield from parts
     if spread is None:
         return
     # Length and comb overlap, so the length counts as what it leaves beyond the comb.
@@ -398,9 +418,8 @@ def _errors(scene: Scene, numbers: RunNumbers) -> Iterator[Doubt]:
     solver = numbers.errors.solver_db
     if solver is not None:
         yield sized("solver_error", f"the solver leaves {rounded(abs(solver))} dB", solver)
-    law = None if numbers.motion is None else numbers.motion.force_law_error_db
-    if law is not None and numbers.record.source == "vibration":
-        yield sized("force_law_error", f"the force law leaves {rounded(abs(law))} dB", law)
+    if numbers.record.source == "vibration":
+        yield from _force_law_error(numbers)
     yield _grid(scene, numbers)
     errors = numbers.errors
     detail = _whole_error(errors.subgrid_db, errors.subgrid_uncertainty_db)
@@ -442,6 +461,13 @@ def instrument(numbers: RunNumbers, source: Source) -> Doubt:
             "dB"
         )
     return sized("instrument", text, part)
+
+
+def _force_law_error(numbers: RunNumbers) -> Iterator[Doubt]:
+    """Yield the error that the force law leaves in the level of a vibration."""
+    law = None if numbers.motion is None else numbers.motion.force_law_error_db
+    if law is not None:
+        yield sized("force_law_error", f"the force law leaves {rounded(abs(law))} dB", law)
 
 
 def _grid(scene: Scene, numbers: RunNumbers) -> Doubt:

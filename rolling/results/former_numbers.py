@@ -19,7 +19,7 @@ from rolling.numbers.files import FileFacts, Provenance
 from rolling.numbers.quantity import RELEASED_POWER, VIBRATION, BandQuantity, joined
 from rolling.numbers.run_file import StoredNumbers
 from rolling.numbers.stored import from_bytes
-from rolling.results.doubts import ERRORS, estimate_doubts
+from rolling.results.doubts import ERRORS, silent_vibration_doubts
 from rolling.results.quantities import (
     UNKNOWN,
     judged,
@@ -430,7 +430,7 @@ def former_numbers(content: bytes) -> StoredNumbers:
         of_vibration={},
         of_estimate=_numbers_of(of_estimate),
     )
-    numbers = judged(numbers, [*doubts, *estimate_doubts(numbers)])
+    numbers = judged(numbers, [*doubts, *silent_vibration_doubts(numbers)])
     return StoredNumbers(numbers=numbers, files=facts, provenance=provenance)
 
 

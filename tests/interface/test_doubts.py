@@ -17,6 +17,7 @@ from made_numbers import bands, changed, computed, released, run_with
 from scene_text import PLAIN, TINY
 
 from acoustics.bands import BAND_NAMES
+from rolling.check import level
 from rolling.check.findings import check_run, check_scene, conclusion
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.doubt import Doubt, Severity, severity_of
@@ -200,6 +201,7 @@ def cut_off(error_db: float, uncertainty_db: float) -> dict[str, Any]:
     return {"errors": band}
 
 
+BESIDE_RELEASE = {"source": "release", "vibration": {"value": 30.0}, "motion": {"laps": 1.0}}
 HALF_SPACE = ("plate.thickness_mm=", "plate.loss_factor=")
 SLOW = ("rolling.speed_m_s=0.02",)
 LIGHT = ("rolling.load_n=0.05",)
@@ -253,6 +255,17 @@ STEEP = ("surface.roughness_ra_um=2", "numerics.error_estimate=true")
             "trust",
             "length of the record",
         ),
+        # A vibration that is computed while the release plays leads, and has its own errors.
+        (BESIDE_RELEASE, (), {}, "indicative", "estimated for the sound that plays"),
+        (
+            {**BESIDE_RELEASE, "motion": {"comb_spread_db": 4.0}},
+            *((), {}, "do not quote", "lies 4 dB (rms) from the mean"),
+        ),
+        (
+            {**BESIDE_RELEASE, "motion": {"force_law_error_db": 4.0}},
+            *((), {}, "do not quote", "force law"),
+        ),
+        ({**BESIDE_RELEASE, "contact_loss_db": -8.0}, (), {}, "do not quote", "leaves 4 dB"),
         (
             {"source": "release", "errors": {"grid_db": 9.0}},
             (),
@@ -304,6 +317,13 @@ def test_the_worst_doubt_is_the_verdict(
     # A bound and an assumption keep their own word; the error stands beside it.
     own = {"upper bound": "bound", "assumed": "assumed"}
     assert found.word == own.get(quantity.how, word)
+
+
+def test_a_check_foresees_that_the_grid_of_a_silent_vibration_is_unknown() -> None:
+    for estimate in ("true", "false"):
+        keys = ["sound.source=release", f"numerics.error_estimate={estimate}"]
+        found = level.forecasts(loads(VIBRATING, keys), []).leading.judged
+        assert found is not None and (found.word, found.worst.key) == ("indicative", "grid")
 
 
 def test_decibels_decide_the_severity() -> None:
