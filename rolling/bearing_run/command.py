@@ -27,8 +27,16 @@ from rolling.figures.picture import csv_bytes
 from rolling.numbers import views
 from rolling.numbers.bearing_numbers import BearingNumbers
 from rolling.numbers.doubt import Doubt, Severity
-from rolling.results.run_folder import FAILED, PAGE, RESULT, SUMMARY, TABLE, BearingFolder
-from rolling.results.stored_numbers import refuse_former, with_page, write_stored
+from rolling.results.run_folder import (
+    FAILED,
+    PAGE,
+    RESULT,
+    SUMMARY,
+    TABLE,
+    BearingFolder,
+    refuse_former,
+)
+from rolling.results.stored_numbers import with_page, write_stored
 from rolling.run import folder as folders
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.height_files import read_regular

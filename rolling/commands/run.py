@@ -9,9 +9,8 @@ from acoustics.texts import printable
 from rolling.commands.answers import print_answers
 from rolling.commands.derived import write_derived_alone
 from rolling.results import labels, run_lines
-from rolling.results.run_folder import PAGE, RunFolder
+from rolling.results.run_folder import PAGE, RunFolder, refuse_former
 from rolling.results.run_result import PASSES
-from rolling.results.stored_numbers import refuse_former
 from rolling.run import folder as folders
 from rolling.run.ending import Ending
 from rolling.run.solving import runs_of_part, solve_folder

@@ -13,9 +13,8 @@ from rolling.commands.derived import write_report, write_table, write_tables
 from rolling.numbers.quantity import RELEASED_POWER, VIBRATION
 from rolling.results import labels, listening, runs_table
 from rolling.results.long_record import ListeningError
-from rolling.results.run_folder import BANDS, PAGE, TABLE, RunFolder
+from rolling.results.run_folder import BANDS, PAGE, TABLE, RunFolder, refuse_former
 from rolling.results.run_result import Run
-from rolling.results.stored_numbers import refuse_former
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs
 from rolling.scene.messages import nearest

@@ -1,7 +1,7 @@
 """A run of a scene and its folder, whose files tell whether it is done or failed."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
@@ -10,6 +10,7 @@ from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
+from rolling.terminal.files import FolderError
 
 RESULT = "result.h5"
 NUMBERS = "numbers.json"  # unrounded, for the program
@@ -94,3 +95,19 @@ class BearingFolder(RunPlace):
     values: Mapping[str, Value]
     scene: BearingScene
     folder: Path
+
+
+def refuse_former(runs: Iterable[RunPlace]) -> None:
+    """Refuse to go on with runs of version 0.8, or to make their sound anew.
+
+    Raises
+    ------
+    FolderError : one of the runs has the numbers of version 0.8.
+    """
+    for run in runs:
+        if run.is_of_0_8:
+            raise FolderError(
+                f"{run.folder}: a run of version 0.8. This version shows it (`rolling report`,"
+                " `table`), but does not go on with it or make its sound anew. Version 0.8.1 does;"
+                " or solve its scene in a new folder, with another --out"
+            )

@@ -6,7 +6,7 @@ bearings are written and read in the same way.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -22,7 +22,6 @@ from rolling.results.run_folder import (
     NUMBERS,
     SUMMARY,
     RunFolder,
-    RunPlace,
     is_former,
 )
 from rolling.scene.height_files import read_regular
@@ -68,22 +67,6 @@ def read_kind(folder: Path, kind: type[_Stored], former: Callable[[bytes], _Stor
     except (ValueError, RecursionError) as error:
         raise FolderError(f"{path}: not readable ({error}); {_ADVICE}") from error
     return stored
-
-
-def refuse_former(runs: Iterable[RunPlace]) -> None:
-    """Refuse to go on with runs of version 0.8, or to make their sound anew.
-
-    Raises
-    ------
-    FolderError : one of the runs has the numbers of version 0.8.
-    """
-    for run in runs:
-        if run.is_of_0_8:
-            raise FolderError(
-                f"{run.folder}: a run of version 0.8. This version shows it (`rolling report`,"
-                " `table`), but does not go on with it or make its sound anew. Version 0.8.1 does;"
-                " or solve its scene in a new folder, with another --out"
-            )
 
 
 def write_stored(folder: Path, stored: StoredNumbers | StoredBearing) -> None:

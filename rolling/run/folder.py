@@ -12,8 +12,14 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TypeVar
 
-from rolling.results.run_folder import FAILED, RESULT, BearingFolder, RunFolder, RunPlace
-from rolling.results.stored_numbers import refuse_former
+from rolling.results.run_folder import (
+    FAILED,
+    RESULT,
+    BearingFolder,
+    RunFolder,
+    RunPlace,
+    refuse_former,
+)
 from rolling.scene import bearing_file, file
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.height_files import open_regular

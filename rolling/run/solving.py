@@ -13,9 +13,8 @@ from rolling.check import refusals
 from rolling.contact.solver import ContactError
 from rolling.marches.piece import contact_identity
 from rolling.results import labels, result_file
-from rolling.results.run_folder import FAILED, RESULT, RunFolder
+from rolling.results.run_folder import FAILED, RESULT, RunFolder, refuse_former
 from rolling.results.run_result import LISTEN, Run, make_run, read_run
-from rolling.results.stored_numbers import refuse_former
 from rolling.run import folder as folders
 from rolling.run.cluster import Cluster
 from rolling.run.ending import Ending

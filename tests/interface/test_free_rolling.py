@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from checked import checked
 
-from rolling.check import level
 from rolling.check.findings import check_run
+from rolling.numbers.quantity import worst_of
 from rolling.scene.file import loads, resound
 from rolling.scene.identity import contact_keys
 from rolling.scene.messages import SceneError
@@ -151,5 +151,5 @@ def test_check_says_from_which_height_an_impact_yields(modulus: str, elastic_mm:
     for height, yields in ((0.97 * elastic_mm, False), (1.03 * elastic_mm, True)):
         _, doubts = check_run(steel.with_({"rolling.drop_mm": height}))
         assert ("impacts_yield" in [doubt.key for doubt in doubts]) == yields
-        worst = level.worst_of(doubts)
+        worst = worst_of(doubts)
         assert (worst.severity.word == "do not quote" and "elastic drop" in worst.text) == yields

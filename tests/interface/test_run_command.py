@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import time
 import webbrowser
@@ -19,13 +18,15 @@ from acoustics import wav
 from rolling import cli, open_run, read_scene
 from rolling.contact import closed_forms
 from rolling.marches.piece import contact_identity
+from rolling.numbers.run_file import StoredNumbers
 from rolling.results.listening import describe_long_record, long_record_of
+from rolling.results.stored_numbers import read_stored
 from rolling.run import folder as folders
 from rolling.terminal import defaults
 
 SEEDS = TINY + "sweep: {surface.seed: [1, 2, 3]}\n"
-OF_A_RUN = {"result.h5", "summary.json", "signal.wav", "listen.wav"}
-OF_A_FOLDER = {"scene.yaml", "runs.csv"}
+OF_A_RUN = {"result.h5", "numbers.json", "summary.json", "signal.wav", "listen.wav"}
+OF_A_FOLDER = {"scene.yaml", "runs.csv", "bands.csv"}
 
 
 def write(folder: Path, text: str = TINY) -> Path:
@@ -38,8 +39,8 @@ def run(scene: Path, out: Path, *more: str) -> int:
     return cli.main(words_of(scene, out, "--workers", "1", *more))
 
 
-def summary(folder: Path) -> dict:
-    return json.loads((folder / "summary.json").read_text())
+def stored(folder: Path) -> StoredNumbers:
+    return read_stored(folder)
 
 
 @pytest.fixture(scope="module")
@@ -173,7 +174,7 @@ def test_a_run_that_fails_says_why_and_leaves_the_others_whole(
         assert "13.44 N" in said
     assert [state for state, _ in folders.states(out).values()] == ["failed", "done"]
     table = pd.read_csv(out / "runs.csv")
-    assert list(table["laeq_db"].notna()) == [False, True]
+    assert list(table["released_power_db"].notna()) == [False, True]
 
 
 @pytest.mark.slow
@@ -193,13 +194,13 @@ def test_a_smooth_ball_that_accelerates_is_silent(tmp_path: Path) -> None:
         "rolling: {load_n: 5, speed_m_s: [[0, 0.1], [0.01, 0.3]], duration_s: 0.004}\n"
     )
     assert run(scene, out) == 0
-    numbers = summary(out)
-    assert numbers["laeq_db"] is None and numbers["level_db"] is None
+    numbers = stored(out).numbers
+    assert numbers.played.laeq_db is None and numbers.played.level_db is None
     speed = read_scene(out / "scene.yaml").motion.distance(0.004) / 0.004
     power = closed_forms.smooth_release_power(5, speed, 5e-3, 210e9 / 0.91)
     # 0.3 % of release at a / spacing = 22, and a track rounded to whole nodes
     expected = 10 * np.log10(power / (4 * np.pi * 1e-12))
-    assert numbers["steady_level_db"] == pytest.approx(expected, abs=0.02)
+    assert numbers.played.steady_level_db == pytest.approx(expected, abs=0.02)
 
 
 def test_a_height_file_is_found_from_the_folder(tmp_path: Path) -> None:
@@ -282,18 +283,19 @@ def test_resound_solves_nothing_and_speed_scales(
     words = ["--no-report", "-q", "--workers", "1"]
     speed = ["resound", str(first), "--set", "rolling.speed_m_s=0.2", "--out", str(fast)]
     assert cli.main([*speed, *words]) == 0
-    slow = summary(first)
-    quick = summary(fast)
+    slow = stored(first).numbers
+    quick = stored(fast).numbers
     # Speed times 2: power times 2, half the time.
-    assert quick["release_power_mean_w"] == pytest.approx(
-        2 * slow["release_power_mean_w"], rel=1e-12
+    assert quick.energy.release_power_mean_w == pytest.approx(
+        2 * slow.energy.release_power_mean_w, rel=1e-12
     )
-    assert quick["duration_s"] == pytest.approx(slow["duration_s"] / 2, rel=1e-12)
+    assert quick.record.duration_s == pytest.approx(slow.record.duration_s / 2, rel=1e-12)
     louder = slow["steady_level_db"] + 10 * np.log10(2)
     assert quick["steady_level_db"] == pytest.approx(louder, abs=1e-9)
     distance = ["resound", str(fast), "--set", "sound.distance_m=10", "--out", str(far)]
     assert cli.main([*distance, *words]) == 0
-    assert summary(far)["level_db"] == pytest.approx(quick["level_db"] - 20, abs=1e-6)
+    far_db = stored(far).numbers.played.level_db
+    assert far_db == pytest.approx(quick.played.level_db - 20, abs=1e-6)
     capsys.readouterr()
     load = ["resound", str(first), "--set", "rolling.load_n=2", "--out", str(tmp_path / "no")]
     assert cli.main([*load, *words]) == 2
@@ -365,17 +367,18 @@ def test_table_writes_statistics_and_plots(
     out = tmp_path / "out"
     assert run(write(tmp_path, text), out) == 0
     capsys.readouterr()
-    assert cli.main(["table", str(out), "--plot", "plastic_ratio", "laeq_db", "-q"]) == 0
+    words = ["--plot", "contact_plastic_ratio", "released_power_db", "-q"]
+    assert cli.main(["table", str(out), *words]) == 0
     paths = [Path(line) for line in capsys.readouterr().out.splitlines()]
     assert all(path.is_file() for path in paths)
     assert {"runs.csv", "statistics.csv"} < {path.name for path in paths}
     assert any("plastic_ratio" in path.name for path in paths)
     statistics = pd.read_csv(out / "statistics.csv")
-    levels = statistics[statistics["level"] == "laeq_db"].set_index("rolling.load_n")
-    runs = pd.read_csv(out / "runs.csv").groupby("rolling.load_n")["laeq_db"]
+    levels = statistics[statistics["level"] == "released_power_db"].set_index("rolling.load_n")
+    runs = pd.read_csv(out / "runs.csv").groupby("rolling.load_n")["released_power_db"]
     np.testing.assert_allclose(levels["mean"], runs.mean(), rtol=1e-12)
     for words, message in (
-        (["--plot", "laeq"], "nearest: laeq_db"),
+        (["--plot", "released_power"], "nearest: released_power_db"),
         (["--against", "rolling.load"], "nearest: rolling.load_n"),
         (["--against", "rolling.load_n", "rolling.load_n"], "two different ones for a map"),
         (["--over", "rolling.seed"], "no swept key"),
@@ -443,12 +446,12 @@ def test_a_run_is_listened_to_for_as_long_as_wanted(
     out = tmp_path / "out"
     text = VIBRATING.replace("sound: {source", "sound: {listen_s: 1.5, source")
     assert run(write(tmp_path, text), out, "--set", "rolling.distance_mm=0.2") == 0
-    listening = summary(out)["listening"]
-    assert listening["seconds"] == 1.5 and listening["rolled_mm"] == pytest.approx(450)
-    assert listening["solved_mm"] == pytest.approx(0.2) and listening["impacts"] == 0
+    listening = stored(out).numbers.listening
+    assert listening.seconds == 1.5 and listening.rolled_mm == pytest.approx(450)
+    assert listening.solved_mm == pytest.approx(0.2) and listening.impacts == 0
     samples, rate, comment = wav.read(out / "listen.wav")
     assert len(samples) == 1.5 * rate and "of which the first 0.2 mm" in comment
-    assert "0.2 mm (0.044 % of the time) are solved" in summary(out)["listen"]["content"]
+    assert "0.2 mm (0.044 % of the time) are solved" in stored(out).files.listen.content
     opened = open_run(out)
     # from the file of 24 bits, and made anew
     heard = long_record_of(opened)
@@ -458,7 +461,7 @@ def test_a_run_is_listened_to_for_as_long_as_wanted(
         and heard is not made
         and "1.5 s over 450 mm" in describe_long_record(opened, heard)
     )
-    full_scale = summary(out)["listen"]["pascal_per_full_scale"]
+    full_scale = stored(out).files.listen.pascal_per_full_scale
     assert np.abs(heard.pressure - made.pressure).max() <= full_scale * 2**-23
     for words, reason in (
         (("--seconds", "1e9"), "allowed is 0.1 to 120"),
