@@ -177,7 +177,7 @@ def test_play_begins_with_the_long_record_at_its_own_level(pages, opened) -> Non
         gain = page.evaluate("tap.gains[0].gain.value")
         assert page.evaluate("tap.sources.map((s) => s.loop)") == [True, True]
         pascal = np.array(played[0]) * playback["full_scale_pa"]
-        laeq = long.long.numbers["laeq_db"]
+        laeq = long.long.numbers.laeq_db
         assert len(pascal) == len(long.long.pressure)
         assert level.laeq_db(pascal, RATE) == pytest.approx(laeq, abs=0.1)
         assert gain == pytest.approx(playback["calibrated"], rel=1e-4)

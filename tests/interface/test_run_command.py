@@ -290,8 +290,8 @@ def test_resound_solves_nothing_and_speed_scales(
         2 * slow.energy.release_power_mean_w, rel=1e-12
     )
     assert quick.record.duration_s == pytest.approx(slow.record.duration_s / 2, rel=1e-12)
-    louder = slow["steady_level_db"] + 10 * np.log10(2)
-    assert quick["steady_level_db"] == pytest.approx(louder, abs=1e-9)
+    louder = slow.played.steady_level_db + 10 * np.log10(2)
+    assert quick.played.steady_level_db == pytest.approx(louder, abs=1e-9)
     distance = ["resound", str(fast), "--set", "sound.distance_m=10", "--out", str(far)]
     assert cli.main([*distance, *words]) == 0
     far_db = stored(far).numbers.played.level_db
