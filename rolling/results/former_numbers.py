@@ -273,8 +273,9 @@ def _levels(numbers: RunNumbers) -> dict[str, Any]:
     if levels.vibration is None:
         return names
     names |= _renamed(asdict(levels), _BESIDE_VIBRATION)
-    means = _renamed(asdict(levels), _MEANS)
-    names |= {name: value for name, value in means.items() if value is not None}
+    has_edges = numbers.motion is not None and numbers.motion.plate_modes is not None
+    mean = "hemisphere_mean_level_db" if has_edges else "compact_source_level_db"
+    names |= _renamed(asdict(levels), {mean: mean})
     names["vibration_laeq_db"] = levels.vibration.laeq_db
     names["vibration_level_db"] = levels.vibration.level_db
     if levels.listeners is not None:
