@@ -297,10 +297,10 @@ def silent_vibration_doubts(numbers: RunNumbers) -> list[Doubt]:
 
 def _computed(numbers: RunNumbers) -> Iterator[Doubt]:
     """Yield the doubts about a vibration that is computed while the release plays."""
-    if numbers.motion is None:
-        return
     parts = numbers.vibration.parts
-    spread = joined(parts, left_out=("force_law",)) if parts else None
+    if numbers.motion is None or not parts:  # runs of version 0.8 have no ± of it
+        return
+    spread = joined(parts, left_out=("force_law",))
     yield from _parts_of_spread(numbers, [*_of_motion(numbers)], spread)
     yield from _force_law_error(numbers)
     yield resolution.grid_of_silent_vibration()

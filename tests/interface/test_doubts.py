@@ -201,7 +201,11 @@ def cut_off(error_db: float, uncertainty_db: float) -> dict[str, Any]:
     return {"errors": band}
 
 
-BESIDE_RELEASE = {"source": "release", "vibration": {"value": 30.0}, "motion": {"laps": 1.0}}
+BESIDE_RELEASE = {
+    "source": "release",
+    "vibration": Quantity("vibration", 30.0, parts={"record": 0.1}),
+    "motion": {"laps": 1.0},
+}
 HALF_SPACE = ("plate.thickness_mm=", "plate.loss_factor=")
 SLOW = ("rolling.speed_m_s=0.02",)
 LIGHT = ("rolling.load_n=0.05",)
