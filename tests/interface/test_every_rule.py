@@ -172,6 +172,9 @@ def judge_all() -> None:
     }
     numbers = changed(computed(40.0), changes)
     doubts.doubts(run.scene, run.sound, numbers, vibration)
+    silent = changed(numbers, {"record": {"source": "release"}})
+    of_length = replace(silent.vibration, value=40.0, parts={"record": 1.0})
+    doubts.doubts(run.scene, run.sound, replace(silent, vibration=of_length), vibration)
     comb = replace(vibration, spreads=vibration.spreads | {"comb": 9.0})
     doubts.doubts(run.scene, run.sound, numbers, comb)
     half_space = run.scene.with_({"plate.thickness_mm": None, "plate.loss_factor": None})
