@@ -103,7 +103,7 @@ def test_no_start_of_the_march_is_remembered(ra: float, subcells: int) -> None:
 
 
 @pytest.mark.law("Blended edges: the second lap equals the first.")
-@pytest.mark.parametrize("subcells", [1, 2])
+@pytest.mark.parametrize("subcells", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_second_lap_equals_the_first(subcells: int) -> None:
     track = make_track(rough(50, 60, 1e-7), load=0.1, hardness=HARDNESS, tolerance=1e-7)
     track = blended(track, subcells)
