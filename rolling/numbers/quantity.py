@@ -32,6 +32,7 @@ _NOT_SOLVED = Doubt("not_solved", "its errors are not computed", Severity.TRUST)
 PART_WORDS: Mapping[str, str] = {
     "record": "the length of the record",
     "comb": "a resonance on or between the lines of the lap",
+    "impacts": "the scatter of the impacts",
     "time_step": "the time steps of the motion",
     "contact_loss": "the unknown loss of the contact",
     "baffle": "the baffle that a free plate does not have",

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from acoustics.traps import ignoring_underflow
-from acoustics.uncertainty import widened
 from rolling.contact.processor_time import ProcessorTime
 from rolling.marches import effort, force_law
 from rolling.marches.result import Result, released_energy
@@ -32,7 +31,12 @@ from rolling.results.solved_run import NumberedRun, SolvedRun
 from rolling.results.stored_numbers import read_stored, write_stored
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, contact_sound
-from rolling.sound.vibration_sound import Vibration, sound_of_vibration, vibrate
+from rolling.sound.vibration_sound import (
+    Vibration,
+    sound_of_vibration,
+    vibrate,
+    with_impacts,
+)
 from rolling.surface.scene_surface import scene_surface
 from rolling.terminal.files import make_below, write_bytes
 
@@ -222,7 +226,7 @@ def _vibration(scene: Scene, result: Result, release: ContactSound) -> Vibration
         return vibration
     # A record with impacts is no Gaussian noise.
     scatter = record_scatter(vibration.pressure, laps if vibration.motion.settled else 1.0)
-    return replace(vibration, uncertainty=widened(vibration.uncertainty, scatter))
+    return with_impacts(vibration, scatter)
 
 
 # ---- files

@@ -404,6 +404,25 @@ def _with_other_parts(
     return joined
 
 
+def with_impacts(vibration: Vibration, scatter_db: float | None) -> Vibration:
+    """Return a vibration whose levels are as uncertain as the scatter of its record [dB], at least.
+
+    What impacts make more uncertain than noise of the same spectrum is a part of its own.
+    """
+    before = vibration.uncertainty
+    wide = uncertainty.widened(before, scatter_db)
+    if not before.laeq_db or wide.laeq_db is None or wide.laeq_db <= before.laeq_db:
+        return vibration
+    more = math.sqrt((wide.laeq_db / before.laeq_db) ** 2 - 1)
+    of_bands = np.array([before.third_octave_db[name] or 0.0 for name in BAND_NAMES])
+    return replace(
+        vibration,
+        uncertainty=wide,
+        spreads=vibration.spreads | {"impacts": more * before.laeq_db},
+        band_spreads=vibration.band_spreads | {"impacts": more * of_bands},
+    )
+
+
 def compact_source_db(scene: Scene, vibrating: Vibration) -> float | None:
     """Return the A-weighted level [dB] of a compact source with the sound power of the vibration.
 

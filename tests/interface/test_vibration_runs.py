@@ -11,6 +11,7 @@ from checked import checked
 from finished import VIBRATING, WITHOUT_DYNAMICS, doubt_lines, heard_again, marched, run_of
 from scipy import ndimage
 
+from acoustics.bands import BAND_NAMES
 from acoustics.level import a_weighted, level_db
 from acoustics.radiation import P_REF_PA
 from rolling.check import comb, error_cost, force_estimate
@@ -18,11 +19,12 @@ from rolling.dynamics import of_scene
 from rolling.figures.catalogue import single_picture
 from rolling.marches.force_law import force_law
 from rolling.numbers.ball_numbers import RunNumbers
-from rolling.numbers.quantity import PART_WORDS
+from rolling.numbers.quantity import PART_WORDS, joined
 from rolling.results.run_errors import LINEAR
 from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run, make_run, read_run, write_run
 from rolling.scene.file import loads
+from rolling.sound.vibration_sound import with_impacts
 
 
 @pytest.fixture(scope="module")
@@ -33,6 +35,34 @@ def steady() -> Run:
 @pytest.fixture(scope="module")
 def fast(steady: Run) -> Run:
     return heard_again(steady, steady.scene.with_({"rolling.speed_m_s": 1}))
+
+
+# Parts of ± that are known beside the sound of a vibration itself.
+OF_ERRORS = ("force_law", "grid", "solver", "subgrid", "band", "instrument")
+
+
+def test_the_parts_of_a_vibration_are_its_whole_uncertainty(steady: Run, fast: Run) -> None:
+    for run in (steady, fast):
+        own = joined(run.vibration.parts, left_out=OF_ERRORS)
+        assert own == pytest.approx(run.sound.uncertainty.laeq_db, rel=1e-12)
+        assert run.vibration.uncertainty >= own
+        bands = run.numbers.bands.vibration
+        for k, spread in enumerate(bands.uncertainty):
+            if spread is not None:
+                parts = [part[k] for part in bands.parts.values()]
+                assert spread == pytest.approx(math.hypot(*parts), rel=1e-9)
+
+
+def test_impacts_are_a_part_of_their_own(fast: Run) -> None:
+    """A record with impacts scatters more than noise of its spectrum: all levels by one factor."""
+    vibration = fast.vibration_sound
+    assert with_impacts(vibration, 0.5 * vibration.uncertainty.laeq_db) is vibration
+    scatter = 2.5 * vibration.uncertainty.laeq_db
+    wide = with_impacts(vibration, scatter)
+    assert joined(wide.parts) == pytest.approx(scatter, rel=1e-12)
+    assert wide.uncertainty.laeq_db == pytest.approx(scatter, rel=1e-12)
+    of_band = joined({name: float(part[20]) for name, part in wide.band_parts.items()})
+    assert of_band == pytest.approx(wide.uncertainty.third_octave_db[BAND_NAMES[20]], rel=1e-9)
 
 
 def test_levels_rise_with_speed_and_have_no_steady_level(steady: Run, fast: Run) -> None:
