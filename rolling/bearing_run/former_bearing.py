@@ -28,6 +28,7 @@ from rolling.numbers.doubt import Doubt, Severity
 from rolling.numbers.quantity import BandQuantity, Quantity, RecordOfNumber, joined
 from rolling.numbers.run_file import StoredBearing
 from rolling.numbers.stored import from_bytes
+from rolling.results.former_numbers import former_summary
 
 FORMAT = 1  # of a summary.json of flat names
 KIND = "bearing"
@@ -190,9 +191,7 @@ def former_bearing(content: bytes) -> StoredBearing:
     ------
     ValueError : the content is no such summary, or a number is missing or of another kind.
     """
-    summary = json.loads(content, parse_constant=_refuse_constant)
-    if not isinstance(summary, dict):
-        raise ValueError("no object of names and values")
+    summary = former_summary(content)
     if summary.get("format") != FORMAT or summary.get("kind") != KIND:
         raise ValueError("the file beside it, numbers.json, is missing")
     try:
@@ -204,11 +203,6 @@ def former_bearing(content: bytes) -> StoredBearing:
     except (KeyError, TypeError, AttributeError, IndexError) as error:
         raise ValueError(f"{error} is missing or of another kind") from error
     return from_bytes(StoredBearing, json.dumps(nested).encode())
-
-
-def _refuse_constant(constant: str) -> None:
-    """Refuse NaN and infinity, which JSON does not have."""
-    raise ValueError(f"{constant} is no number")
 
 
 def _nested_listen(listen: Mapping[str, Any]) -> dict[str, Any]:

@@ -169,9 +169,8 @@ def _force(numbers: RunNumbers, vibration: Vibration | None) -> Iterator[Doubt]:
             f"contact is lost for {rounded(100 * motion.flight_share)} % of the time, with {count}"
         )
         scatter = numbers.record.scatter_db
-        if (
-            numbers.motion is not None and numbers.motion.drop_mm is not None
-        ):  # a fall is one event, whose flights are no fault of its level
+        is_fall = numbers.motion is not None and numbers.motion.drop_mm is not None
+        if is_fall:  # one event, whose flights are no fault of its level
             severity = Severity.NOTE if motion.impacts else Severity.INDICATIVE
             yield Doubt("impacts", text, severity, advice=advice)
         elif scatter is None:

@@ -407,9 +407,7 @@ def former_numbers(content: bytes) -> StoredNumbers:
     ------
     ValueError : the content is no such summary, or a number is missing or of another kind.
     """
-    summary = json.loads(content, parse_constant=_refuse_constant)
-    if not isinstance(summary, dict):
-        raise ValueError("no object of names and values")
+    summary = former_summary(content)
     if "format" in summary:
         raise ValueError("the file beside it, numbers.json, is missing")
     try:
@@ -433,6 +431,19 @@ def former_numbers(content: bytes) -> StoredNumbers:
     )
     numbers = judged(numbers, [*doubts, *silent_vibration_doubts(numbers)])
     return StoredNumbers(numbers=numbers, files=facts, provenance=provenance)
+
+
+def former_summary(content: bytes) -> dict[str, Any]:
+    """Return the values of a summary.json of version 0.8 by their names.
+
+    Raises
+    ------
+    ValueError : the content is no JSON of an object, or has a number that is not finite.
+    """
+    summary = json.loads(content, parse_constant=_refuse_constant)
+    if not isinstance(summary, dict):
+        raise ValueError("no object of names and values")
+    return summary
 
 
 def _refuse_constant(constant: str) -> None:
