@@ -11,11 +11,12 @@ Scenes
     SmoothBall, GradedBall, BallHeightFile; SurfaceFault; SoundChannel; check (module), SceneError;
     surface_parameters
 Bearings
-    read_bearing, BearingScene and its sections Bearing, BearingSurfaces, HousingPlate,
-    BearingNumerics, BearingSound; simulate_bearing, open_bearing, save_bearing, BearingRun,
-    BearingNumbers
+    BearingScene and its sections Bearing, BearingSurfaces, HousingPlate, BearingNumerics,
+    BearingSound; BearingRun, BearingNumbers
+Kinds
+    register, Kind, March, MarchStore
 Runs
-    simulate, simulate_sweep, choose, choose_bearings, sensitivities, coarsest_below, open_run,
+    simulate, simulate_sweep, choose, sensitivities, coarsest_below, open_run,
     save_run, live, plot (module), ContactError, SweepError, FolderError
 Objects that functions return
     Run, Runs, Choice, Difference, Sensitivities, Limit, ContactSound, Vibration, Channel,

@@ -19,11 +19,7 @@ from rolling.contact.single_contact import solve_contact as solve_contact
 from rolling.contact.solver import ContactError as ContactError
 from rolling.contact.state import ContactState as ContactState
 from rolling.contact.state import RollingContact as RollingContact
-from rolling.interface.bearings import open_bearing as open_bearing
-from rolling.interface.bearings import save_bearing as save_bearing
-from rolling.interface.bearings import simulate_bearing as simulate_bearing
 from rolling.interface.choices import choose as choose
-from rolling.interface.choices import choose_bearings as choose_bearings
 from rolling.interface.choices import coarsest_below as coarsest_below
 from rolling.interface.choices import sensitivities as sensitivities
 from rolling.interface.runs import live as live
@@ -31,6 +27,11 @@ from rolling.interface.runs import open_run as open_run
 from rolling.interface.runs import save_run as save_run
 from rolling.interface.runs import simulate as simulate
 from rolling.interface.runs import simulate_sweep as simulate_sweep
+from rolling.kinds.kind import Kind as Kind
+from rolling.kinds.march import March as March
+from rolling.kinds.march import MarchStore as MarchStore
+from rolling.kinds.reading import read_scene as read_scene
+from rolling.kinds.registry import register as register
 from rolling.numbers.ball_numbers import RunNumbers as RunNumbers
 from rolling.numbers.bearing_numbers import BearingNumbers as BearingNumbers
 from rolling.numbers.doubt import Doubt as Doubt
@@ -40,7 +41,6 @@ from rolling.results.channels import Channel as Channel
 from rolling.results.run_result import Run as Run
 from rolling.run.sweep_runs import Runs as Runs
 from rolling.run.sweep_runs import SweepError as SweepError
-from rolling.scene.bearing_file import read_bearing as read_bearing
 from rolling.scene.bearing_scene import BearingScene as BearingScene
 from rolling.scene.bearing_sections import Bearing as Bearing
 from rolling.scene.bearing_sections import BearingNumerics as BearingNumerics
@@ -48,7 +48,6 @@ from rolling.scene.bearing_sections import BearingSound as BearingSound
 from rolling.scene.bearing_sections import BearingSurfaces as BearingSurfaces
 from rolling.scene.bearing_sections import HousingPlate as HousingPlate
 from rolling.scene.channels import SoundChannel as SoundChannel
-from rolling.scene.file import read_scene as read_scene
 from rolling.scene.laws import SurfaceFault as SurfaceFault
 from rolling.scene.messages import SceneError as SceneError
 from rolling.scene.scene import Scene as Scene

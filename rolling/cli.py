@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rolling import __version__, _own_acoustics
 from rolling.terminal import (
@@ -30,7 +30,6 @@ from rolling.terminal.progress import Level
 
 if TYPE_CHECKING:
     from rolling.run.budget import Budget
-    from rolling.scene.bearing_scene import BearingScene
     from rolling.scene.scene import Scene
 
 LOADING = "loading the program"  # with the solver in it, which takes seconds
@@ -111,11 +110,11 @@ def _print_faults_of_scene(given: argparse.Namespace) -> None:
     """Print the faults of the scene that a command names, before those of its options."""
     if "scene" not in given or _own_acoustics.fault():
         return
-    from rolling.scene.bearing_file import read_either
+    from rolling.kinds.reading import read_scene
     from rolling.scene.messages import SceneError
 
     try:
-        read_either(given.scene, given.overrides)
+        read_scene(given.scene, given.overrides)
     except SceneError as error:
         _print_error(str(error))
 
@@ -148,13 +147,8 @@ def _print_error(text: str) -> None:
 
 
 def _run(given: argparse.Namespace) -> int:
-    """Run a scene of a sphere or of a bearing."""
-    from rolling.scene import bearing_file
-    from rolling.scene.bearing_scene import BearingScene
-
-    scene = bearing_file.read_either(given.scene, given.overrides)
-    if isinstance(scene, BearingScene):
-        return _run_bearing(scene, given)
+    """Run a scene of any kind."""
+    scene = _read_scene(given)
     with progress.step(LOADING):
         from rolling.commands.run import run_scene
     failures = run_scene(
@@ -170,83 +164,26 @@ def _run(given: argparse.Namespace) -> int:
     return _code_of_failures(failures)
 
 
-def _run_bearing(scene: BearingScene, given: argparse.Namespace) -> int:
-    """Run the scene of a bearing."""
-    for option in ("part", "cluster"):
-        if getattr(given, option) is not None:
-            given.parser.error(f"--{option}: goes with the scene of a sphere, not of a bearing")
-    with progress.step(LOADING):
-        from rolling.bearing_run.command import run_bearing
-    failures = run_bearing(
-        scene,
-        given.out,
-        start_from=given.start_from,
-        workers=given.workers,
-        report=given.report,
-        open=given.open,
-    )
-    return _code_of_failures(failures)
-
-
-def _is_of_bearing(folder: Path) -> bool:
-    """Tell whether a folder holds runs of a bearing."""
-    from rolling.run import folder as folders
-
-    return folders.is_of_bearing(folder)
-
-
-def _refuse_given(given: argparse.Namespace, options: Mapping[str, str]) -> None:
-    """Refuse options, by the names of their values, that do not go with a bearing."""
-    for name, option in options.items():
-        if getattr(given, name):
-            given.parser.error(f"{option}: goes with the runs of a sphere, not of a bearing")
-
-
 def _check(given: argparse.Namespace) -> int:
     """Check a scene, estimate its cost, and tell by the exit code whether it runs."""
-    from rolling.scene.bearing_file import is_bearing_file
-
-    if is_bearing_file(given.scene):
-        return _check_bearing(given)
     scene = _read_scene(given)
     with progress.step(LOADING):
-        from rolling.check.findings import check_scene, conclusion
-        from rolling.check.in_short import lines_in_short
-    findings = check_scene(scene, solve=not given.fast)
+        from rolling.kinds.registry import kind_of
+
+        kind = kind_of(scene)
+    findings = kind.check(scene, solve=not given.fast)
     if progress.is_quiet():
         for warning in findings.warnings:
             print(f"warning: {warning}")
     elif progress.is_verbose():
-        print(f"{findings}\n\n{streams.folded(conclusion(scene, findings), '')}")
+        print(f"{findings}\n\n{streams.folded(kind.conclusion(scene, findings), '')}")
     else:
-        print("\n".join(lines_in_short(scene, findings)))
+        print("\n".join(kind.lines_in_short(scene, findings)))
     if findings.refusal is None:
         return OK
     if findings.refusal.key in ("memory", "disk"):
         return BAD_INPUT
     return FAILED  # a contact has no solution, as a run would find
-
-
-def _check_bearing(given: argparse.Namespace) -> int:
-    """Check the scene of a bearing."""
-    from rolling.scene.bearing_file import read_bearing
-
-    scene = read_bearing(given.scene, given.overrides)
-    with progress.step(LOADING):
-        from rolling.bearing_contacts.bearing_check import (
-            check_bearing,
-            conclusion,
-            lines_in_short,
-        )
-    findings = check_bearing(scene)
-    if progress.is_quiet():
-        for warning in findings.warnings:
-            print(f"warning: {warning}")
-    elif progress.is_verbose():
-        print(f"{findings}\n\n{streams.folded(conclusion(findings), '')}")
-    else:
-        print("\n".join(lines_in_short(findings)))
-    return OK if findings.refusal is None else BAD_INPUT
 
 
 def _status(given: argparse.Namespace) -> int:
@@ -266,11 +203,6 @@ def _status(given: argparse.Namespace) -> int:
 
 def _table(given: argparse.Namespace) -> int:
     """Gather the numbers of a sweep."""
-    if _is_of_bearing(given.folder):
-        _refuse_given(given, {"numbers": "--plot", "against": "--against"})
-        from rolling.bearing_run.command import table_bearing
-
-        return _print_paths(table_bearing(given.folder))
     with progress.step(LOADING):
         from rolling.commands.stored import table
     return _print_paths(table(given.folder, given.numbers, given.against, given.over))
@@ -302,10 +234,6 @@ def _resound(given: argparse.Namespace) -> int:
 
 def _report(given: argparse.Namespace) -> int:
     """Write the page of runs."""
-    if any(_is_of_bearing(folder) for folder in given.run_folders):
-        with progress.step(LOADING):
-            from rolling.bearing_run.command import report_bearing
-        return _print_paths(report_bearing(given.run_folders, given.out))
     with progress.step(LOADING):
         from rolling.commands.stored import report
     return _print_paths(report(given.run_folders, given.out))
@@ -320,11 +248,6 @@ def _gallery(given: argparse.Namespace) -> int:
 
 def _listen(given: argparse.Namespace) -> int:
     """Write a long record of a run."""
-    if _is_of_bearing(given.folder):
-        _refuse_given(given, {"speed": "--speed", "seed": "--seed"})
-        with progress.step(LOADING):
-            from rolling.bearing_run.command import listen_bearing
-        return _print_paths(listen_bearing(given.folder, given.seconds))
     with progress.step(LOADING):
         from rolling.commands.stored import listen
     return _print_paths(listen(given.folder, given.seconds, given.speed, given.seed))
@@ -332,51 +255,33 @@ def _listen(given: argparse.Namespace) -> int:
 
 def _choose(given: argparse.Namespace) -> int:
     """Say which of some scenes is quieter."""
-    from rolling.scene import bearing_file, file
-
     _refuse_odd_choice(given)
-    of_bearings = [path for path in given.scenes if bearing_file.is_bearing_file(path)]
-    if of_bearings:
-        return _choose_bearings(given, of_bearings)
-    scenes = [file.read_scene(scene, given.overrides) for scene in given.scenes]
+    scenes = _scenes_of_one_kind(given)
     if given.improve:
         return _improve(scenes[0], given)
     if given.below is not None:
         return _below(scenes[0], given)
     with progress.step(LOADING):
-        from rolling.choice.choosing import choose_scenes
-        from rolling.choice.command import print_choice, write_choice
-    choice = choose_scenes(scenes, given.out, _budget(given, defaults.WITHIN_DB), given.workers)
-    choice = replace(choice, command=_repeating(given, choice.tried, choice.folder))
-    write_choice(choice)
-    print_choice(choice)
+        from rolling.kinds.registry import kind_of
+    kind = kind_of(scenes[0])
+    choice = kind.choose(scenes, given.out, _budget(given, defaults.WITHIN_DB), given.workers)
+    kind.write_choice(replace(choice, command=_repeating(given, choice.tried, choice.folder)))
     return OK
 
 
-def _choose_bearings(given: argparse.Namespace, of_bearings: Sequence[Path]) -> int:
-    """Say which of some bearings moves its ring less, band by band."""
-    from rolling.scene.bearing_file import read_bearing
+def _scenes_of_one_kind(given: argparse.Namespace) -> list[Any]:
+    """Read the scenes of a choice, which are of one kind."""
+    from rolling.kinds.reading import read_scene
+    from rolling.kinds.registry import kind_of_file
 
-    others = [path for path in given.scenes if path not in of_bearings]
-    if others:
-        given.parser.error(
-            f"got {of_bearings[0]}, a bearing, and {others[0]}, a sphere on a plate; allowed:"
-            " scenes of one kind"
-        )
-    if given.improve or given.below is not None:
-        option = "--improve" if given.improve else "--below"
-        given.parser.error(f"{option}: only goes with a sphere on a plate, not with a bearing")
-    scenes = [read_bearing(path, given.overrides) for path in given.scenes]
-    with progress.step(LOADING):
-        from rolling.bearing_run.choosing import choose_bearings, print_choice
-    choice = choose_bearings(
-        scenes=scenes,
-        folder=given.out,
-        budget=_budget(given, defaults.WITHIN_DB),
-        workers=given.workers,
-    )
-    print_choice(replace(choice, command=_repeating(given, choice.pairs, choice.folder)))
-    return OK
+    kinds = [kind_of_file(path).name for path in given.scenes]
+    for path, kind in zip(given.scenes, kinds, strict=True):
+        if kind != kinds[0]:
+            given.parser.error(
+                f"got {given.scenes[0]}, a scene of a {kinds[0]}, and {path}, of a {kind};"
+                " allowed: scenes of one kind"
+            )
+    return [read_scene(path, given.overrides) for path in given.scenes]
 
 
 def _budget(given: argparse.Namespace, within_db: float) -> Budget:
@@ -519,7 +424,10 @@ def _surface(given: argparse.Namespace) -> int:
 
 def _accuracy(given: argparse.Namespace) -> int:
     """Study speed against error."""
-    scene = _read_scene(given)
+    from rolling.scene.file import read_as
+    from rolling.scene.scene import Scene
+
+    scene = read_as(given.scene, Scene, given.overrides)
     with progress.step(LOADING):
         from rolling.studies.accuracy import run_study
     paths = run_study(scene, given.out, given.workers, given.finest, given.duration_s)
@@ -567,16 +475,17 @@ def _schema(given: argparse.Namespace) -> int:
     """Print the JSON Schema of scenes, or of summary.json."""
     import json
 
-    from rolling.numbers.run_file import StoredBearing, StoredNumbers
+    from rolling.kinds import reading
+    from rolling.kinds.registry import kinds
     from rolling.numbers.summary_schema import summary_schema
-    from rolling.scene import bearing_file, file
 
+    every = kinds()
+    if given.kind not in every:
+        given.parser.error(f"--kind: got {given.kind}, allowed: {', '.join(every)}")
     if given.summary:
-        schema = summary_schema(StoredBearing if given.bearing else StoredNumbers)
-    elif given.bearing:
-        schema = bearing_file.bearing_schema()
+        schema = summary_schema(every[given.kind].stored_type)
     else:
-        schema = file.schema()
+        schema = reading.schema(given.kind)
     print(json.dumps(schema, indent=2))
     return OK
 
@@ -603,11 +512,11 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
 }
 
 
-def _read_scene(given: argparse.Namespace) -> Scene:
+def _read_scene(given: argparse.Namespace) -> Any:
     """Read the scene of a command with its overrides, before the solver is loaded."""
-    from rolling.scene import file
+    from rolling.kinds.reading import read_scene
 
-    return file.read_scene(given.scene, given.overrides)
+    return read_scene(given.scene, given.overrides)
 
 
 def _code_of_failures(failures: Mapping[str, str]) -> int:

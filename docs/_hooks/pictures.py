@@ -200,7 +200,7 @@ QUICKSTART: Scenes = {"quickstart": []}
 
 def _quickstart_page(path: Path) -> Shown:
     """Draw the page of the quickstart, whose answer docs/getting-started.md shows."""
-    from rolling.results.run_folder import PAGE
+    from rolling.kinds.run_folder import PAGE
     from rolling.results.run_lines import answer_lines
     from rolling.run.folder import done_runs
 

@@ -76,7 +76,7 @@ def check_bearing(scene: BearingScene) -> Findings:
     Examples
     --------
     >>> import rolling
-    >>> findings = rolling.read_bearing("bearing-6204").check()
+    >>> findings = rolling.read_scene("bearing-6204").check()
     >>> {row.key: row.value for row in findings}["BPFO"]
     '92.1 Hz'
     """

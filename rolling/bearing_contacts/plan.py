@@ -161,12 +161,6 @@ def _body_of(name: str) -> str:
     return name.partition("-")[0]
 
 
-def stages_of(plans: Sequence[ContactPlan]) -> list[list[Scene]]:
-    """Return the stages of several bearings together, such as the runs of a sweep."""
-    stages = [plan.stages for plan in plans]
-    return [[scene for plan in stages for scene in plan[number]] for number in (0, 1)]
-
-
 def contact_of(geometry: BearingGeometry, name: str) -> RacewayContact:
     """Return the smooth contact of a kind of contact by its name."""
     return geometry.inner if name.endswith("inner") else geometry.outer

@@ -9,7 +9,7 @@ another one, which is judged as the file of a stranger.
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,14 +19,15 @@ import numpy as np
 
 from acoustics.arrays import Array, short_repr
 from rolling.contact.solver import ContactError
+from rolling.kinds.march import March, MarchStore
+from rolling.kinds.run_folder import RunFolder
 from rolling.marches.effort import ARRAY, PieceEffort
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.results import result_file
-from rolling.results.run_folder import RunFolder
 from rolling.run import folder as folders
 from rolling.run.executor import RunFiles, RunLoop, ended_by_signal
-from rolling.run.pools import Pool, local_pool
+from rolling.run.pools import local_pool
 from rolling.run.taken import OTHER_CONTACT, TakenMarches
 from rolling.scene import file as scene_file
 from rolling.scene.scene import Scene
@@ -60,21 +61,61 @@ class ContactMarch:
 Marches = Mapping[str, ContactMarch]  # by contact identity
 
 
-def solved_stages(
-    stages: Sequence[Sequence[Scene]],
+class ContactStore(MarchStore):
+    """Marches of the contacts of bearings: in memory, or in files that outlast the command.
+
+    folder : Path or None. Run folder, whose marches are taken and kept; None for memory alone.
+    homes : sequence of Path. Run folders of other bearings, whose sound marches are taken.
+    """
+
+    def __init__(self, folder: Path | None = None, homes: Sequence[Path] = ()) -> None:
+        self._folder = folder
+        self._homes = homes
+        self.is_lasting = folder is not None
+
+    def find(self, march: March, identity: str) -> ContactMarch | None:
+        """Return the march of a contact from a file, if there is one that is sound."""
+        known = None
+        if self._folder is not None:
+            known = _sound_march(self._folder, march.scene, identity)
+        if known is not None:
+            return known
+        for home in self._homes:
+            known = _sound_march(home, march.scene, identity)
+            if known is not None:
+                known = replace(known, effort=PieceEffort(0.0, 0.0, 0.0))  # of another run
+                self._write(march.scene, identity, known)
+                return known
+        return None
+
+    def keep(self, march: March, identity: str, result: Result) -> ContactMarch:
+        """Return the march of a contact from its complete result, and write its file."""
+        whole = march_of(result)
+        self._write(march.scene, identity, whole)
+        return whole
+
+    def _write(self, scene: Scene, identity: str, march: ContactMarch) -> None:
+        """Write the file of a march with its scene beside it, where there is a folder."""
+        if self._folder is not None:
+            _write_scene(self._folder, scene, identity)
+            _write_march(self._folder, identity, march)
+
+
+def march_contacts(
+    contacts: Sequence[Scene],
     *,
     name: str,
     folder: Path | None = None,
     workers: int = 0,
     shown: bool | None = None,
-    start_from: Path | None = None,
-) -> Iterator[Marches]:
-    """March the contacts of each stage, and yield all marches so far after each of them.
+    homes: Sequence[Path] = (),
+) -> Marches:
+    """March contacts, equal ones once, and return all marches by contact identity.
 
     Parameters
     ----------
-    stages : sequence of sequence of Scene
-        Scenes of contacts, the most urgent first.
+    contacts : sequence of Scene
+        Contacts, without sweeps.
     name : str
         Name beside the progress.
     folder : Path, optional
@@ -83,13 +124,8 @@ def solved_stages(
         Number of processes; 0 means one per core. Default 0.
     shown : bool, optional
         Whether the progress is shown. Default: where somebody looks.
-    start_from : Path, optional
-        Run folder of another bearing, whose equal marches are taken. What is taken is said.
-
-    Yields
-    ------
-    dict
-        Marches by contact identity.
+    homes : sequence of Path
+        Run folders of other bearings, whose equal marches are taken. Default: none.
 
     Raises
     ------
@@ -98,87 +134,31 @@ def solved_stages(
     OSError, KeyboardInterrupt
         A disk is full, or the work was stopped; finished pieces are kept.
     """
-    marches: dict[str, ContactMarch] = {}
-    lacking: list[dict[str, Scene]] = []  # of each stage
-    known: set[str] = set()
-    taken = None if start_from is None else TakenMarches(start_from)
-    for stage in stages:
-        fresh = {}
-        for scene in stage:
-            identity = contact_identity(scene)
-            if identity in known:
-                continue
-            known.add(identity)
-            stored = None
-            if folder is not None:
-                stored = _own_march(folder, scene, identity)
-            if stored is None and taken is not None:
-                stored = _taken_march(taken, scene, identity, folder)
-            if stored is not None:
-                marches[identity] = stored
-            else:
-                fresh[identity] = scene
-        lacking.append(fresh)
-    if taken is not None:
-        for line in taken.lines():
-            progress.line(line)
-    scenes = [scene for stage in lacking for scene in stage.values()]
-    if not scenes:
-        for _ in stages:
-            yield dict(marches)
-        return
+    marches = [march_of_contact(scene) for scene in contacts]
+    store = ContactStore(folder, homes)
+    files = None
+    if folder is not None:
+        files = RunFiles(
+            runs=[RunFolder({}, march.scene, folder) for march in marches],
+            labels=[march.name for march in marches],
+            folder=folder,
+            finish=None,
+        )
     with ExitStack() as stack:
         stack.enter_context(shortage.as_memory_error())
         bar = stack.enter_context(progress.Bar(0.0, name, shown))
-        pool = stack.enter_context(local_pool(workers, scenes))
+        loop = RunLoop([[march] for march in marches], store, bar, files)
+        pool = stack.enter_context(local_pool(workers, contacts))
         stack.enter_context(ended_by_signal())
-        # All loops begin before the first is run, so that the progress knows the time of all.
-        loops = [_contact_loop(contacts, bar, folder) for contacts in lacking]
-        for contacts, loop in zip(lacking, loops, strict=True):
-            marches |= _solve(contacts, loop, pool, folder)
-            yield dict(marches)
-
-
-def _contact_loop(scenes: Mapping[str, Scene], bar: progress.Bar, folder: Path | None) -> RunLoop:
-    """Return the loop that marches contacts by their identities."""
-    runs = list(scenes.values())
-    if folder is None:
-        return RunLoop(runs, bar)
-    for identity, scene in scenes.items():
-        _write_scene(folder, scene, identity)
-    files = RunFiles(
-        runs=[RunFolder({}, scene, folder / CONTACTS) for scene in runs],
-        labels=list(scenes),
-        pieces=folder / folders.PIECES,
-        stored={},
-        film=False,
-        finish=store_march,
-    )
-    return RunLoop(runs, bar, files)
-
-
-def _solve(
-    scenes: Mapping[str, Scene], loop: RunLoop, pool: Pool, folder: Path | None
-) -> dict[str, ContactMarch]:
-    """March contacts by their identities; raise ContactError where one has no solution."""
-    identities = list(scenes)
-    marches = {}
-    for number, result, _ in loop.finished_runs(pool):
-        identity = identities[number]
-        if folder is None:
-            assert result is not None  # it is not written into files
-            marches[identity] = march_of(result)
-            continue
-        stored = _own_march(folder, scenes[identity], identity)
-        if stored is None:
-            raise OSError(f"{march_path(folder, identity)}: it was removed or changed")
-        marches[identity] = stored
-        folders.drop_pieces(folder, identity)
+        by_number = {number: marched for number, (marched,), _ in loop.finished_runs(pool)}
     if loop.failures:
-        number = min(loop.failures)
-        scene = scenes[identities[number]]
-        raise ContactError(f"{scene.name}, {scene.load:g} N: {loop.failures[number]}")
-    return marches
+        raise ContactError(loop.failures[min(loop.failures)])
+    return {contact_identity(contacts[number]): march for number, march in by_number.items()}
+
+
+def march_of_contact(scene: Scene, is_first: bool = True) -> March:
+    """Return the march of a contact of a bearing, which a first sound needs or not."""
+    return March(scene, name=f"{scene.name}, {scene.load:g} N", is_first=is_first)
 
 
 def march_of(result: Result) -> ContactMarch:
@@ -197,11 +177,6 @@ def march_of(result: Result) -> ContactMarch:
 def march_path(folder: Path, identity: str) -> Path:
     """Return the file of a march in a run folder."""
     return folder / CONTACTS / f"{identity[:32]}.npz"
-
-
-def store_march(run: RunFolder, label: str, result: Result) -> None:
-    """Write the file of a march in a process of the pool; the label is its contact identity."""
-    _write_march(run.folder.parent, label, march_of(result))
 
 
 def _write_march(folder: Path, identity: str, march: ContactMarch) -> None:
@@ -228,32 +203,28 @@ def _write_scene(folder: Path, scene: Scene, identity: str) -> None:
     write_bytes(path, text.encode())
 
 
-def _own_march(folder: Path, scene: Scene, identity: str) -> ContactMarch | None:
-    """Read the march of a contact in the own run folder; None for a missing or damaged file."""
+def _sound_march(folder: Path, scene: Scene, identity: str) -> ContactMarch | None:
+    """Read the march of a contact in a run folder; None for a missing or damaged file."""
     with suppress(FolderError):
         return read_march(folder, scene, identity)
     return None
 
 
-def _taken_march(
-    taken: TakenMarches, scene: Scene, identity: str, folder: Path | None
-) -> ContactMarch | None:
-    """Take a march of another run into the own run folder, if there is one that is sound."""
+def take_march(taken: TakenMarches, march: March) -> bool:
+    """Note whether the folder of another bearing has a sound march of a contact, and return it."""
+    scene = march.scene
+    identity = contact_identity(scene)
     name = f"{scene.name} at {scene.load:g} N"
     if not march_path(taken.folder, identity).exists():
         taken.leave(name, OTHER_CONTACT)
-        return None
+        return False
     try:
-        march = read_march(taken.folder, scene, identity)
+        read_march(taken.folder, scene, identity)
     except FolderError as error:
         taken.leave(name, str(error))
-        return None
-    march = replace(march, effort=PieceEffort(0.0, 0.0, 0.0))  # this run did not march it
-    if folder is not None:
-        _write_scene(folder, scene, identity)
-        _write_march(folder, identity, march)
+        return False
     taken.take(name)
-    return march
+    return True
 
 
 def read_march(folder: Path, scene: Scene, identity: str) -> ContactMarch:

@@ -77,6 +77,11 @@ class BearingChoice:
         return len(next(iter(self.rms.values()))[0])
 
     @property
+    def tried(self) -> int:
+        """Number of specimens that were taken, which are all heard."""
+        return self.pairs
+
+    @property
     def differences(self) -> list[list[BandDifference]]:
         """How much more each bearing after the first moves in each band [dB]."""
         return [

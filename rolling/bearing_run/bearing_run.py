@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import html
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from acoustics.traps import ignoring_underflow
 from rolling.bearing.ring_record import AXIAL
@@ -54,13 +55,16 @@ class BearingRun(SolvedBearing):
     ...     bearing={"named": "6204", "speed_rpm": 1800, "axial_load_n": 70, "surfaces": waves},
     ...     sound={"duration_s": 0.2, "listen_s": 0.2},
     ... )
-    >>> run = rolling.simulate_bearing(scene, progress=False)
+    >>> run = rolling.simulate(scene, progress=False)
     >>> run.moving, [round(line.frequency_hz) for line in run.lines if line.name == "inner 9"]
     ('outer', [178])
     """
 
     numbers: BearingNumbers
     stored: StoredBearing | None = None
+
+    # `save` writes a run folder. Its module stands above this one and binds it.
+    save: ClassVar[Callable[..., Path]]
 
     @property
     def summary(self) -> Mapping[str, Any]:

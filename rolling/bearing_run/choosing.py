@@ -27,8 +27,8 @@ from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.motion import move_ring
 from rolling.bearing_contacts.band_gain import RoughBand, rough_bands
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
-from rolling.bearing_contacts.plan import ContactPlan, contact_plan, stages_of
-from rolling.bearing_contacts.solving import Marches, solved_stages
+from rolling.bearing_contacts.plan import ContactPlan, contact_plan
+from rolling.bearing_contacts.solving import Marches, march_contacts
 from rolling.bearing_run import simulation
 from rolling.bearing_run.band_difference import NAMES
 from rolling.bearing_run.bearing_choice import BearingChoice
@@ -122,7 +122,7 @@ def choose_bearings(
     looks = _looks(candidates, budget)
     target = folder or default_folder(candidates)
     for candidate in candidates:
-        simulation.refuse(candidate.scene, workers, target)
+        simulation.refuse(candidate.scene, workers, target, [candidate.scene])
     target.mkdir(parents=True, exist_ok=True)
     with folders.locked(target), ExitStack() as stack:
         _take_heard(target, candidates)
@@ -230,13 +230,10 @@ def _value_at(scene: BearingScene, key: str) -> Any:
 
 def _marched(candidates: Sequence[BearingCandidate], folder: Path, workers: int) -> Marches:
     """March the rough contacts of all bearings; equal ones are marched once."""
-    marches: Marches = {}
-    stages = stages_of([one.plan for one in candidates])
+    contacts = [contact for one in candidates for stage in one.plan.stages for contact in stage]
     home = folder / RUNS
     files.make_below(folder, home)
-    for known in solved_stages(stages, name="marching contacts", folder=home, workers=workers):
-        marches = known
-    return marches
+    return march_contacts(contacts, name="marching contacts", folder=home, workers=workers)
 
 
 @dataclass

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from acoustics import wav
-from acoustics.arrays import short_repr
 from rolling.bearing.kinematics import Kinematics
 from rolling.bearing.motion import RingMotion, move_ring
 from rolling.bearing.ring_record import RingRecord
@@ -19,110 +17,49 @@ from rolling.bearing_contacts.contact_doubts import contact_doubts, marched_cont
 from rolling.bearing_contacts.contact_uncertainty import contact_uncertainty
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
-from rolling.bearing_contacts.solving import Marches, solved_stages
+from rolling.bearing_contacts.solving import Marches
 from rolling.bearing_run.bearing_run import BearingRun, numbered, with_numbers
 from rolling.bearing_run.numbers import MarchFindings, with_effort
 from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.bearing_run.without_faults import without_faults_of_record
 from rolling.contact.processor_time import ProcessorTime
+from rolling.contact.solver import ContactError
+from rolling.kinds.run_folder import RunFolder
 from rolling.marches import effort
 from rolling.marches.effort import Effort
 from rolling.marches.piece import contact_identity
 from rolling.numbers.bearing_numbers import FaultlessNumbers
-from rolling.run import folder as folders
 from rolling.scene import library
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.messages import SceneError
 from rolling.terminal import progress
 
 
-@dataclass(frozen=True)
-class BearingStage:
-    """A bearing after a stage of its marches.
-
-    bearing : SolvedBearing. Motion of its ring over the tracks that are known so far.
-    run : BearingRun or None. The run with its numbers, once all marches are done.
-    """
-
-    __repr__ = short_repr
-
-    bearing: SolvedBearing
-    run: BearingRun | None = None
-
-
-def bearing_stages(
-    scene: BearingScene,
-    *,
-    folder: Path | None = None,
-    workers: int = 0,
-    shown: bool | None = None,
-    start_from: Path | None = None,
-) -> Iterator[BearingStage]:
-    """Simulate a bearing, and yield it when its first marches are done, and when all are.
-
-    A bearing without marches has the final run alone.
+def make_run(place: RunFolder, label: str, marches: Marches) -> BearingRun:
+    """Return the run that all marches of a bearing give, with its numbers.
 
     Parameters
     ----------
-    scene : BearingScene
-        A scene without a sweep.
-    folder : Path, optional
-        Run folder that keeps the marches. Default: they are kept in memory.
-    workers : int
-        Number of processes; 0 means one per core. Default 0.
-    shown : bool, optional
-        Whether the progress is shown. Default: where somebody looks.
-    start_from : Path, optional
-        Run folder of another bearing, whose equal marches are taken.
+    place : RunFolder
+        Scene, swept values and folder.
+    label : str
+        Label of the run.
+    marches : dict
+        Marches of its contacts by contact identity.
 
     Raises
     ------
-    SceneError, ContactError, OSError, KeyboardInterrupt
-        As `solving.solved_stages`.
-    """
-    refuse(scene, workers, folder)
-    plan = contact_plan(scene)
-    stages = [stage for stage in plan.stages if stage]
-    if not stages:
-        run = _final(scene, plan, {}, motions=[])
-        yield BearingStage(run, run)
-        return
-    solving = solved_stages(
-        stages,
-        name=scene.name,
-        folder=folder,
-        workers=workers,
-        shown=shown,
-        start_from=start_from,
-    )
-    motions: list[ProcessorTime] = []
-    for number, marches in enumerate(solving, start=1):
-        if number == len(stages):
-            run = _final(scene, plan, marches, motions)
-            yield BearingStage(run, run)
-            return
-        began = ProcessorTime.now()
-        bearing = _moved(scene, plan, marches)
-        motions.append(ProcessorTime.now().since(began))
-        yield BearingStage(bearing)
-
-
-def _final(
-    scene: BearingScene, plan: ContactPlan, marches: Marches, motions: Sequence[ProcessorTime]
-) -> BearingRun:
-    """Return the run that all marches give, with its numbers.
-
-    motions : sequence of ProcessorTime. What earlier motions of the ring took.
+    ContactError
+        The ring cannot be moved.
     """
     began = ProcessorTime.now()
-    bearing = _moved(scene, plan, marches)
+    plan = contact_plan(place.scene)
+    bearing = move_bearing(place, label, plan, marches)
     found = _findings(bearing, plan, marches)
     with progress.step("making the numbers"):
         run = numbered(bearing, found)
-    own = ProcessorTime.now().since(began)
     parts = march_effort(plan, marches).numbers(effort.OF_BEARING)
-    for spent in [*motions, own]:
-        parts = effort.with_work(parts, effort.SOUND, spent)
+    parts = effort.with_work(parts, effort.SOUND, ProcessorTime.now().since(began))
     return with_numbers(run, with_effort(run.numbers, parts))
 
 
@@ -144,29 +81,56 @@ def march_effort(plan: ContactPlan, marches: Marches) -> Effort:
     return whole
 
 
-def refuse(scene: BearingScene, workers: int, folder: Path | None = None) -> None:
+def refuse(
+    scene: BearingScene, workers: int, folder: Path | None, unsolved: Sequence[BearingScene]
+) -> None:
     """Refuse a scene with a run that cannot be computed here, before anything is written.
+
+    Parameters
+    ----------
+    scene : BearingScene
+        A scene with or without a sweep.
+    workers : int
+        Number of processes; 0 means one per core.
+    folder : Path or None
+        Folder of the results; None if nothing is written.
+    unsolved : sequence of BearingScene
+        Runs whose files the folder lacks.
 
     Raises
     ------
     SceneError : a height file cannot be used, or memory or disk do not suffice.
     """
-    for place in folders.bearing_runs_in(folder or Path(), scene):
-        if folder is not None and place.is_done:  # its files need no disk any more
-            continue
-        run = place.scene
-        plan = contact_plan(run)
-        lines = [need.line for need in needs.excess(run, plan, workers, folder)]
+    for run in unsolved:
+        lines = [need.line for need in needs.excess(run, contact_plan(run), workers, folder)]
         if lines:
             raise SceneError(lines)
 
 
-def _moved(scene: BearingScene, plan: ContactPlan, marches: Marches) -> SolvedBearing:
-    """Move the ring of a bearing over the tracks that the marches give."""
+def move_bearing(
+    place: RunFolder, label: str, plan: ContactPlan, marches: Marches
+) -> SolvedBearing:
+    """Move the ring of a bearing over the tracks that the marches give.
+
+    Raises
+    ------
+    ContactError : the ring cannot be moved.
+    """
+    scene = place.scene
     with progress.step("laying the rough contacts around balls and raceways"):
         tracks = bearing_tracks(plan, marches)
-    motion = move_ring(scene.model, tracks, scene.moved, wav.SAMPLE_RATE_HZ)
-    return SolvedBearing(scene, record_of(motion, scene.kinematics), tracks)
+    try:
+        motion = move_ring(scene.model, tracks, scene.moved, wav.SAMPLE_RATE_HZ)
+    except ValueError as error:
+        raise ContactError(str(error)) from error
+    return SolvedBearing(
+        values=place.values,
+        scene=scene,
+        folder=place.folder,
+        label=label,
+        record=record_of(motion, scene.kinematics),
+        tracks=tracks,
+    )
 
 
 def _findings(bearing: SolvedBearing, plan: ContactPlan, marches: Marches) -> MarchFindings:

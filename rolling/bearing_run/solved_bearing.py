@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
@@ -19,15 +17,15 @@ from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_record import RingRecord
 from rolling.bearing.tracks import BearingTracks
 from rolling.bearing_run.housing import HousingSound, housing_of_scene
+from rolling.kinds.run_folder import RunFolder
 from rolling.scene.bearing_scene import BearingScene
-from rolling.scene.sweep import Value
 
 HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
 
 
 @ignoring_underflow
 @dataclass(frozen=True, eq=False, repr=False)
-class SolvedBearing:
+class SolvedBearing(RunFolder):
     """Data of a bearing from which its numbers are made.
 
     It equals no other one, so it can be the key of a dictionary. Its fields are described at
@@ -35,11 +33,9 @@ class SolvedBearing:
     """
 
     scene: BearingScene
+    label: str
     record: RingRecord
     tracks: BearingTracks
-    values: Mapping[str, Value] = field(default_factory=dict)
-    label: str = ""
-    folder: Path = Path()
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the fields alone, for pickle and copies; what follows from them is made again."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -11,23 +13,24 @@ import numpy as np
 from acoustics import resampling, wav
 from acoustics.arrays import Array
 from acoustics.texts import printable
+from rolling.bearing.motion import move_ring
 from rolling.bearing.ring_record import RingRecord
 from rolling.bearing.tracks import BearingTracks, BodyTrack
 from rolling.bearing_contacts import needs
 from rolling.bearing_contacts.plan import contact_plan
 from rolling.bearing_run import figures
-from rolling.bearing_run.former_bearing import former_bearing
 from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.contact.processor_time import ProcessorTime
 from rolling.figures.picture import csv_bytes
 from rolling.figures.settings import left_out_if_it_fails
+from rolling.kinds.kind import Read
+from rolling.kinds.run_folder import LISTEN, RESULT, RunFolder
 from rolling.marches import effort
 from rolling.numbers.files import BearingFiles, RingListenFacts
 from rolling.numbers.run_file import StoredBearing
 from rolling.results import result_file
 from rolling.results.provenance import program_provenance
-from rolling.results.run_folder import RESULT
-from rolling.results.stored_numbers import read_kind, with_parts, write_stored
+from rolling.results.stored_numbers import read_stored, with_parts, write_stored
 from rolling.scene import hdf5_files
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.hdf5_files import ArrayRule
@@ -44,7 +47,7 @@ FORMER_FORMAT = 1  # of 0.8.0, without time and places
 SPECTRUM = "spectrum.csv"
 LINES = "lines.csv"
 ACCELERATION = "acceleration.wav"
-LISTEN = "listen.wav"
+LONG = "long.wav"
 HOUSING = "housing.wav"
 FIGURES = "figures"
 _TITLE_LETTERS = 400
@@ -355,14 +358,16 @@ def play(run: SolvedBearing) -> Any:
 # ---- a run folder
 
 
-def write_run(run: BearingRun, folder: Path) -> None:
-    """Write the files of a run, last summary.json, which tells that all are whole.
+def write_run(run: BearingRun) -> None:
+    """Write the files of a run into its folder, last summary.json, which tells that all are whole.
 
     Raises
     ------
     OSError : a file cannot be written. An earlier file of this name is kept.
     """
     began = ProcessorTime.now()
+    folder = run.folder
+    files.make_below(run.home, folder)
     files.write_bytes(folder / RESULT, result_bytes(run))
     sound = write_acceleration(run, folder)
     write_listen(run, folder, sound, sound.gain)
@@ -389,11 +394,61 @@ def write_figures(run: BearingRun, folder: Path) -> None:
             files.write_bytes(folder / FIGURES / f"{name}.png", content)
 
 
-def read_stored_bearing(folder: Path) -> StoredBearing:
-    """Read the numbers of a run from its folder; those of version 0.8 from its summary.json.
+def read_run(place: RunFolder, label: str) -> BearingRun:
+    """Read a run from its folder, with its stored numbers, under a label.
 
     Raises
     ------
-    FolderError : the file is damaged, or not written by this program.
+    FolderError : a file is missing or damaged, or the result is that of another scene.
     """
-    return read_kind(folder, StoredBearing, former_bearing)
+    from rolling.bearing_run.bearing_run import with_numbers
+
+    stored = read_stored(place.folder)
+    record, tracks = read_result(place.folder / RESULT, place.scene)
+    bearing = SolvedBearing(
+        values=place.values,
+        scene=place.scene,
+        folder=place.folder,
+        label=label,
+        record=record,
+        tracks=tracks,
+    )
+    return with_numbers(bearing, stored.numbers, stored)
+
+
+# ---- runs of a sweep with one gain
+
+
+def write_with_common_gain(done: Sequence[RunFolder], reader_of: Callable[..., Read]) -> None:
+    """Write the sounds of the runs of a sweep with one gain, that of the loudest run."""
+    stored = {run: read_stored(run.folder) for run in done}
+    common = max((one.files.listen.own_full_scale_m_s2 for one in stored.values()), default=1.0)
+    opened = {}
+    for place, one in stored.items():
+        listen = one.files.listen
+        if listen.full_scale_m_s2 == common:
+            continue
+        opened[place] = reader_of(place)(place, one.provenance.label)
+        write_listen(opened[place], place.folder, ring_sound(opened[place]), 1 / common)
+        facts = replace(one.files, listen=replace(listen, full_scale_m_s2=common))
+        write_stored(place.folder, replace(one, files=facts))
+    housings = {}
+    for place in done:
+        if place.scene.plate is not None:
+            run = opened.get(place) or reader_of(place)(place, stored[place].provenance.label)
+            housings[place] = run, housing_sound(run)
+    gains = [sound.gain for _, sound in housings.values() if sound is not None]
+    for place, (run, _) in housings.items():
+        write_housing(run, place.folder, min(gains, default=1.0))
+
+
+def write_long(run: BearingRun, seconds: float) -> Path:
+    """Let the ring move for longer, and write long.wav; return its path."""
+    motion = move_ring(run.model, run.tracks, seconds, wav.SAMPLE_RATE_HZ)
+    acceleration = motion.acceleration_m_s2[:, 0] - motion.acceleration_m_s2[:, 0].mean()
+    faded = resampling.fade(acceleration, round(FADE_S * wav.SAMPLE_RATE_HZ))
+    gain = wav.listening_gain(faded)
+    comment = f"acceleration of the ring along x; full scale is {1 / gain:.6g} m/s2"
+    content = wav.listening(faded, gain, comment, printable(run.scene.name))
+    files.write_bytes(run.folder / LONG, content)
+    return run.folder / LONG

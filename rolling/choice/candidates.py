@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from rolling.kinds.run_folder import RunFolder
 from rolling.results import labels
 from rolling.results.labels import SEED
-from rolling.results.run_folder import RunFolder
 from rolling.scene import step_rule
 from rolling.scene.messages import SceneError, plain_number, quoted
 from rolling.scene.scene import Scene

@@ -16,10 +16,10 @@ import numpy as np
 from acoustics.arrays import Array
 from rolling.choice.candidates import LOSS_KEY
 from rolling.choice.heard import Specimen
+from rolling.kinds.run_folder import RESULT
 from rolling.marches import force_law
 from rolling.numbers.stored import from_bytes, to_bytes
 from rolling.results import result_file
-from rolling.results.run_folder import RESULT
 from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
 from rolling.sound import radiators

@@ -8,6 +8,7 @@ loss factor is heard at two.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -21,13 +22,13 @@ from acoustics.weighting import a_weighting_db
 from rolling.choice.candidates import LOSS_KEY
 from rolling.dynamics import of_scene
 from rolling.dynamics.force_law import ForceLaw
+from rolling.kinds.run_folder import FAILED, MAX_FAILURE, RunFolder
 from rolling.marches import force_law
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.stored import from_bytes, to_bytes
 from rolling.results.instrument_spread import part_of_instrument
-from rolling.results.run_folder import FAILED, MAX_FAILURE, RunFolder
 from rolling.results.stored_numbers import read_stored
 from rolling.run.worker import finish_run
 from rolling.scene import file
@@ -119,10 +120,11 @@ class Specimen(RunFolder):
         return stored.reason if stored.contact == contact_identity(self.scene) else ""
 
 
-def finish_specimen(run: RunFolder, label: str, result: Result) -> None:
+def finish_specimen(run: RunFolder, label: str, marched: Sequence[Result]) -> None:
     """Write the files of a specimen as those of any run, and then what is heard of it."""
     assert isinstance(run, Specimen)
-    finish_run(run, label, result)
+    finish_run(run, label, marched)
+    (result,) = marched
     write_heard(run, result)
 
 

@@ -9,9 +9,9 @@ from rolling.check import widest_places
 from rolling.choice.comparison import OmittedPair
 from rolling.choice.heard import Specimen, StoredFailure
 from rolling.contact.solver import ContactError
+from rolling.kinds.run_folder import FAILED
 from rolling.marches.piece import contact_identity
 from rolling.numbers.stored import to_bytes
-from rolling.results.run_folder import FAILED
 from rolling.terminal import files
 
 FEW = 10  # pairs; of fewer, up to half may be left out

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,9 +9,10 @@ from pathlib import Path
 from rolling.choice.heard import Specimen, finish_specimen, write_heard
 from rolling.choice.omissions import forget, remember
 from rolling.contact.solver import ContactError
+from rolling.kinds.registry import kind_of
+from rolling.kinds.run_folder import RESULT
 from rolling.marches.piece import contact_identity
 from rolling.results import result_file
-from rolling.results.run_folder import RESULT
 from rolling.run import folder as folders
 from rolling.run.executor import RunFiles, RunLoop
 from rolling.run.pools import Pool
@@ -63,27 +63,17 @@ def solve(
             names.append(name)
     if not lacking:
         return
-    sources: dict[str, Specimen] = {}
-    for specimen in stored:
-        if specimen.is_done:
-            sources.setdefault(contact_identity(specimen.scene), specimen)
-    marches = [contact_identity(specimen.scene) for specimen in lacking]
-    unfinished = Counter(marches)
-    run_files = RunFiles(
-        runs=lacking,
-        labels=names,
-        pieces=folder / folders.PIECES,
-        stored=sources,
-        film=False,
-        finish=finish_specimen,
-    )
+    kind = kind_of(lacking[0].scene)
+    run_files = RunFiles(runs=lacking, labels=names, folder=folder, finish=finish_specimen)
+    done = [specimen for specimen in stored if specimen.is_done]
+    store = kind.march_store(folder, done)
     with progress.step("estimating the time of the marches"):
-        loop = RunLoop([specimen.scene for specimen in lacking], bar, run_files)
+        needed = [kind.marches(specimen.scene) for specimen in lacking]
+        loop = RunLoop(needed, store, bar, run_files)
+    marches = [contact_identity(specimen.scene) for specimen in lacking]
     with _kept_advice(folder):
-        for number, _, _ in loop.finished_runs(pool):
-            unfinished[marches[number]] -= 1
-            if unfinished[marches[number]] == 0:
-                folders.drop_pieces(folder, marches[number])
+        for _ in loop.finished_runs(pool):
+            pass
     for number, reason in loop.failures.items():
         # A height file that was replaced meanwhile says nothing of the contact of its scene.
         is_same = contact_identity(lacking[number].scene) == marches[number]

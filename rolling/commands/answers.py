@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rolling.results import run_lines
-from rolling.results.run_folder import TABLE, RunFolder
+from rolling.kinds.registry import kind_of
+from rolling.kinds.run_folder import TABLE, RunFolder
 from rolling.terminal import defaults
 
 
@@ -14,7 +14,7 @@ def print_answers(done: Sequence[RunFolder]) -> Sequence[RunFolder]:
     shown = done
     if len(done) > defaults.MAX_RUNS_COMPARED:
         shown = done[: defaults.FEW_RUNS]
-    print("\n".join(run_lines.answer_lines(shown)))
+    print("\n".join(kind_of(shown[0].scene).answer_lines(shown)))
     if len(done) > len(shown):
         print(f"{len(done) - len(shown)} more runs, a row each in {TABLE}")
     print()

@@ -110,6 +110,8 @@ def _run_to_compare(folder: Path) -> Run:
     stored = folders.done_run(folder, "compare")
     with progress.step("reading the run, making its sound"):
         (run,) = open_runs([stored])
+    if not isinstance(run, Run):
+        raise FolderError(f"{folder}: a recording is compared with the run of a sphere")
     return run
 
 

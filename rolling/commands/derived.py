@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, Any
 from acoustics.traps import ignoring_underflow
 from rolling.contact.processor_time import ProcessorTime
 from rolling.figures.settings import PictureWarning
+from rolling.kinds.registry import kind_of
+from rolling.kinds.run_folder import BANDS, PAGE, SUMMARY, TABLE, RunFolder
 from rolling.results import labels, runs_table
-from rolling.results.common_gain import write_with_common_gain
-from rolling.results.run_folder import BANDS, PAGE, SUMMARY, TABLE, RunFolder
-from rolling.results.run_result import Run
 from rolling.results.stored_numbers import read_stored, with_page, write_stored
 from rolling.run import folder as folders
 from rolling.run.ending import Ending
@@ -61,7 +60,8 @@ def write_derived(ending: Ending, runs: Sequence[RunFolder], report: bool) -> No
         ending.kept.remove_others()
     if not done:
         return
-    write_with_common_gain(runs, lambda run: ending.kept.only(run).read, ending.each)
+    kind = kind_of(runs[0].scene)
+    kind.write_with_common_gain(runs, lambda run: ending.kept.only(run).read, ending.each)
     newest = max((run.folder / SUMMARY).stat().st_mtime_ns for run in done)
     report = report and len(runs) <= defaults.MAX_RUNS_COMPARED
     last = folder / TABLE
@@ -90,9 +90,10 @@ def _drawn(
     """
     page_file = ending.folder / f".{PAGE}{files.PARTIAL}"
     names = labels.labels(unsolved) if unsolved else []
-    calls: list[tuple[Any, ...]] = [(_page_file, (ending.kept, done, page_file, names))]
-    if len(done) > 1:
-        calls.insert(0, (_figure_files, (ending.kept, done, ending.folder)))
+    calls: list[tuple[Any, ...]] = []
+    if kind_of(done[0].scene).has_figures(len(done)):
+        calls.append((_figure_files, (ending.kept, done, ending.folder)))
+    calls.append((_page_file, (ending.kept, done, page_file, names, ending.folder)))
     with progress.step("drawing the figures and the page"):
         drawn = ending.each(_with_warnings, calls)
     try:
@@ -128,10 +129,8 @@ def _with_warnings(
 
 
 def _figure_files(kept: KeptRuns, done: Sequence[RunFolder], folder: Path) -> None:
-    """Write the figures that compare runs into a folder."""
-    from rolling.figures import write_figures
-
-    write_figures(open_runs(done, kept.read), folder)
+    """Write the figures of runs into a folder."""
+    kind_of(done[0].scene).write_figures(open_runs(done, kept.read), folder)
 
 
 def _page_file(
@@ -139,16 +138,18 @@ def _page_file(
     done: Sequence[RunFolder],
     path: Path,
     unsolved: Sequence[str],
+    folder: Path,
 ) -> None:
     """Write the page of runs into a file."""
-    from rolling.report import page
-
-    files.write_bytes(path, page.page(open_runs(done, kept.read), unsolved))
+    content = kind_of(done[0].scene).page(open_runs(done, kept.read), unsolved, folder)
+    files.write_bytes(path, content)
 
 
 def write_tables(runs: Sequence[RunFolder], folder: Path) -> None:
     """Write the numbers of runs that a person reads, and their third octaves, as CSV."""
-    write_table(runs_table.bands_table(runs), folder / BANDS)
+    bands = runs_table.bands_table(runs)
+    if len(bands):
+        write_table(bands, folder / BANDS)
     write_table(runs_table.runs_table(runs, shown=True), folder / TABLE)
 
 
@@ -158,16 +159,14 @@ def write_table(frame: pd.DataFrame, path: Path) -> None:
     files.write_bytes(path, safe.to_csv(lineterminator="\n").encode("utf-8", "backslashreplace"))
 
 
-def write_report(runs: Sequence[Run], folder: Path, unsolved: Sequence[RunFolder]) -> None:
-    """Write the figures that compare runs and the page of all runs into a folder."""
-    from rolling.figures import write_figures
-    from rolling.report import page
-
-    with progress.step("drawing the figures"):
-        if len(runs) > 1:
-            write_figures(runs, folder)
+def write_report(runs: Sequence[Any], folder: Path, unsolved: Sequence[RunFolder]) -> None:
+    """Write the figures and the page of runs into their folder."""
+    kind = kind_of(runs[0].scene)
+    if kind.has_figures(len(runs)):
+        with progress.step("drawing the figures"):
+            kind.write_figures(runs, folder)
     with progress.step("writing the page"):
         names: list[str] = []
         if unsolved:
             names = labels.labels(unsolved)
-        files.write_bytes(folder / PAGE, page.page(runs, names))
+        files.write_bytes(folder / PAGE, kind.page(runs, names, folder))

@@ -4,24 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from acoustics.texts import printable
 from rolling.commands.answers import print_answers
 from rolling.commands.derived import write_derived_alone
-from rolling.results import labels, run_lines
-from rolling.results.run_folder import PAGE, RunFolder, refuse_former
-from rolling.results.run_result import PASSES
+from rolling.kinds.registry import kind_of
+from rolling.kinds.run_folder import PAGE, RunFolder
+from rolling.kinds.stored import refuse_former
 from rolling.run import folder as folders
 from rolling.run.ending import Ending
 from rolling.run.solving import runs_of_part, solve_folder
-from rolling.scene import file
-from rolling.scene.scene import Scene
 from rolling.terminal import pages, progress
 from rolling.terminal.files import FolderError
 
 
 def run_scene(
-    scene: Scene,
+    scene: Any,
     out: Path | None = None,
     *,
     start_from: Path | None = None,
@@ -35,7 +34,7 @@ def run_scene(
 
     Parameters
     ----------
-    scene : Scene. The scene.
+    scene : scene of any kind. The scene.
     out : Path. Run folder. Default: outputs/NAME-DIGITS, which the scene decides.
     start_from : Path. Another run folder, whose equal marches are taken. Default: none.
     part : pair. Number K and count N: every N-th march from march K on. Default: all.
@@ -102,7 +101,8 @@ def resound(
     if not stored:
         raise FolderError(f"{folder}: no run in it is done, so there is no march to take")
     refuse_former(stored)
-    scene = file.resound(folders.stored_scene(folder), overrides)
+    before = folders.stored_scene(folder)
+    scene = kind_of(before).resound(before, overrides)
     program = folders.made_by(stored[0].home)
     if program != folders.this_program():
         progress.line(f"{folder}: marched by {program}, heard by {folders.this_program()}")
@@ -116,35 +116,21 @@ def resound(
 
 
 def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
-    """Print the levels of runs and the files that a person opens first; the folder if quiet."""
+    """Print the answer of runs and the files that a person opens first; the folder if quiet."""
     if progress.is_quiet():
         print(folder)
         return
     done = [run for run in runs if run.is_done]
     if not done:
         return
+    kind = kind_of(done[0].scene)
     shown = print_answers(done)
-    for line in run_lines.channel_lines(shown):
-        print(line)
-    for line in run_lines.doubt_lines(shown):
-        print(line)
-    _print_files(folder, done)
-    if progress.is_verbose():
-        print()
-        for line in run_lines.further_lines(shown):
-            print(line)
-
-
-def _print_files(folder: Path, done: Sequence[RunFolder]) -> None:
-    """Print the files that a person opens first."""
-    first = done[0]
-    heard = ["released power" if first.scene.sound.source == "release" else "vibration"]
-    if len(done) > 1:
-        heard.insert(0, labels.labels(done)[0])
-    print(f"listen: {printable(str(first.folder / 'listen.wav'))} ({', '.join(heard)})")
-    if (first.folder / PASSES).is_file():
-        print(f"pass by pass: {printable(str(first.folder / PASSES))}")
+    lines = [*kind.doubt_lines(shown), *kind.listen_lines(done)]
     if (folder / PAGE).is_file():
-        print(f"page: {printable(str(folder / PAGE))}")
+        lines.append(f"page: {printable(str(folder / PAGE))}")
     else:
-        print(f"folder: {printable(str(folder))}")
+        lines.append(f"folder: {printable(str(folder))}")
+    if progress.is_verbose():
+        lines += ["", *kind.further_lines(shown)]
+    for line in lines:
+        print(line)

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 from acoustics.texts import printable
 from rolling.commands.answers import print_answers
 from rolling.commands.derived import write_report, write_table, write_tables
+from rolling.kinds.registry import kind_of
+from rolling.kinds.run_folder import BANDS, PAGE, TABLE, RunFolder
+from rolling.kinds.stored import refuse_former
 from rolling.numbers.quantity import RELEASED_POWER, VIBRATION
-from rolling.results import labels, listening, runs_table
-from rolling.results.long_record import ListeningError
-from rolling.results.run_folder import BANDS, PAGE, TABLE, RunFolder, refuse_former
+from rolling.results import labels, runs_table
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs
@@ -40,8 +41,6 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
     FolderError, SceneError : a folder is no run folder, nothing is done in it, or `out` exists.
         Nothing is written.
     """
-    from rolling.report import page
-
     if out is None and len(run_folders) > 1:
         raise FolderError("--out: give the file of a page of several run folders")
     if out is not None:
@@ -53,7 +52,7 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
         write_report(finished, run_folders[0], unsolved)
         return [run_folders[0] / PAGE]
     with progress.step("writing the page"):
-        content = page.page(finished, [])
+        content = kind_of(finished[0].scene).page(finished, [], run_folders[0])
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
     return [out]
@@ -141,14 +140,9 @@ def listen(
     with progress.step("reading the run, making its sound"):
         (run,) = open_runs([stored])
     try:
-        long = run.listen(seconds, speed, seed)
-    except ListeningError as error:
+        return [kind_of(run.scene).write_long(run, seconds, speed, seed)]
+    except ValueError as error:
         raise FolderError(f"{folder}: {error}") from error
-    path = listening.write_long(run, long)
-    progress.line(listening.describe_long_record(run, long))
-    for text in long.numbers.limits or ():
-        progress.line(f"warning: {text}")
-    return [path]
 
 
 def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None) -> list[Path]:

@@ -13,8 +13,10 @@ from acoustics.arrays import Array
 from acoustics.texts import printable
 from rolling.check import refusals
 from rolling.commands.replaced import SOURCE, refuse_others, source_name
-from rolling.scene import file, height_files
+from rolling.scene import height_files
+from rolling.scene.file import read_as
 from rolling.scene.height_files import HeightFormatError, is_instrument
+from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Instrument
 from rolling.scene.track import MIN_NODES
 from rolling.surface import character, measured
@@ -162,7 +164,7 @@ def _refuse_many(count: int) -> None:
 
 def _surface_of_scene(path: Path, overrides: Sequence[str]) -> _DescribedSurface:
     """Make the surface of a scene, and print the doubts about it."""
-    scene = file.read_scene(path, overrides)
+    scene = read_as(path, Scene, overrides)
     if any(key.startswith(("surface", "sphere.surface")) for key in scene.sweep):
         progress.line("the surface of the scene without its sweep; --set chooses other values")
     _refuse_many(scene.track.n_along * scene.track.n_across)

@@ -21,10 +21,10 @@ from acoustics.traps import ignoring_underflow
 from rolling.figures import picture
 from rolling.figures.picture import MAX_NAMED, axes_of, compared, finish, subject
 from rolling.figures.settings import left_out_if_it_fails
+from rolling.kinds.run_folder import RunFolder
 from rolling.numbers import views
 from rolling.results import labels
 from rolling.results.labels import SEED
-from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run
 from rolling.results.stored_numbers import numbers_of
 from rolling.scene.scene import Scene

@@ -6,13 +6,13 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, overload
 
 from acoustics.arrays import instance
 from acoustics.traps import ignoring_underflow
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.scene import Scene
-from rolling.scene.swept import AnyScene
+from rolling.scene.swept import SweptScene
 from rolling.terminal import defaults
 from rolling.terminal import progress as terminal
 
@@ -23,27 +23,48 @@ if TYPE_CHECKING:
     from rolling.choice.sensitivity import Sensitivities
 
 
-@ignoring_underflow
+@overload
 def choose(
     scenes: Scene | Sequence[Scene],
+    within_db: float = ...,
+    minutes: float = ...,
+    folder: Path | str | None = ...,
+    workers: int = ...,
+    progress: bool | None = ...,
+    pairs: int | None = ...,
+) -> Choice: ...
+@overload
+def choose(
+    scenes: BearingScene | Sequence[BearingScene],
+    within_db: float = ...,
+    minutes: float = ...,
+    folder: Path | str | None = ...,
+    workers: int = ...,
+    progress: bool | None = ...,
+    pairs: int | None = ...,
+) -> BearingChoice: ...
+@ignoring_underflow
+def choose(
+    scenes: Any,
     within_db: float = defaults.WITHIN_DB,
     minutes: float = defaults.CHOICE_MINUTES,
     folder: Path | str | None = None,
     workers: int = 0,
     progress: bool | None = None,
     pairs: int | None = None,
-) -> Choice:
-    """Choose the quietest of some scenes, and say by how much and how sure that is.
+) -> Any:
+    """Choose the quietest of some scenes of one kind, and say by how much and how sure that is.
 
     All scenes are heard on the same random surfaces, or at several places of their scans, and each
     difference has its scatter over these pairs as a ±. Pairs are added until it is the wanted one,
-    in batches that are fixed beforehand. A pair whose contact has no solution is left out.
+    in batches that are fixed beforehand. A pair whose contact has no solution is left out. Balls
+    are chosen by the level of their vibration, bearings by the three bands of ISO 15242.
 
     Parameters
     ----------
-    scenes : Scene or sequence of Scene
-        The candidates. One scene with a sweep has a candidate for each run, one with single faults
-        is compared with itself without them.
+    scenes : Scene, BearingScene or sequence of them
+        The candidates, of one kind. One scene with a sweep has a candidate for each run, one with
+        single faults is compared with itself without them.
     within_db : float, dB
         Wanted standard uncertainty of the differences. Default: 1.
     minutes : float
@@ -59,8 +80,8 @@ def choose(
 
     Returns
     -------
-    choice : Choice
-        Candidates in order, differences, sentences, table and plot.
+    choice : Choice or BearingChoice
+        Differences, of bearings by band, sentences, table and plot.
 
     Raises
     ------
@@ -82,76 +103,25 @@ def choose(
     >>> choice.contenders[0].label, choice.differences[0].pairs >= 6
     ('Ra 0.05 µm', True)
 
+    >>> words = ["bearing.surfaces.balls={kind: smooth, waviness: {4: 0.02}}"]
+    >>> words += ["bearing.surfaces.inner=", "bearing.surfaces.outer=", "sound.duration_s=0.1"]
+    >>> scene = rolling.read_scene("bearing-6204", words)
+    >>> twice = scene.with_({"name": "twice", "bearing.surfaces.balls.waviness": {4: 0.04}})
+    >>> choice = rolling.choose([scene, twice], workers=1, progress=False)
+    >>> round(choice.differences[0][0].db)
+    6
+
     References
     ----------
     C. Stein, Annals of Mathematical Statistics 16, 1945, 243-258, for the number of pairs.
     """
-    from rolling.choice.choosing import choose_scenes
+    from rolling.kinds.registry import kind_of
     from rolling.run.budget import Budget
 
-    listed = _listed(scenes, Scene)
+    listed = _listed(scenes)
     budget = Budget(within_db=within_db, minutes=minutes, pairs=pairs)
     with _kept_in(folder, progress) as kept:
-        return choose_scenes(listed, kept, budget, workers)
-
-
-@ignoring_underflow
-def choose_bearings(
-    scenes: BearingScene | Sequence[BearingScene],
-    within_db: float = defaults.WITHIN_DB,
-    minutes: float = defaults.CHOICE_MINUTES,
-    folder: Path | str | None = None,
-    workers: int = 0,
-    progress: bool | None = None,
-    pairs: int | None = None,
-) -> BearingChoice:
-    """Choose between bearings by the three bands of ISO 15242, and say how sure that is.
-
-    All bearings are heard on specimens with the same random numbers, and each difference has its
-    scatter over these pairs as a ±. Specimens are added until it is the wanted one.
-
-    Parameters
-    ----------
-    scenes : BearingScene or sequence of BearingScene
-        The bearings. One scene with a sweep has a bearing for each run, one with single faults is
-        compared with itself without them.
-    within_db, minutes, folder, workers, progress, pairs
-        As in `choose`.
-
-    Returns
-    -------
-    choice : BearingChoice
-        Differences by band, sentences, table and plot.
-
-    Raises
-    ------
-    SceneError
-        The bearings are not comparable, or one of them cannot run.
-    FolderError
-        The folder holds something else.
-    ContactError
-        A contact has no solution.
-    KeyboardInterrupt
-        Ctrl-C was pressed.
-
-    Examples
-    --------
-    >>> import rolling
-    >>> words = ["bearing.surfaces.balls={kind: smooth, waviness: {4: 0.02}}"]
-    >>> words += ["bearing.surfaces.inner=", "bearing.surfaces.outer=", "sound.duration_s=0.1"]
-    >>> scene = rolling.read_bearing("bearing-6204", words)
-    >>> twice = scene.with_({"name": "twice", "bearing.surfaces.balls.waviness": {4: 0.04}})
-    >>> choice = rolling.choose_bearings([scene, twice], workers=1, progress=False)
-    >>> round(choice.differences[0][0].db)
-    6
-    """
-    from rolling.bearing_run import choosing
-    from rolling.run.budget import Budget
-
-    listed = _listed(scenes, BearingScene)
-    budget = Budget(within_db=within_db, minutes=minutes, pairs=pairs)
-    with _kept_in(folder, progress) as kept:
-        return choosing.choose_bearings(listed, kept, budget, workers)
+        return kind_of(listed[0]).choose(listed, kept, budget, workers)
 
 
 @ignoring_underflow
@@ -313,13 +283,13 @@ def coarsest_below(
         )
 
 
-def _listed(scenes: AnyScene | Sequence[AnyScene], kind: type[AnyScene]) -> list[AnyScene]:
-    """Return scenes of a kind as a list; refuse anything else."""
-    if isinstance(scenes, kind):
-        return [scenes]
-    listed = list(cast("Sequence[AnyScene]", scenes))
+def _listed(scenes: Any) -> list[SweptScene]:
+    """Return scenes in a list, all of one kind."""
+    listed = [scenes] if isinstance(scenes, SweptScene) else list(scenes)
     for scene in listed:
-        instance("scenes", scene, kind)
+        instance("scenes", scene, SweptScene)
+    for scene in listed:
+        instance("scenes", scene, type(listed[0]))
     return listed
 
 

@@ -1,6 +1,6 @@
 """Runs for Python: simulated in memory, opened from their folders, saved into new ones, rolled.
 
-Those of bearings are in `bearings`, choices in `choices`.
+Choices are in `choices`.
 """
 
 from __future__ import annotations
@@ -11,24 +11,28 @@ import webbrowser
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 from acoustics.arrays import instance
 from acoustics.traps import ignoring_underflow
+from rolling.bearing_run.bearing_run import BearingRun
 from rolling.commands.derived import write_derived
 from rolling.contact.solver import ContactError
+from rolling.kinds.registry import kind_of
+from rolling.kinds.run_folder import PAGE, RunFolder
 from rolling.results import labels
-from rolling.results.run_folder import PAGE
-from rolling.results.run_result import Run, write_run
+from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.ending import Ending
 from rolling.run.solving import Values, open_runs, simulate_runs
 from rolling.run.sweep_runs import Runs, SweepError
 from rolling.scene import sweep as sweeps
+from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
-from rolling.surface.measured import HeightArray, with_copy
+from rolling.scene.swept import SweptScene
+from rolling.surface.measured import HeightArray
 from rolling.terminal import defaults
 from rolling.terminal import progress as terminal
 from rolling.terminal.files import write_temporary
@@ -37,15 +41,35 @@ from rolling.terminal.notebook import interrupt_with_message
 PLAY_IT = "play-it"  # the section of the page where the ball is rolled by hand
 
 
+@overload
+def simulate(
+    scene: Scene,
+    workers: int = 0,
+    progress: bool | None = None,
+    heights: Any = None,
+    start_from: Path | str | None = None,
+) -> Run: ...
+@overload
+def simulate(
+    scene: BearingScene,
+    workers: int = 0,
+    progress: bool | None = None,
+    heights: None = None,
+    start_from: Path | str | None = None,
+) -> BearingRun: ...
 @ignoring_underflow
 def simulate(
-    scene: Scene, workers: int = 0, progress: bool | None = None, heights: Any = None
-) -> Run:
-    """Simulate a scene in memory: contact, released energy, sound and levels.
+    scene: SweptScene,
+    workers: int = 0,
+    progress: bool | None = None,
+    heights: Any = None,
+    start_from: Path | str | None = None,
+) -> Any:
+    """Simulate a scene in memory: contacts, motion, sound and numbers.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene or BearingScene
         A scene without a sweep.
     workers : int
         Processes; 0: one per core. The numbers do not depend on it. A process of
@@ -53,13 +77,17 @@ def simulate(
     progress : bool
         Whether a progress bar is shown. Default: on a terminal and in a notebook.
     heights : (m, n) array_like, m, or HeightArray
-        The surface in place of that of the scene; an array has the scene's node spacing. Default:
-        the surface of the scene.
+        The surface in place of that of a scene of a sphere; an array has the scene's node spacing.
+        Default: the surface of the scene.
+    start_from : Path or str
+        Run folder whose marches of equal contacts are taken, such as that of the same bearing
+        without its faults. Default: none.
 
     Returns
     -------
-    run : Run
-        The series in SI units, the sound and its levels.
+    run : Run or BearingRun
+        Series, sound and numbers; of a bearing the velocity of its ring in the three bands of
+        ISO 15242-1, its lines, and the loads of the balls.
 
     Raises
     ------
@@ -67,6 +95,8 @@ def simulate(
         The heights are no real, finite array along and across.
     SceneError
         The scene sweeps, does not fit into memory, or its surface cannot be read.
+    FolderError
+        `start_from` is no run folder.
     ContactError
         A contact has no solution, for instance because the load exceeds the capacity of the
         surface.
@@ -87,29 +117,47 @@ def simulate(
     >>> run = rolling.simulate(scene, workers=1, progress=False)
     >>> run.series["contact_area"].shape, run.release_power.shape
     ((101,), (100,))
+
+    >>> waves = {"inner": {"kind": "smooth", "waviness": {9: 0.1}}}  # 0.1 um high, 9 on a turn
+    >>> scene = rolling.BearingScene(
+    ...     bearing={"named": "6204", "speed_rpm": 1800, "axial_load_n": 70, "surfaces": waves},
+    ...     sound={"duration_s": 0.5, "listen_s": 0.5},
+    ... )
+    >>> run = rolling.simulate(scene, progress=False)
+    >>> print(run.numbers.below_bending.radial.low)
+    81 um/s ± 0.1 dB, computed
+    >>> run.numbers.lines[-1].name
+    'inner 9'
     """
-    instance("scene", scene, Scene)
-    if isinstance(heights, HeightFile):
-        scene = scene.with_(surface=heights)
-    elif heights is not None:
-        scene = scene.with_(surface=HeightArray(heights, spacing_um=scene.spacing_um))
+    instance("scene", scene, SweptScene)
+    if heights is not None:
+        scene = _with_heights(scene, heights)
     if scene.sweep:
         keys = ", ".join(scene.sweep)
         raise SceneError([f"sweep: the scene sweeps {keys}; simulate_sweep runs all of them"])
-    runs, failures = _simulated(scene, workers, progress)
+    runs, failures = _simulated(scene, workers, progress, start_from)
     if failures:
         raise ContactError(next(iter(failures.values())))
     (run,) = runs.values()
     return run
 
 
+def _with_heights(scene: SweptScene, heights: Any) -> Scene:
+    """Return a scene of a sphere on other heights."""
+    instance("scene", scene, Scene)
+    assert isinstance(scene, Scene)
+    if isinstance(heights, HeightFile):
+        return scene.with_(surface=heights)
+    return scene.with_(surface=HeightArray(heights, spacing_um=scene.spacing_um))
+
+
 @ignoring_underflow
-def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None) -> Runs:
+def simulate_sweep(scene: SweptScene, workers: int = 0, progress: bool | None = None) -> Runs:
     """Simulate every run of a scene that sweeps, in memory.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene or BearingScene
         A scene with a sweep.
     workers, progress : int, bool
         As in `simulate`.
@@ -136,7 +184,7 @@ def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None)
     >>> [run.label for run in rolling.simulate_sweep(scene, workers=1, progress=False).values()]
     ['load 1 N', 'load 2 N']
     """
-    instance("scene", scene, Scene)
+    instance("scene", scene, SweptScene)
     if not scene.sweep:
         raise SceneError(["sweep: the scene has no sweep; simulate runs it"])
     runs, failures = _simulated(scene, workers, progress)
@@ -149,15 +197,24 @@ def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None)
 
 
 def _simulated(
-    scene: Scene, workers: int, progress: bool | None
-) -> tuple[dict[Values, Run], dict[str, str]]:
+    scene: SweptScene,
+    workers: int,
+    progress: bool | None,
+    start_from: Path | str | None = None,
+) -> tuple[dict[Values, Any], dict[str, str]]:
     """Simulate the runs of a scene; an interrupt says what is left, also in a notebook."""
-    with interrupt_with_message():
-        return simulate_runs(scene, workers, progress)
+    sources: Sequence[RunFolder] = ()
+    with terminal.shown(progress), interrupt_with_message():
+        if start_from is not None:
+            instance("start_from", start_from, str, Path)
+            elsewhere = folders.stored_runs(Path(start_from))
+            own = folders.runs_in(Path(), scene)
+            sources = kind_of(scene).take_marches(Path(start_from), elsewhere, own)
+        return simulate_runs(scene, workers, progress, sources)
 
 
 @ignoring_underflow
-def open_run(folder: Path | str) -> Run:
+def open_run(folder: Path | str) -> Any:
     """Read a stored run and make its sound again, without solving.
 
     Parameters
@@ -167,8 +224,9 @@ def open_run(folder: Path | str) -> Run:
 
     Returns
     -------
-    run : Run
-        The run as `simulate` returns it.
+    run : Run or BearingRun
+        The run as `simulate` returns it, with the stored numbers. The series of a bearing are in
+        single precision.
 
     Raises
     ------
@@ -191,12 +249,12 @@ def open_run(folder: Path | str) -> Run:
 
 
 @ignoring_underflow
-def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
+def save_run(run: Run | BearingRun, folder: Path | str, report: bool = True) -> Path:
     """Write a run that is in memory into a new folder, with the files that `rolling run` writes.
 
     Parameters
     ----------
-    run : Run
+    run : Run or BearingRun
         The run.
     folder : Path or str
         The folder to make.
@@ -221,33 +279,35 @@ def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
     >>> sorted(path.name for path in rolling.save_run(run, "kept", report=False).iterdir())
     ['bands.csv', 'listen.wav', 'numbers.json', ..., 'signal.wav', 'summary.json']
     """
-    instance("run", run, Run)
+    instance("run", run, RunFolder)
     instance("folder", folder, str, Path)
+    kind = kind_of(run.scene)
     folder = folders.new_folder(Path(folder))
     with folders.locked(folder):
-        scene = with_copy(run.scene.with_auto_steps(), folder)
+        scene = kind.kept_scene(run.scene, folder)
         folders.write_scene(folder, scene)
         (alone,) = folders.stored_runs(folder)
-        write_run(replace(run, scene=scene, folder=folder, values={}))
+        kind.write_run(replace(run, scene=scene, folder=folder, values={}))
         with Ending(folder) as ending:
             write_derived(ending, [alone], report)
     return folder
 
 
 Run.save = save_run
+BearingRun.save = save_run
 
 
 @ignoring_underflow
-def live(runs: Run | Sequence[Run]) -> Any:
-    """Open the page of a run, or of several, where the ball is rolled by hand.
+def live(runs: Run | BearingRun | Sequence[Run | BearingRun]) -> Any:
+    """Open the page of a run, or of several, where the ball or the bearing is turned by hand.
 
     The page is the report.html of a stored run, otherwise a temporary file. In a notebook the page
     is a part of its output, of about 2 MB per run.
 
     Parameters
     ----------
-    runs : Run or sequence of Run
-        The runs of the page, 24 at most.
+    runs : Run, BearingRun or sequence of them
+        The runs of the page, 24 at most, of one kind.
 
     Returns
     -------
@@ -265,16 +325,14 @@ def live(runs: Run | Sequence[Run]) -> Any:
     >>> rolling.live(rolling.simulate(scene, workers=1, progress=False))
     live: ...quickstart-live-....html
     """
-    from rolling.figures.picture import listed
-
-    shown = listed(runs)
+    shown = _listed(runs)
     if not 1 <= len(shown) <= defaults.MAX_RUNS_ON_PAGE:
         raise ValueError(
             f"runs: got {len(shown)}, allowed: 1 to {defaults.MAX_RUNS_ON_PAGE} with players on a"
             " page"
         )
     for run in shown:
-        instance("runs", run, Run)
+        instance("runs", run, RunFolder)
     path = shown[0].home / PAGE
     is_stored = shown[0].stored is not None and path.is_file()
     if len(shown) > 1 or not is_stored:
@@ -290,11 +348,17 @@ def live(runs: Run | Sequence[Run]) -> Any:
     return None
 
 
-def _temporary_page(runs: Sequence[Run]) -> Path:
-    """Write the page of runs into a temporary file."""
-    from rolling.report.page import page
+def _listed(runs: Any) -> list[Any]:
+    """Return one or several runs as a list; a dictionary gives its values."""
+    if isinstance(runs, RunFolder):
+        return [runs]
+    return list(runs.values()) if isinstance(runs, dict) else list(runs)
 
+
+def _temporary_page(runs: Sequence[Any]) -> Path:
+    """Write the page of runs into a temporary file."""
     if len(runs) > 1:
         names = labels.labels(runs)
         runs = [replace(run, label=label) for run, label in zip(runs, names, strict=True)]
-    return write_temporary(f"{runs[0].scene.name}-live-", ".html", page(runs))
+    content = kind_of(runs[0].scene).page(runs, [], None)
+    return write_temporary(f"{runs[0].scene.name}-live-", ".html", content)

@@ -12,14 +12,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from acoustics.texts import printable
+from rolling.kinds.run_folder import RESULT
 from rolling.recordings.comparison import RecordingComparison, compare
 from rolling.recordings.pairs import lacking_channels
 from rolling.recordings.recorded import FORMATS, PRESSURE, QUANTITIES, MeasuredQuantity
-from rolling.results.run_folder import RESULT
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs, solve_folder
-from rolling.scene.file import read_scene
+from rolling.scene.file import read_as
 from rolling.scene.height_files import read_regular
 from rolling.scene.messages import SceneError, nearest
 from rolling.scene.scene import Scene
@@ -162,7 +162,7 @@ def _scene_of(folder: Path, is_plate: bool, missing: list[str]) -> Scene | None:
         lacking = _lacking_keys(data, folder, is_plate)
         missing += [f"{files[0].name}: {text}" for text in lacking.values()]
     try:
-        scene = read_scene(files[0])
+        scene = read_as(files[0], Scene)
     except SceneError as error:
         missing += [line for line in error.faults if not any(key in line for key in lacking)]
         return None

@@ -14,12 +14,12 @@ from acoustics.arrays import Array
 from acoustics.texts import printable
 from rolling import __version__
 from rolling.figures.settings import left_out_if_it_fails
+from rolling.kinds.run_folder import PAGE
 from rolling.report import film, quantities, records, text
 from rolling.report.templates import environment
 from rolling.results import answer
 from rolling.results.listening import record_for_ear
 from rolling.results.notes import UNVALIDATED
-from rolling.results.run_folder import PAGE
 from rolling.results.run_result import Run
 
 MAX_CARDS = 200

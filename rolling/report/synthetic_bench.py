@@ -21,7 +21,8 @@ from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs, solve_folder
 from rolling.scene import library
-from rolling.scene.file import read_scene
+from rolling.scene.file import read_as
+from rolling.scene.scene import Scene
 from rolling.surface.measured import write
 from rolling.surface.scene_surface import heights
 from rolling.terminal import progress
@@ -64,14 +65,14 @@ def make(folder: Path) -> Path:
     if folder.exists():
         return folder
     file = library.scenes()[NAME.name]
-    made = read_scene(file)
+    made = read_as(file, Scene)
     folder.mkdir(parents=True)
     with progress.step(f"making {folder}"):
         write(folder / SCAN, heights(made), (made.spacing, made.spacing))
         surface = f"surface: {{kind: file, path: {SCAN}, spacing_um: {1e6 * made.spacing:g}}}"
         text = _SURFACE.sub(surface, file.read_text(encoding="utf-8"))
         write_bytes(folder / SCENE, text.encode())
-    failures = solve_folder(read_scene(folder / SCENE), folder / RUN)
+    failures = solve_folder(read_as(folder / SCENE, Scene), folder / RUN)
     if failures:
         raise FolderError("; ".join(failures.values()))
     (run,) = open_runs([folders.done_run(folder / RUN, "record")])

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from acoustics.numbers import rounded
 from acoustics.texts import printable
+from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.quantity import PART_WORDS, Quantity, QuantityDifference, difference, mean
 from rolling.results.description import listed, material_word, number_word, special
@@ -22,7 +23,6 @@ from rolling.results.quantities import (
     loses_contact_in_estimate,
     measure,
 )
-from rolling.results.run_folder import RunFolder
 from rolling.results.stored_numbers import numbers_of
 from rolling.scene.scene import Scene
 
@@ -144,7 +144,8 @@ class _Side(NamedTuple):
     @property
     def scene(self) -> Scene:
         """The scene of the first run."""
-        return self.runs[0].run.scene
+        scene: Scene = self.runs[0].run.scene
+        return scene
 
     @property
     def numbers(self) -> list[RunNumbers]:

@@ -9,11 +9,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.files import ListenFacts
 from rolling.numbers.run_file import StoredNumbers
 from rolling.results import labels, listening
 from rolling.results.listening import COMMON_GAIN, SILENCE, Gain
-from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import LISTEN, Run, read_run
 from rolling.results.stored_numbers import read_stored, write_stored
 from rolling.terminal import progress

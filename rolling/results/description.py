@@ -12,9 +12,9 @@ from acoustics.bands import BAND_NAMES, EDGES_HZ
 from acoustics.numbers import rounded
 from acoustics.texts import printable
 from rolling.dynamics import drop
+from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results.labels import named, value_at
-from rolling.results.run_folder import RunFolder
 from rolling.scene.quantities import STEEL_DENSITY, STEEL_GPA
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from acoustics.texts import printable
-from rolling.results.run_folder import RunFolder
+from rolling.kinds.run_folder import RunFolder
 from rolling.scene.library import NAMES
 from rolling.scene.messages import table
 from rolling.scene.models import Section
-from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
+from rolling.scene.swept import SweptScene
 
 BY_WEIGHT = "under its own weight"
 LONGEST = 72  # characters of a label: the width of a row in a legend
@@ -120,10 +120,11 @@ def _texts(key: str, runs: Sequence[RunFolder]) -> list[str]:
     return texts
 
 
-def _value(scene: Scene, key: str) -> Any:
+def _value(scene: SweptScene, key: str) -> Any:
     """Read the value of a dotted key, or None; a height file is its place on the disk."""
     if key == _PATH:
-        return scene.height_path and scene.height_path.resolve()
+        path = scene.height_paths.get("surface")
+        return path and path.resolve()
     value = value_at(scene, key)
     if isinstance(value, Mapping):
         return ", ".join(f"{name}: {_plain(part)}" for name, part in value.items())
@@ -137,7 +138,7 @@ def _plain(part: Any) -> str:
     return f"{part:g}" if isinstance(part, int | float) else str(part)
 
 
-def value_at(scene: Scene, key: str) -> Any:
+def value_at(scene: SweptScene, key: str) -> Any:
     """Read the value of a dotted key, None where a section lacks it."""
     value: Any = scene
     for name in key.split("."):

@@ -20,8 +20,8 @@ import soundfile
 from acoustics import level, resampling, wav
 from acoustics.arrays import Array
 from acoustics.numbers import decibels_a, rounded
+from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.files import ListenFacts, RaisedEnd, SignalFacts
-from rolling.results.run_folder import RunFolder
 from rolling.results.solved_run import NumberedRun
 from rolling.scene.height_files import open_regular, read_regular
 from rolling.sound.contact_sound import FADE_S, ContactSound

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from acoustics.numbers import bracketed, decibels_a, micrometres, rounded, rounded_up, si
 from rolling.check import resolution
+from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.doubt import Severity
 from rolling.numbers.quantity import BOUND, Quantity, Verdict, joined, uncertain
@@ -21,7 +22,6 @@ from rolling.results.labels import labels
 from rolling.results.level_words import number_rows
 from rolling.results.notes import REPEATS, TURNS
 from rolling.results.quantities import LAE, heard_levels, level_beside, measure
-from rolling.results.run_folder import RunFolder
 from rolling.results.stored_numbers import numbers_of
 from rolling.scene.messages import TABLES
 from rolling.terminal.streams import columns, folded, line_width

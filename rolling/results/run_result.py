@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from acoustics.traps import ignoring_underflow
 from rolling.contact.processor_time import ProcessorTime
+from rolling.kinds.run_folder import RESULT, RunFolder
 from rolling.marches import effort, force_law
 from rolling.marches.result import Result, released_energy
 from rolling.numbers.ball_numbers import RunNumbers
@@ -26,7 +27,6 @@ from rolling.results.former_numbers import former_names
 from rolling.results.level_words import level_rows
 from rolling.results.numbers import record_scatter, run_numbers
 from rolling.results.provenance import provenance
-from rolling.results.run_folder import RESULT, RunFolder
 from rolling.results.solved_run import NumberedRun, SolvedRun
 from rolling.results.stored_numbers import read_stored, write_stored
 from rolling.scene.scene import Scene

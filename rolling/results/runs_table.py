@@ -9,11 +9,11 @@ import numpy as np
 
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.texts import cell
+from rolling.kinds.run_folder import RunFolder
 from rolling.numbers import views
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results import verdict
 from rolling.results.labels import SEED, labels
-from rolling.results.run_folder import RunFolder
 from rolling.results.stored_numbers import numbers_of
 
 if TYPE_CHECKING:
@@ -83,7 +83,8 @@ def bands_table(runs: Sequence[RunFolder]) -> pd.DataFrame:
         numbers = numbers_of(run)
         if numbers is None:
             continue
-        for name, bands in views.bands_of(numbers.bands).items():
+        for name, bands in views.bands_of(numbers).items():
+            name = name.removeprefix("bands_")
             spreads = bands.uncertainty_by_name
             for band, value in bands.by_name.items():
                 row = {

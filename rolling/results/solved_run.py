@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from acoustics.arrays import Array
 from acoustics.traps import ignoring_underflow
 from rolling.contact.recovery import EventStatistics, event_statistics
+from rolling.kinds.run_folder import RunFolder
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result, released_energy
 from rolling.numbers.ball_numbers import RunNumbers
@@ -22,7 +23,7 @@ from rolling.numbers.run_file import StoredNumbers
 from rolling.results import labels, long_record
 from rolling.results.channels import Channel, channels_of
 from rolling.results.long_record import ListeningError
-from rolling.results.run_folder import RunFolder
+from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
 from rolling.sound.long_listening import Listening
 from rolling.sound.places import SoundByPlace, sound_by_place
@@ -39,6 +40,7 @@ class SolvedRun(RunFolder):
     It equals no other run, so it can be the key of a dictionary. Its fields are described at `Run`.
     """
 
+    scene: Scene
     label: str
     result: Result
     sound: ContactSound

@@ -6,46 +6,34 @@ bearings are written and read in the same way.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from rolling.contact.processor_time import ProcessorTime
-from rolling.marches import effort
-from rolling.numbers.ball_numbers import RunNumbers
-from rolling.numbers.run_file import StoredBearing, StoredNumbers
-from rolling.numbers.stored import from_bytes, summary_of, to_bytes
-from rolling.results.former_numbers import former_numbers
-from rolling.results.run_folder import (
+from rolling.kinds.kind import Kind
+from rolling.kinds.registry import kinds
+from rolling.kinds.run_folder import (
     MAX_NUMBERS,
     NUMBERS,
     SUMMARY,
     RunFolder,
     is_former,
 )
+from rolling.marches import effort
+from rolling.numbers.stored import from_bytes, summary_of, to_bytes
 from rolling.scene.height_files import read_regular
 from rolling.terminal import files
 from rolling.terminal.files import FolderError
 
 _ADVICE = "delete it, and the same command solves the run again"
-_Stored = TypeVar("_Stored", StoredNumbers, StoredBearing)
 
 
-def read_stored(folder: Path) -> StoredNumbers:
-    """Read the numbers of a run of a ball from its folder.
+def read_stored(folder: Path) -> Any:
+    """Read the numbers of a run from its folder, as its kind stores them.
 
-    Raises
-    ------
-    FolderError : the file is damaged, or not written by this program.
-    """
-    return read_kind(folder, StoredNumbers, former_numbers)
-
-
-def read_kind(folder: Path, kind: type[_Stored], former: Callable[[bytes], _Stored]) -> _Stored:
-    """Read the numbers of a kind of run from its folder.
-
-    Those of a folder of version 0.8 are read from its summary.json, by the function `former`.
+    Those of a folder of version 0.8 are read from its summary.json.
 
     Raises
     ------
@@ -57,9 +45,10 @@ def read_kind(folder: Path, kind: type[_Stored], former: Callable[[bytes], _Stor
     try:
         content = read_regular(path, MAX_NUMBERS)
         if path.name == SUMMARY:
-            return former(content)
-        stored = from_bytes(kind, content)
-        if stored.format != kind.format or stored.kind != kind.kind:
+            return _former(content)
+        stored_type = _kind_of_content(content).stored_type
+        stored = from_bytes(stored_type, content)
+        if stored.format != stored_type.format:
             raise ValueError(f"format {stored.format} of a {stored.kind}")
     except OSError as error:
         reason = error.strerror or str(error)
@@ -69,7 +58,27 @@ def read_kind(folder: Path, kind: type[_Stored], former: Callable[[bytes], _Stor
     return stored
 
 
-def write_stored(folder: Path, stored: StoredNumbers | StoredBearing) -> None:
+def _kind_of_content(content: bytes) -> Kind:
+    """Return the kind whose numbers a file has; raise ValueError where it names none."""
+    values = json.loads(content)
+    name = values.get("kind") if isinstance(values, dict) else None
+    every = kinds()
+    if name not in every:
+        raise ValueError(f"numbers of the kind {name}")
+    return every[name]
+
+
+def _former(content: bytes) -> Any:
+    """Return the numbers of a summary.json of version 0.8; raise ValueError where it is none."""
+    values = json.loads(content)
+    written = values.get("format") if isinstance(values, dict) else None
+    for kind in kinds().values():
+        if kind.former_format == written:
+            return kind.former_stored(content)
+    raise ValueError(f"the file beside it, {NUMBERS}, is missing")
+
+
+def write_stored(folder: Path, stored: Any) -> None:
     """Write the numbers of a run into its folder, last their view, which tells that it is whole.
 
     Raises
@@ -87,21 +96,21 @@ def write_stored(folder: Path, stored: StoredNumbers | StoredBearing) -> None:
     files.write_json(folder / SUMMARY, view)
 
 
-def numbers_of(run: RunFolder) -> RunNumbers | None:
+def numbers_of(run: RunFolder) -> Any | None:
     """Return the numbers of a run, from its folder unless it is in memory; None without any."""
-    numbers: RunNumbers | None = getattr(run, "numbers", None)
+    numbers = getattr(run, "numbers", None)
     if numbers is None and (run.folder / SUMMARY).is_file():
         numbers = read_stored(run.folder).numbers
     return numbers
 
 
-def with_page(stored: _Stored, spent: ProcessorTime, runs: int) -> _Stored:
+def with_page(stored: Any, spent: ProcessorTime, runs: int) -> Any:
     """Return stored numbers with the share of the run in the time of a page of so many runs."""
     known = stored.numbers.effort.parts_cpu_s or {}
     return with_parts(stored, effort.with_page(known, spent, runs))
 
 
-def with_parts(stored: _Stored, parts_cpu_s: dict[str, float | None]) -> _Stored:
+def with_parts(stored: Any, parts_cpu_s: dict[str, float | None]) -> Any:
     """Return stored numbers with other processor times [s] of the parts of the run."""
     own = replace(stored.numbers.effort, parts_cpu_s=parts_cpu_s)
     return replace(stored, numbers=replace(stored.numbers, effort=own))

@@ -7,7 +7,7 @@ with the number of processes (`tests/benchmarks/core_study.py`).
 
 import math
 from collections import Counter, defaultdict, deque
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
 
@@ -17,13 +17,10 @@ class Backlog:
     A team keeps to a surface that it has. Where that needs no more, an idle team takes the first
     one that no team has, or else the one with most items per process of the teams that have it.
 
-    items : iterable of pair. Surfaces, each with an item that needs it.
     """
 
-    def __init__(self, items: Iterable[tuple[Hashable, Any]] = ()) -> None:
+    def __init__(self) -> None:
         self._queues: defaultdict[Hashable, deque[Any]] = defaultdict(deque)  # none is empty
-        for surface, item in items:
-            self._queues[surface].append(item)
         # The last surfaces of each team, at most one per process, and the processes of each surface
         self._surfaces_of: defaultdict[Hashable, deque[Hashable]] = defaultdict(deque)
         self._processes: Counter[Hashable] = Counter()
@@ -36,6 +33,10 @@ class Backlog:
         """Put items before the others of their surface."""
         if items:
             self._queues[surface].extendleft(reversed(items))
+
+    def put_last(self, surface: Hashable, item: Any) -> None:
+        """Put an item behind the others of its surface."""
+        self._queues[surface].append(item)
 
     def take(
         self, teams: Mapping[Hashable, int], in_hand: Mapping[Hashable, int], slots: int

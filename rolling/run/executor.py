@@ -3,25 +3,25 @@
 import errno
 import signal
 from collections import Counter, defaultdict, deque
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from rolling.check import cost, forecast
 from rolling.contact.solver import ContactError
-from rolling.marches.next_pieces import next_pieces, own_part
+from rolling.kinds.march import March, MarchStore
+from rolling.kinds.run_folder import RunFolder
+from rolling.marches.next_pieces import next_pieces
 from rolling.marches.piece import Piece, contact_identity
 from rolling.marches.result import Result
-from rolling.results import result_file
-from rolling.results.run_folder import RESULT, RunFolder
+from rolling.run import folder as folders
 from rolling.run.backlog import Backlog
 from rolling.run.pools import Pool, Task
-from rolling.run.worker import KILLED, MAX_BREAKS, finish_run, solve_piece
+from rolling.run.worker import KILLED, MAX_BREAKS, finish_run, first_sound, solve_piece
 from rolling.scene.messages import SceneError
-from rolling.scene.scene import Scene
 from rolling.surface import scene_surface
 from rolling.terminal import progress, shortage
 
@@ -51,31 +51,35 @@ class RunFiles:
 
     runs : sequence of RunFolder. The folder of each run.
     labels : sequence of str. The label of each run.
-    pieces : Path. Folder for the files of pieces.
-    stored : mapping. Runs that are done, by contact identity; their marches are taken.
-    film : bool. Whether runs get a slow motion.
-    finish : function. It makes the sound of a complete run from its folder, label and result, and
-        writes its files, in a process of the pool. It may return the digest of a run that is kept.
+    folder : Path. Folder above the runs, with the files of pieces.
+    finish : function or None. It makes the sound of a complete run from its folder, label and
+        marches, and writes its files, in a process of the pool. It may return the digest of a run
+        that is kept. None for runs that have no files but those of their marches.
+    is_heard_early : bool. Whether the first run is heard as soon as its first marches allow.
     """
 
     runs: Sequence[RunFolder]
     labels: Sequence[str]
-    pieces: Path
-    stored: Mapping[str, RunFolder]
-    film: bool
-    finish: Callable[[RunFolder, str, Result], str | None] = finish_run
+    folder: Path
+    finish: Callable[[RunFolder, str, Sequence[Any]], str | None] | None = finish_run
+    is_heard_early: bool = False
+
+    @property
+    def pieces(self) -> Path:
+        """Folder of the files of pieces."""
+        return self.folder / folders.PIECES
 
 
 class FinishedRun(NamedTuple):
     """Run that is finished.
 
-    number : int. Its place among the scenes.
-    result : Result. None where its files are written.
+    number : int. Its place among the runs.
+    marched : list. What is kept of each of its marches; empty where its files are written.
     digest : str. Digest of a run that is kept for the end of the command; empty without.
     """
 
     number: int
-    result: Result | None
+    marched: list[Any]
     digest: str = ""
 
 
@@ -86,13 +90,33 @@ class _TaskInHand(NamedTuple):
     team: Hashable
 
 
-class RunLoop:
-    """Loop over the pieces that runs lack. Runs that need equal pieces share them.
+class _OneMarch:
+    """A march of the loop: its contact, and the runs that need it.
 
-    Runs with one contact identity begin together: the shortest march first, so that a person soon
-    hears a run, and then the longest, so that no process waits at the end. A run begins when a team
-    of the pool has no other task for a surface of its own, so that a sweep of many runs keeps few
-    results in memory.
+    march : March. The march.
+    identity : str. Its contact identity.
+    surface : hashable. Identity of its surface.
+    runs : list of int. Numbers of the runs that need it and are not finished.
+    """
+
+    def __init__(self, march: March) -> None:
+        self.march = march
+        self.identity = contact_identity(march.scene)
+        self.surface = scene_surface.identity(march.scene)
+        self.runs: list[int] = []
+
+
+FIRST_SOUND = "first sound"  # begins the key of its task
+
+
+class RunLoop:
+    """Loop over the pieces that the marches of runs lack, of runs of any kind.
+
+    Marches that need equal pieces share them. Those of one contact identity begin together: the
+    shortest first, so that a person soon hears a run, and then the longest, so that no process
+    waits at the end. They begin when a team of the pool has no other task for a surface of its own,
+    so that a sweep of many runs keeps few results in memory. Marches that the first sound of a run
+    does not need begin when nothing else is left to hand out.
 
     Attributes
     ----------
@@ -101,47 +125,92 @@ class RunLoop:
     """
 
     def __init__(
-        self, scenes: Sequence[Scene], bar: progress.Bar, files: RunFiles | None = None
+        self,
+        runs: Sequence[Sequence[March]],
+        store: MarchStore,
+        bar: progress.Bar,
+        files: RunFiles | None = None,
     ) -> None:
         """Prepare the runs.
 
         Parameters
         ----------
-        scenes : sequence of Scene. Scenes without a sweep, one per run.
+        runs : sequence of sequence of March. The marches that each run needs.
+        store : MarchStore. It has the marches that are known, and keeps the others.
         bar : Bar. It receives the expected time of pieces [s].
         files : RunFiles. Files that the runs get. Default: all is kept in memory.
         """
         self.failures: dict[int, str] = {}
         self.without_solution: set[int] = set()
-        self._scenes = scenes
+        self._store = store
         self._bar = bar
         self._files = files
-        self._identities = [contact_identity(scene) for scene in scenes]
-        self._surfaces = [scene_surface.identity(scene) for scene in scenes]
-        groups = defaultdict[str, list[int]](list)
-        for number, identity in enumerate(self._identities):
-            groups[identity].append(number)
-        # Expected seconds of the first run of each group, whose march the others share. Pieces take
+        self._marches: list[_OneMarch] = []
+        self._shared: dict[str, int] = {}  # marches that runs share, by their identity
+        self._of_run = [self._numbers_of(run, needed) for run, needed in enumerate(runs)]
+        self._kept: dict[int, Any] = {}  # of whole marches, as long as runs need it
+        self._results: dict[int, Result] = {}  # of marches that have begun
+        self._finished: deque[FinishedRun] = deque()
+        self._in_hand: dict[Future[Any], _TaskInHand] = {}
+        self._wanting: dict[tuple[str, str], list[int]] = {}  # marches by the key of their piece
+        self._endings: dict[tuple[str, str], int] = {}  # runs by the key of their last task
+        self._suspects: deque[Task] = deque()  # tasks that may have killed their process
+        self._breaks: Counter[tuple[str, str]] = Counter()  # of the pool, by the key of a task
+        # Expected seconds of the first march of each group, which the others share. Pieces take
         # their time from them, so that the sum of the progress seldom grows.
         self._unplanned_seconds: dict[int, float] = {}
         self._step_seconds: dict[str, float] = {}  # expected, by contact identity
+        self._backlog = Backlog()  # of tasks, and of groups of marches that have to begin
+        self._later: list[list[int]] = []  # groups that no first sound needs
+        self._find_known()
+        self._queue_groups()
+
+    def _numbers_of(self, run: int, needed: Sequence[March]) -> list[int]:
+        """Return the numbers of the marches of a run; one that is shared has one number."""
+        numbers = []
+        for march in needed:
+            own = _OneMarch(march)
+            number = len(self._marches)
+            if march.is_shared:
+                number = self._shared.setdefault(own.identity, number)
+            if number == len(self._marches):
+                self._marches.append(own)
+            if run not in self._marches[number].runs:
+                self._marches[number].runs.append(run)
+            numbers.append(number)
+        return numbers
+
+    def _find_known(self) -> None:
+        """Take the marches that are kept already, and finish the runs that need no other."""
+        for number, own in enumerate(self._marches):
+            known = self._store.find(own.march, own.identity)
+            if known is not None:
+                self._kept[number] = known
+        for run in range(len(self._of_run)):
+            self._finish_if_whole(run)
+
+    def _queue_groups(self) -> None:
+        """Queue the marches that are lacking, in groups of one contact identity."""
+        groups = defaultdict[str, list[int]](list)
+        for number, own in enumerate(self._marches):
+            if number not in self._kept:
+                groups[own.identity].append(number)
         for identity, group in groups.items():
-            scene = scenes[group[0]]
+            scene = self._marches[group[0]].march.scene
             self._unplanned_seconds[group[0]] = forecast.march_seconds(scene)
             self._step_seconds[identity] = cost.lap_seconds(scene) / scene.track.solved_steps
-        bar.grow(sum(self._unplanned_seconds.values()))
+        self._bar.grow(sum(self._unplanned_seconds.values()))
         longest_first = sorted(
             groups.values(), key=lambda group: self._unplanned_seconds[group[0]], reverse=True
         )
-        ordered = longest_first[-1:] + longest_first[:-1]
-        # The backlog holds tasks, and groups of runs that have to begin.
-        self._backlog = Backlog((self._surfaces[group[0]], group) for group in ordered)
-        self._results: dict[int, Result] = {}  # of runs that have begun
-        self._finished: deque[FinishedRun] = deque()
-        self._in_hand: dict[Future[Any], _TaskInHand] = {}
-        self._wanting: dict[tuple[str, str], list[int]] = {}  # runs by the key of their task
-        self._suspects: deque[Task] = deque()  # tasks that may have killed their process
-        self._breaks: Counter[tuple[str, str]] = Counter()  # of the pool, by the key of a task
+        first = [group for group in longest_first if self._is_first(group)]
+        self._later = [group for group in longest_first if not self._is_first(group)]
+        for group in first[-1:] + first[:-1]:
+            self._backlog.put_last(self._marches[group[0]].surface, group)
+
+    def _is_first(self, group: Sequence[int]) -> bool:
+        """Tell whether a first sound needs one of some marches."""
+        return any(self._marches[number].march.is_first for number in group)
 
     def finished_runs(self, pool: Pool) -> Iterator[FinishedRun]:
         """Hand out all pieces, and yield each run when it is complete or its files are written.
@@ -151,7 +220,9 @@ class RunLoop:
         OSError : a disk is full or read-only, or a cluster is gone.
         KeyboardInterrupt : Ctrl-C or SIGTERM. Files of finished pieces are kept.
         """
-        while self._backlog or self._suspects or self._in_hand:
+        while self._finished:
+            yield self._finished.popleft()
+        while self._backlog or self._later or self._suspects or self._in_hand:
             self._hand_out(pool)
             done, _ = wait(self._in_hand, POLL_SECONDS, FIRST_COMPLETED)
             pool.poll()
@@ -167,55 +238,45 @@ class RunLoop:
             while self._finished:
                 yield self._finished.popleft()
 
-    # ---- runs: begin, march, finish, fail
+    # ---- marches: begin, plan, keep
 
     def _begin(self, group: Sequence[int]) -> None:
-        """Begin the runs of one contact identity."""
+        """Begin the marches of one contact identity."""
         for number in group:
-            self._results[number] = self._first_result(number)
+            own = self._marches[number]
+            if not own.runs:  # they have failed
+                self._forget(number)
+                continue
+            self._results[number] = self._store.begin(own.march, own.identity)
             self._plan(number)
 
-    def _first_result(self, number: int) -> Result:
-        """Return the result with which a run begins: empty, or with the march of a stored run."""
-        scene = self._scenes[number]
-        source = None
-        if self._files is not None:
-            source = self._files.stored.get(self._identities[number])
-        if source is None:
-            return Result.empty(scene)
-        result = result_file.read_result(source.folder / RESULT, source.scene)
-        film = result.slow_motion
-        if film is not None and len(film.positions) == 0:
-            film = None  # another stretch may have a solution
-        return replace(result, steps=scene.track.steps, extremes={}, slow_motion=film)
-
     def _plan(self, number: int) -> None:
-        """Queue the pieces that a run lacks next, or finish it."""
-        scene = self._scenes[number]
+        """Queue the pieces that a march lacks next, or keep it whole."""
+        own = self._marches[number]
         result = self._results[number]
-        film = self._files is not None and self._files.film
         try:
-            pieces = next_pieces(scene, result, film)
+            pieces = next_pieces(own.march.scene, result, own.march.film)
+            if not pieces:
+                kept = self._store.keep(own.march, own.identity, self._results.pop(number))
         except ContactError as error:
-            self.without_solution.add(number)
-            self.fail(number, str(error))
+            self._fail_march(number, str(error), has_solution=False)
             return
         if not pieces:
             self._bar.grow(-self._unplanned_seconds.pop(number, 0.0))
-            self._finish(number)
+            self._keep(number, kept)
             return
-        step_seconds = self._step_seconds[self._identities[number]]
+        step_seconds = self._step_seconds[own.identity]
         tasks = []
         for piece in pieces:
             key = piece.identity, piece.key
-            if key in self._wanting:  # another run waits for an equal piece
+            if key in self._wanting:  # another march waits for an equal piece
                 self._wanting[key].append(number)
                 continue
             self._wanting[key] = [number]
             seconds = (piece.last - piece.first) * step_seconds * piece.step_cost
             self._expect(number, seconds)
             tasks.append(self._piece_task(piece, seconds))
-        self._backlog.put(self._surfaces[number], tasks)
+        self._backlog.put(own.surface, tasks)
 
     def _piece_task(self, piece: Piece, seconds: float) -> Task:
         """Return the task of a piece with its expected time [s]."""
@@ -231,47 +292,121 @@ class RunLoop:
         )
 
     def _expect(self, number: int, seconds: float) -> None:
-        """Take the time of a piece [s] from the forecast of its run; the progress gets the rest."""
+        """Take the time of a piece [s] from the forecast of its march; the bar gets the rest."""
         unplanned = self._unplanned_seconds.get(number, 0.0)
         taken = min(seconds, unplanned)
         self._unplanned_seconds[number] = unplanned - taken
         self._bar.grow(seconds - taken)
 
-    def _finish(self, number: int) -> None:
-        """Hand over a complete run, or queue the task that writes its files."""
-        scene = self._scenes[number]
-        film = self._files is not None and self._files.film
-        try:
-            result = own_part(scene, self._results.pop(number), film)
-        except ContactError as error:
-            self.without_solution.add(number)
-            self.fail(number, str(error))
-            return
-        if self._files is None:
-            self._finished.append(FinishedRun(number, result))
-            return
-        run = self._files.runs[number]
-        task = Task(
-            key=("finish", str(number)),
-            function=self._files.finish,
-            arguments=(run, self._files.labels[number], result),
-        )
-        self._wanting[task.key] = [number]
-        self._backlog.put(self._surfaces[number], [task])
+    def _keep(self, number: int, kept: Any) -> None:
+        """Note what is kept of a whole march, and finish the runs that needed nothing else."""
+        own = self._marches[number]
+        self._kept[number] = kept
+        if self._files is not None and self._store.is_lasting:
+            folders.drop_pieces(self._files.folder, own.identity)
+        for run in list(own.runs):
+            self._finish_if_whole(run)
 
-    def fail(self, number: int, reason: str) -> None:
-        """Note that a run failed, with marks in its heights, and forget its other tasks."""
-        scene = self._scenes[number]
-        if scene.height_paths and number not in self.failures:
-            with suppress(SceneError, MemoryError):  # the file is gone, or does not fit here
-                suspicions = scene_surface.scene_surface(scene).suspicions
-                reason = "; ".join((reason, *suspicions))
-        self.failures.setdefault(number, reason)
+    def _forget(self, number: int) -> None:
+        """Forget a march that no run needs any more, and its pieces that wait."""
         self._bar.grow(-self._unplanned_seconds.pop(number, 0.0))
         self._results.pop(number, None)
         for numbers in self._wanting.values():
             if number in numbers:
                 numbers.remove(number)
+
+    def _fail_march(self, number: int, reason: str, has_solution: bool = True) -> None:
+        """Note that the runs which need a march failed."""
+        own = self._marches[number]
+        for run in list(own.runs):
+            if not has_solution:
+                self.without_solution.add(run)
+            self.fail(run, own.march.failure(reason))
+
+    # ---- runs: finish, fail
+
+    def _finish_if_whole(self, run: int) -> None:
+        """Hand over a run all of whose marches are whole, or queue the task of its files."""
+        numbers = self._of_run[run]
+        if all(number in self._kept for number in numbers):
+            marched = [self._kept[number] for number in numbers]
+            if self._files is None or self._files.finish is None:
+                self._leave(run)
+                self._finished.append(FinishedRun(run, marched))
+            else:
+                self._queue_ending(("finish", str(run)), run, self._files.finish, marched)
+        elif run == 0 and self._files is not None and self._files.is_heard_early:
+            self._hear_early(run)
+
+    def _hear_early(self, run: int) -> None:
+        """Queue the first sound of a run once, when the marches that it needs are whole."""
+        key = FIRST_SOUND, str(run)
+        first = [number for number in self._of_run[run] if self._marches[number].march.is_first]
+        if key in self._endings or not all(number in self._kept for number in first):
+            return
+        marched = [self._kept.get(number) for number in self._of_run[run]]
+        self._queue_ending(key, run, first_sound, marched)
+
+    def _queue_ending(
+        self,
+        key: tuple[str, str],
+        run: int,
+        function: Callable[..., Any],
+        marched: Sequence[Any],
+    ) -> None:
+        """Queue a task on the files of a run."""
+        assert self._files is not None  # asked for by the callers
+        arguments = (self._files.runs[run], self._files.labels[run], marched)
+        self._endings[key] = run
+        numbers = self._of_run[run]
+        surface = self._marches[numbers[0]].surface if numbers else None
+        self._backlog.put(surface, [Task(key=key, function=function, arguments=arguments)])
+
+    def _end(self, task: Task, value: Any, reason: str) -> None:
+        """Act on the end of a task on the files of a run."""
+        run = self._endings[task.key]
+        if task.key[0] == FIRST_SOUND:
+            if value:
+                progress.line(f"the first sound, of contacts at one load: {value}")
+            return
+        if reason:
+            self.fail(run, reason)
+            return
+        self._leave(run)
+        self._finished.append(FinishedRun(run, [], value or ""))
+
+    def fail(self, run: int, reason: str) -> None:
+        """Note that a run failed, with marks in its heights, and forget the marches of it alone."""
+        if run not in self.failures:
+            self.failures[run] = "; ".join([reason, *self._suspicions(run)])
+        for number in self._of_run[run]:
+            if run in self._marches[number].runs:
+                self._marches[number].runs.remove(run)
+            if not self._marches[number].runs:
+                self._forget(number)
+                self._kept.pop(number, None)
+
+    def _suspicions(self, run: int) -> list[str]:
+        """Return what is suspicious in the measured heights of a run."""
+        suspicions: list[str] = []
+        for number in self._of_run[run]:
+            scene = self._marches[number].march.scene
+            if scene.height_paths:
+                with suppress(SceneError, MemoryError):  # the file is gone, or does not fit here
+                    suspicions += scene_surface.scene_surface(scene).suspicions
+        return list(dict.fromkeys(suspicions))
+
+    def _leave(self, run: int) -> None:
+        """Let go what a finished run needed, and the pieces that no other run needs."""
+        for number in self._of_run[run]:
+            own = self._marches[number]
+            if run in own.runs:
+                own.runs.remove(run)
+            if not own.runs:
+                self._kept.pop(number, None)
+            is_needed = any(other.runs for other in self._marches if other.identity == own.identity)
+            if self._files is not None and not is_needed:
+                folders.drop_pieces(self._files.folder, own.identity)
 
     # ---- tasks: hand out, collect, repeat
 
@@ -286,6 +421,9 @@ class RunLoop:
             else:
                 counts = Counter(in_hand.team for in_hand in self._in_hand.values())
                 taken = self._backlog.take(pool.teams, counts, pool.slots)
+                if taken is None and not self._backlog and self._later:
+                    self._queue_later()
+                    continue
                 if taken is None:
                     return
                 team, item = taken
@@ -293,7 +431,7 @@ class RunLoop:
                     self._begin(item)
                     continue
                 task = item
-            if not self._wanting.get(task.key):  # its runs have failed
+            if not self._is_wanted(task):  # its runs have failed
                 self._wanting.pop(task.key, None)
                 continue
             try:
@@ -302,8 +440,20 @@ class RunLoop:
                 self._suspects.appendleft(task)
                 self._repeat_lost_tasks(pool)
 
+    def _queue_later(self) -> None:
+        """Queue the marches that no first sound needs."""
+        for group in self._later:
+            self._backlog.put_last(self._marches[group[0]].surface, group)
+        self._later = []
+
+    def _is_wanted(self, task: Task) -> bool:
+        """Tell whether a run still needs a task."""
+        if task.piece is not None:
+            return bool(self._wanting.get(task.key))
+        return self._endings[task.key] not in self.failures
+
     def _collect(self, future: Future[Any], pool: Pool) -> None:
-        """Store the value of a task in its runs, or fail them; raise BrokenExecutor for retry."""
+        """Store the value of a task, or fail what needs it; raise BrokenExecutor for retry."""
         task = self._in_hand[future].task
         value: Any = None
         reason = ""
@@ -326,33 +476,36 @@ class RunLoop:
         self._breaks.pop(task.key, None)
         self._bar.update(task.seconds)
         progress.detail(f"done: {' '.join(task.key)}")
+        if task.piece is None:
+            if not has_solution:
+                self.without_solution.add(self._endings[task.key])
+            self._end(task, value, reason)
+            return
         for number in self._wanting.pop(task.key, []):
             if reason:
-                if not has_solution:
-                    self.without_solution.add(number)
-                self.fail(number, reason)
-            elif task.piece is None:
-                self._finished.append(FinishedRun(number, None, value or ""))
-            else:
-                self._results[number].add(task.piece, value)
-                if not self._is_waiting(number):
-                    self._plan(number)
+                self._fail_march(number, reason, has_solution)
+                continue
+            self._results[number].add(task.piece, value)
+            if not self._is_waiting(number):
+                self._plan(number)
 
     def _is_waiting(self, number: int) -> bool:
-        """Return whether a run waits for a task."""
+        """Return whether a march waits for a piece."""
         return any(number in numbers for numbers in self._wanting.values())
 
     def _repeat_lost_tasks(self, pool: Pool) -> None:
         """Rebuild a broken pool, and queue each task in hand again, to be done alone."""
         progress.line(LOST)
         for in_hand in self._in_hand.values():
-            key = in_hand.task.key
-            self._breaks[key] += 1
-            if self._breaks[key] < MAX_BREAKS:
-                self._suspects.appendleft(in_hand.task)
+            task = in_hand.task
+            self._breaks[task.key] += 1
+            if self._breaks[task.key] < MAX_BREAKS:
+                self._suspects.appendleft(task)
+            elif task.piece is None:
+                self.fail(self._endings[task.key], KILLED)
             else:
-                for number in self._wanting.pop(key, []):
-                    self.fail(number, KILLED)
+                for number in self._wanting.pop(task.key, []):
+                    self._fail_march(number, KILLED)
         self._in_hand.clear()
         pool.rebuild()
 

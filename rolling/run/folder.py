@@ -10,21 +10,14 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TypeVar
+from typing import Any
 
-from rolling.results.run_folder import (
-    FAILED,
-    RESULT,
-    BearingFolder,
-    RunFolder,
-    RunPlace,
-    refuse_former,
-)
-from rolling.scene import bearing_file, file
-from rolling.scene.bearing_scene import BearingScene
+from rolling.kinds.reading import read_scene
+from rolling.kinds.run_folder import FAILED, RESULT, RunFolder
+from rolling.kinds.stored import refuse_former
+from rolling.scene import file
 from rolling.scene.height_files import open_regular
 from rolling.scene.identity import contains, differences, scene_identity
-from rolling.scene.scene import Scene
 from rolling.scene.sweep import run_name, with_paths
 from rolling.scene.swept import AnyScene
 from rolling.terminal import files, program
@@ -44,11 +37,10 @@ LOCK_SECONDS = 2.0  # of waiting for `status`, which locks a folder for a moment
 MAX_NAMED = 20  # runs of a state that the status names
 STATES = ("done", "running", "waiting", "failed")
 
-Place = TypeVar("Place", bound=RunPlace)
 Part = tuple[int, int]  # number from 1 on, and count of the parts of a sweep
 
 
-def runs_in(folder: Path, scene: Scene) -> list[RunFolder]:
+def runs_in(folder: Path, scene: Any) -> list[RunFolder]:
     """Return the runs of a scene in a folder; a single run lies in the folder itself."""
     return [RunFolder(values, single, folder / run_name(values)) for values, single in scene.runs()]
 
@@ -69,53 +61,6 @@ def stored_runs(folder: Path) -> list[RunFolder]:
     return runs_in(folder, stored_scene(folder))
 
 
-def is_of_bearing(folder: Path) -> bool:
-    """Tell whether a folder, or the folder of a sweep around it, holds runs of a bearing."""
-    above = folder.absolute().parent
-    for place in (folder, above):
-        if _is_marked(place):
-            return bearing_file.is_bearing_file(place / SCENE)
-    return False
-
-
-def bearing_runs_in(folder: Path, scene: BearingScene) -> list[BearingFolder]:
-    """Return the runs of a bearing in a folder; a single run lies in the folder itself."""
-    return [
-        BearingFolder(values, single, folder / run_name(values)) for values, single in scene.runs()
-    ]
-
-
-def stored_bearing_runs(folder: Path) -> list[BearingFolder]:
-    """Return the runs of a bearing in a run folder, or the run of a folder inside a sweep's.
-
-    Raises
-    ------
-    SceneError : the scene cannot be read.
-    """
-    above = folder.absolute().parent
-    if not _is_marked(folder) and _is_marked(above):
-        for run in bearing_runs_in(above, bearing_file.read_bearing(above / SCENE)):
-            if run.folder.name == folder.name:
-                return [BearingFolder(run.values, run.scene, folder)]
-    return bearing_runs_in(folder, bearing_file.read_bearing(folder / SCENE))
-
-
-def bearing_home(folder: Path) -> Path:
-    """Return the folder that has the marches of a bearing, for it or for a run of its sweep.
-
-    Raises
-    ------
-    FolderError : the folder is no run folder, or has the runs of a sphere.
-    SceneError : its scene cannot be read.
-    """
-    if is_of_bearing(folder):
-        return folder if _is_marked(folder) else folder.absolute().parent
-    stored_runs(folder)
-    raise FolderError(
-        f"{folder}: runs of a sphere; a bearing takes the marches of the run folder of a bearing"
-    )
-
-
 def done_runs(folder: Path) -> list[RunFolder]:
     """Return the runs of a run folder; raise FolderError for a run that is not done."""
     runs = stored_runs(folder)
@@ -129,42 +74,23 @@ def done_run(folder: Path, verb: str) -> RunFolder:
 
     The verb tells what a person wants to do with the run, such as "open".
     """
-    run = _only(stored_runs(folder), folder, verb)
-    _refuse_undone(run)
-    return run
-
-
-def done_bearing_run(folder: Path, verb: str) -> BearingFolder:
-    """Return the only run of a bearing in a folder, as `done_run` does.
-
-    Raises
-    ------
-    FolderError : the folder has no run of a bearing, several, or one that is not done.
-    """
-    if not is_of_bearing(folder):
-        raise FolderError(f"{folder}: no run folder of a bearing")
-    run = _only(stored_bearing_runs(folder), folder, verb)
-    _refuse_undone(run)
-    return run
-
-
-def _only(runs: Sequence[Place], folder: Path, verb: str) -> Place:
-    """Return the only run of a folder; refuse a folder of several runs."""
+    runs = stored_runs(folder)
     if len(runs) > 1:
         names = ", ".join(run.folder.name for run in runs[:3])
         raise FolderError(
             f"{folder}: holds {len(runs)} runs; {verb} one of the folders in it ({names}, ...)"
         )
+    _refuse_undone(runs[0])
     return runs[0]
 
 
-def _refuse_undone(run: RunPlace) -> None:
+def _refuse_undone(run: RunFolder) -> None:
     """Refuse a run that is not done."""
     if not run.is_done:
         raise FolderError(f"{run.folder}: not done; the same `rolling run` goes on with it")
 
 
-def stored_scene(folder: Path) -> Scene:
+def stored_scene(folder: Path) -> Any:
     """Read the scene of a run folder.
 
     Raises
@@ -178,12 +104,7 @@ def stored_scene(folder: Path) -> Scene:
             raise FolderError(f"{folder}: a single run of a sweep; name the folder of it, {above}")
         reason = _foreign_content(folder) or "no run folder, there is no scene.yaml"
         raise FolderError(f"{folder}: {reason}")
-    if bearing_file.is_bearing_file(folder / SCENE):
-        raise FolderError(
-            f"{folder}: runs of a bearing; `rolling run`, `report`, `table`, `listen` and `status`"
-            " take them, and this command takes those of a sphere"
-        )
-    return file.read_scene(folder / SCENE)
+    return read_scene(folder / SCENE)
 
 
 def _is_marked(folder: Path) -> bool:
@@ -216,7 +137,7 @@ def _foreign_content(folder: Path) -> str:
     return ""
 
 
-def refuse_other(folder: Path, scene: Scene | BearingScene) -> bool:
+def refuse_other(folder: Path, scene: Any) -> bool:
     """Refuse a folder that holds something else than runs of a scene.
 
     Returns
@@ -233,7 +154,7 @@ def refuse_other(folder: Path, scene: Scene | BearingScene) -> bool:
         if reason:
             raise FolderError(f"{folder}: {reason}; {_way_out(folder)}")
         return False
-    old = bearing_file.read_either(folder / SCENE)
+    old = read_scene(folder / SCENE)
     if type(old) is not type(scene):
         raise FolderError(f"{folder}: holds runs of another scene; {_way_out(folder)}")
     new = with_relative_paths(folder, scene)
@@ -242,21 +163,14 @@ def refuse_other(folder: Path, scene: Scene | BearingScene) -> bool:
     if lines and not adds_runs:
         text = "".join(f"\n  {text}" for text in lines)
         raise FolderError(f"{folder}: holds runs of another scene; {_way_out(folder)}{text}")
-    refuse_former(_places_in(folder, new))
+    refuse_former(runs_in(folder, new))
     maker = made_by(folder)
-    if maker != this_program() and not all(run.is_done for run in _places_in(folder, new)):
+    if maker != this_program() and not all(run.is_done for run in runs_in(folder, new)):
         raise FolderError(
             f"{folder}: holds runs or pieces of {maker}, and this is {this_program()}; numbers of"
             f" two programs are not mixed, so {_way_out(folder)}, or delete the folder"
         )
     return not lines
-
-
-def _places_in(folder: Path, scene: Scene | BearingScene) -> Sequence[RunPlace]:
-    """Return the places of the runs of a scene of either kind."""
-    if isinstance(scene, BearingScene):
-        return bearing_runs_in(folder, scene)
-    return runs_in(folder, scene)
 
 
 def _way_out(folder: Path) -> str:
@@ -307,7 +221,7 @@ def new_folder(folder: Path) -> Path:
     return folder
 
 
-def write_scene(folder: Path, scene: Scene | BearingScene) -> None:
+def write_scene(folder: Path, scene: Any) -> None:
     """Write the resolved scene of a run folder."""
     head = f"{MARK}, written by {this_program()}\n"
     text = head + file.dump(with_relative_paths(folder, scene))
@@ -331,7 +245,7 @@ def with_relative_paths(folder: Path, scene: AnyScene) -> AnyScene:
     return type(scene).from_dict(data, folder)
 
 
-def default_folder(scene: Scene | BearingScene) -> Path:
+def default_folder(scene: Any) -> Path:
     """Return the folder of a scene that is given without --out."""
     return Path("outputs") / f"{scene.name}-{scene_identity(scene)[:8]}"
 
@@ -402,7 +316,7 @@ def is_locked(path: Path) -> bool:
 # ---- files that a killed command left
 
 
-def tidy(folder: Path, runs: Sequence[RunPlace], alone: bool) -> None:
+def tidy(folder: Path, runs: Sequence[RunFolder], alone: bool) -> None:
     """Remove failures of earlier attempts and files half written in a folder and its runs.
 
     Unless the command is `alone`, another part may just write a file into the folder itself.
@@ -452,10 +366,7 @@ def states(folder: Path) -> dict[str, tuple[str, str]]:
     """Return state and reason of each run of a folder by the name of its folder."""
     is_running = any(map(is_locked, folder.glob(f"{LOCK}*")))
     by_name = {}
-    runs: Sequence[RunPlace] = (
-        stored_bearing_runs(folder) if is_of_bearing(folder) else stored_runs(folder)
-    )
-    for run in runs:
+    for run in stored_runs(folder):
         state = "waiting"
         reason = ""
         if run.is_done:

@@ -14,9 +14,10 @@ import shutil
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
-from rolling.results.run_folder import RunFolder
-from rolling.results.run_result import Run, read_run
+from rolling.kinds.registry import kind_of
+from rolling.kinds.run_folder import RunFolder
 from rolling.results.stored_numbers import read_stored
 from rolling.run import folder as folders
 from rolling.scene.height_files import read_regular
@@ -26,7 +27,7 @@ MAX_BYTES = 100_000_000  # of a run that is kept
 MIN_FREE = 20  # times the size of a kept run that the disk must have left
 
 
-def keep(run: Run) -> str:
+def keep(run: Any) -> str:
     """Write a run for the end of the command; return its digest, empty where it is not kept.
 
     A run that is large, or too large for what the disk has left, is not worth its place.
@@ -59,7 +60,7 @@ class KeptRuns:
         digest = self.digests.get(run.folder, "")
         return KeptRuns(self.folder, {run.folder: digest})
 
-    def read(self, run: RunFolder, label: str) -> Run:
+    def read(self, run: RunFolder, label: str) -> Any:
         """Return a run that is done, with its stored numbers, under a label.
 
         Raises
@@ -72,10 +73,10 @@ class KeptRuns:
                 path = self.folder / folders.PIECES / folders.KEPT / digest
                 content = read_regular(path, MAX_BYTES)
                 if hashlib.sha256(content).hexdigest() == digest:
-                    kept: Run = pickle.loads(content)
+                    kept = pickle.loads(content)
                     stored = read_stored(run.folder)
                     return replace(kept, label=label, numbers=stored.numbers, stored=stored)
-        return read_run(run, label)
+        return kind_of(run.scene).read_run(run, label)
 
     def remove_others(self) -> None:
         """Remove the runs that killed parts of a sweep kept, where no other command is at work."""

@@ -1,29 +1,32 @@
 """Solve runs in memory, or those that a folder lacks; write the files of runs, and read them."""
 
-from collections import Counter
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from acoustics.texts import printable
 from rolling.check import refusals
 from rolling.contact.solver import ContactError
+from rolling.kinds.kind import Kind
+from rolling.kinds.march import March
+from rolling.kinds.registry import kind_of
+from rolling.kinds.run_folder import FAILED, LISTEN, RunFolder
+from rolling.kinds.stored import refuse_former
 from rolling.marches.piece import contact_identity
-from rolling.results import labels, result_file
-from rolling.results.run_folder import FAILED, RESULT, RunFolder, refuse_former
-from rolling.results.run_result import LISTEN, Run, make_run, read_run
+from rolling.results import labels
 from rolling.run import folder as folders
 from rolling.run.cluster import Cluster
 from rolling.run.ending import Ending
 from rolling.run.executor import RunFiles, RunLoop, ended_by_signal
 from rolling.run.pools import Pool, local_pool
-from rolling.run.taken import OTHER_CONTACT, TakenMarches
 from rolling.run.worker import finish_and_keep_run, finish_run
 from rolling.scene.messages import SceneError
-from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
 from rolling.terminal import defaults, files, progress, shortage, system_errors
 from rolling.terminal.files import FolderError
@@ -32,11 +35,18 @@ Values = Value | tuple[Value, ...]
 
 
 def simulate_runs(
-    scene: Scene, workers: int, shown: bool | None
-) -> tuple[dict[Values, Run], dict[str, str]]:
+    scene: Any, workers: int, shown: bool | None, sources: Sequence[RunFolder] = ()
+) -> tuple[dict[Values, Any], dict[str, str]]:
     """Simulate the runs of a scene in memory: check, march and sound.
 
     The surface is made by the process that marches a piece. The march is in `march_piece`.
+
+    Parameters
+    ----------
+    scene : scene of any kind. A scene with or without a sweep.
+    workers : int. Number of processes; 0: one per core.
+    shown : bool or None. Whether the progress is shown; None: where somebody looks.
+    sources : sequence of RunFolder. Runs in folders, whose equal marches are taken. Default: none.
 
     Returns
     -------
@@ -46,24 +56,25 @@ def simulate_runs(
         workers = int(workers)
     if type(workers) is not int or workers < 0:
         raise ValueError(f"workers: got {workers!r}, allowed: a whole number >= 0")
-    refusals.refuse(scene, workers)
+    kind = kind_of(scene)
+    kind.refuse(scene, workers, None)
     runs = [RunFolder(values, single, Path()) for values, single in scene.runs()]
-    scenes = [run.scene for run in runs]
-    refusals.refuse_few_addresses(scenes)
+    marches = [kind.marches(run.scene) for run in runs]
+    refusals.refuse_few_addresses(contacts_of(marches))
     names = labels.labels(runs)
-    heard: dict[int, Run] = {}
+    heard: dict[int, Any] = {}
     with ExitStack() as stack:
         stack.enter_context(shortage.as_memory_error())
         if shown is False:  # before the bar, which stays hidden then
             stack.enter_context(progress.begin(progress.Level.QUIET))
         bar = stack.enter_context(progress.Bar(0.0, scene.name, shown))
-        pool = stack.enter_context(local_pool(workers, scenes))
+        store = kind.march_store(sources=sources)
+        pool = stack.enter_context(local_pool(workers, contacts_of(marches)))
         stack.enter_context(ended_by_signal())
-        loop = RunLoop(scenes, bar)
-        for number, result, _ in loop.finished_runs(pool):
-            assert result is not None  # it is not written into files
+        loop = RunLoop(marches, store, bar)
+        for number, marched, _ in loop.finished_runs(pool):
             try:
-                heard[number] = make_run(runs[number], names[number], result)
+                heard[number] = kind.make_run(runs[number], names[number], marched)
             except ContactError as error:
                 loop.fail(number, str(error))
     by_values = {_swept_values(heard[number]): heard[number] for number in sorted(heard)}
@@ -71,7 +82,12 @@ def simulate_runs(
     return by_values, failures
 
 
-def _swept_values(run: Run) -> Values:
+def contacts_of(marches: Sequence[Sequence[March]]) -> list[Any]:
+    """Return the contacts of the marches of runs."""
+    return [march.scene for of_run in marches for march in of_run]
+
+
+def _swept_values(run: RunFolder) -> Values:
     """Return the value of a run in its sweep, or a tuple where several keys are swept."""
     values = tuple(run.values.values())
     if len(values) == 1:
@@ -83,7 +99,7 @@ def _swept_values(run: Run) -> Values:
 
 
 def solve_folder(
-    scene: Scene,
+    scene: Any,
     folder: Path,
     *,
     sources: Sequence[RunFolder] = (),
@@ -97,7 +113,7 @@ def solve_folder(
 
     Parameters
     ----------
-    scene : Scene. A scene with or without a sweep.
+    scene : scene of any kind. A scene with or without a sweep.
     folder : Path. Its run folder, which may exist.
     sources : sequence of RunFolder. Runs elsewhere that are done, whose marches are taken.
     start_from : Path. Another run folder, whose equal marches are taken as far as they are sound;
@@ -113,9 +129,10 @@ def solve_folder(
     ------
     SceneError, FolderError, OSError, KeyboardInterrupt : as in `rolling.commands.run.run_scene`.
     """
+    kind = kind_of(scene)
     runs = folders.runs_in(folder, scene)
     unsolved = [run.scene for run in runs if not run.is_done]
-    refusals.refuse(scene, workers, folder, unsolved)
+    kind.refuse(scene, workers, folder, unsolved)
     if part is not None and not scene.sweep:
         raise SceneError(["sweep: a part is a share of the runs of a sweep, the scene has none"])
     folders.refuse_other(folder, scene)
@@ -123,7 +140,7 @@ def solve_folder(
     if start_from is not None:
         refuse_former(elsewhere)
     if cluster is not None:  # its workers have other working folders
-        scene = Scene.from_dict(scene.to_dict(), scene.folder.resolve())
+        scene = type(scene).from_dict(scene.to_dict(), scene.folder.resolve())
         folder = folder.resolve()
         runs = folders.runs_in(folder, scene)
     with ExitStack() as stack:
@@ -138,14 +155,14 @@ def solve_folder(
             print(f"files: {folder}", flush=True)
         own = runs_of_part(runs, part)
         folders.tidy(folder, own, alone=len(own) == len(runs))
-        _refuse_edited_heights(own)
+        kind.refuse_edited([run for run in own if run.is_done])
         failures: dict[str, str] = {}
         if all(run.is_done for run in own):
             progress.line(f"{folder}: all runs are done")
         else:
             if start_from is not None:
-                sources = [*sources, *_taken_runs(start_from, elsewhere, own)]
-            failures = _solve_lacking(folder, runs, own, sources, workers, pool, ending)
+                sources = [*sources, *kind.take_marches(start_from, elsewhere, own)]
+            failures = _solve_lacking(kind, folder, runs, own, sources, workers, pool, ending)
         if not (folder / folders.SCENE).is_file():  # somebody removed the folder meanwhile
             folders.write_scene(folder, scene)
     return failures
@@ -156,57 +173,21 @@ def runs_of_part(runs: Sequence[RunFolder], part: folders.Part | None) -> list[R
     if part is None:
         return list(runs)
     number, count = part
-    marches = [contact_identity(run.scene) for run in runs]
+    marches = [_identity_of(run) for run in runs]
     places = {march: place for place, march in enumerate(dict.fromkeys(marches))}
     return [
         run for run, march in zip(runs, marches, strict=True) if places[march] % count == number - 1
     ]
 
 
-def _taken_runs(
-    start_from: Path, elsewhere: Sequence[RunFolder], own: Sequence[RunFolder]
-) -> list[RunFolder]:
-    """Return runs elsewhere whose marches own runs lack, and say what is taken and what is not.
-
-    A result is read as the file of a stranger, and left out where it is damaged.
-    """
-    done: dict[str, RunFolder] = {}
-    for run in elsewhere:
-        with suppress(SceneError):  # its file of heights is gone
-            if run.is_done:
-                done.setdefault(contact_identity(run.scene), run)
-    solved = {contact_identity(run.scene) for run in own if run.is_done}
-    taken = TakenMarches(start_from)
-    sources = []
-    for run, label in zip(own, labels.labels(own), strict=True):
-        identity = contact_identity(run.scene)
-        if identity in solved:
-            continue
-        solved.add(identity)
-        if identity not in done:
-            taken.leave(label, OTHER_CONTACT)
-            continue
-        source = done[identity]
-        try:
-            result_file.read_result(source.folder / RESULT, source.scene)
-        except FolderError as error:
-            taken.leave(label, str(error))
-            continue
-        taken.take(label)
-        sources.append(source)
-    for line in taken.lines():
-        progress.line(line)
-    return sources
-
-
-def _refuse_edited_heights(runs: Sequence[RunFolder]) -> None:
-    """Raise SceneError where the height file of a run that is done has other bytes now."""
-    for run in runs:
-        if run.is_done and run.scene.height_paths:
-            result_file.read_result(run.folder / RESULT, run.scene)
+def _identity_of(run: RunFolder) -> tuple[str, ...]:
+    """Return the contact identities of the marches of a run."""
+    marches = kind_of(run.scene).marches(run.scene)
+    return tuple(sorted({contact_identity(march.scene) for march in marches}))
 
 
 def _solve_lacking(
+    kind: Kind,
     folder: Path,
     runs: Sequence[RunFolder],
     own: Sequence[RunFolder],
@@ -219,41 +200,36 @@ def _solve_lacking(
     label_of = dict(zip((run.folder for run in runs), labels.labels(runs), strict=True))
     lacking = [run for run in own if not run.is_done]
     names = [label_of[run.folder] for run in lacking]
-    scenes = [run.scene for run in lacking]
-    refusals.refuse_few_addresses(scenes)
-    stored: dict[str, RunFolder] = {}  # the first run of each march that is done
-    for run in (*sources, *(run for run in runs if run.is_done)):
-        stored.setdefault(contact_identity(run.scene), run)
+    film = len(runs) <= defaults.MAX_RUNS_ON_PAGE
+    marches = [kind.marches(run.scene, film) for run in lacking]
+    refusals.refuse_few_addresses(contacts_of(marches))
+    store = kind.march_store(folder, [run for run in runs if run.is_done], sources)
     is_compared = ending is not None and len(runs) <= defaults.MAX_RUNS_COMPARED
     run_files = RunFiles(
         runs=lacking,
         labels=names,
-        pieces=folder / folders.PIECES,
-        stored=stored,
-        film=len(runs) <= defaults.MAX_RUNS_ON_PAGE,
+        folder=folder,
         finish=finish_and_keep_run if is_compared else finish_run,
+        is_heard_early=ending is not None,
     )
-    marches = [contact_identity(scene) for scene in scenes]
-    unfinished = Counter(marches)  # runs that still need the pieces of a march
     advice = f"finished pieces are kept in {folder}; the same command goes on"
+    count = 0
     try:
         with ExitStack() as stack:
-            bar = stack.enter_context(progress.Bar(0.0, scenes[0].name))
+            bar = stack.enter_context(progress.Bar(0.0, lacking[0].scene.name))
             if pool is None and ending is not None:  # its processes stay until the end
-                pool = ending.pool = ending.enter_context(local_pool(workers, scenes))
+                pool = ending.pool = ending.enter_context(local_pool(workers, contacts_of(marches)))
             elif pool is None:
-                pool = stack.enter_context(local_pool(workers, scenes))
+                pool = stack.enter_context(local_pool(workers, contacts_of(marches)))
             stack.enter_context(ended_by_signal())
-            loop = RunLoop(scenes, bar, run_files)
+            loop = RunLoop(marches, store, bar, run_files)
             for number, _, digest in loop.finished_runs(pool):
+                count += 1
                 if ending is not None and digest:
                     ending.kept.digests[lacking[number].folder] = digest
-                if unfinished.total() == len(lacking) > 1:
+                if count == 1 and len(lacking) > 1:
                     sound = lacking[number].folder / LISTEN
                     progress.line(f"the first sound, {names[number]}: {sound}")
-                unfinished[marches[number]] -= 1
-                if unfinished[marches[number]] == 0:
-                    folders.drop_pieces(folder, marches[number])
     except OSError as error:
         text = system_errors.sentence(error)
         if system_errors.is_of_a_place(error) and not progress.has_solved():
@@ -271,10 +247,23 @@ def _solve_lacking(
 
 
 def open_runs(
-    runs: Sequence[RunFolder], read: Callable[[RunFolder, str], Run] = read_run
-) -> list[Run]:
-    """Read runs that are done, with labels that tell them apart; a single run keeps its own."""
-    opened = [read(run, label) for run, label in zip(runs, labels.labels(runs), strict=True)]
+    runs: Sequence[RunFolder], read: Callable[[RunFolder, str], Any] | None = None
+) -> list[Any]:
+    """Read runs that are done, with labels that tell them apart; a single run keeps its own.
+
+    Parameters
+    ----------
+    runs : sequence of RunFolder.
+    read : function. It reads a run under a label. Default: that of the kind of the run.
+
+    Raises
+    ------
+    FolderError, SceneError : as `Kind.read_run`.
+    """
+    opened = []
+    for run, label in zip(runs, labels.labels(runs), strict=True):
+        read_one = kind_of(run.scene).read_run if read is None else read
+        opened.append(read_one(run, label))
     if len(opened) == 1:  # perhaps of a sweep, and saved alone
         stored = opened[0].stored
         label = opened[0].label

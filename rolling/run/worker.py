@@ -26,9 +26,10 @@ from rolling.terminal.files import make_below, write_bytes
 from rolling.terminal.program import Program, identity
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rolling.kinds.run_folder import RunFolder
     from rolling.marches.piece import Piece
-    from rolling.marches.result import Result
-    from rolling.results.run_folder import RunFolder
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -101,25 +102,35 @@ def read_piece(path: Path) -> Arrays | None:
 
 
 @ignoring_underflow
-def finish_run(run: RunFolder, label: str, result: Result) -> None:
-    """Make the sound of a complete run and write the files of its folder."""
-    from rolling.results.run_result import make_run, write_run
+def finish_run(run: RunFolder, label: str, marched: Sequence[Any]) -> None:
+    """Make the run that its marches give, and write the files of its folder."""
+    from rolling.kinds.registry import kind_of
 
-    write_run(make_run(run, label, result))
+    kind = kind_of(run.scene)
+    kind.write_run(kind.make_run(run, label, marched))
 
 
 @ignoring_underflow
-def finish_and_keep_run(run: RunFolder, label: str, result: Result) -> str:
+def finish_and_keep_run(run: RunFolder, label: str, marched: Sequence[Any]) -> str:
     """Finish a run as `finish_run` does, and keep it for the end of the command.
 
     Return the digest of its file, empty where it is not kept.
     """
-    from rolling.results.run_result import make_run, write_run
+    from rolling.kinds.registry import kind_of
     from rolling.run.kept_runs import keep
 
-    heard = make_run(run, label, result)
-    write_run(heard)
-    return keep(heard)
+    kind = kind_of(run.scene)
+    made = kind.make_run(run, label, marched)
+    kind.write_run(made)
+    return keep(made)
+
+
+@ignoring_underflow
+def first_sound(run: RunFolder, label: str, marched: Sequence[Any]) -> str:
+    """Write the first sound of a run before all its marches are done; return its file."""
+    from rolling.kinds.registry import kind_of
+
+    return str(kind_of(run.scene).write_first_sound(run, label, marched))
 
 
 def run_task(task: bytes, program: Program) -> Any:

@@ -39,6 +39,9 @@ LISTENED_S = 5.0  # length of a record to listen to, where the scene does not sa
 class BearingQuantities(SweptScene):
     """Sections of the scene of a bearing, and its quantities in SI."""
 
+    SECTION: ClassVar[str] = "bearing"
+    TITLE: ClassVar[str] = "Scene of a bearing that turns"
+
     name: SceneName = Field(default=DEFAULT_NAME, pattern=PATTERN)
     title: str | None = None
     description: str | None = None

@@ -2,7 +2,6 @@
 
 import io
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,7 +11,6 @@ from ruamel.yaml.comments import CommentedSeq
 
 from acoustics.arrays import instance
 from acoustics.numbers import micrometres, rounded_up
-from acoustics.traps import ignoring_underflow
 from rolling.scene import library
 from rolling.scene.messages import Fault, Key, SceneError, key_of, quoted
 from rolling.scene.models import all_keys, unknown_name
@@ -24,42 +22,13 @@ from rolling.scene.sweep import with_value
 from rolling.scene.swept import AnyScene, SweptScene
 from rolling.scene.yaml_text import parse, read_text
 
-LIKE_BEARING = 0.8  # likeness from which on a section is taken for a misspelt bearing
+OTHER_KINDS = ("sphere", "bearing")  # sections that tell what a scene is of
 SET = "--set"  # place of the overrides in messages
 
 # ---- reading, writing, overriding
 
 
-@ignoring_underflow
-def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
-    """Read a scene file.
-
-    Parameters
-    ----------
-    path : Path or str
-        File of YAML 1.2 in UTF-8, or the name of a scene of the library, such as "quickstart", if
-        there is no such file. A scene found by name reads its height file from the current folder,
-        unless the library has that file too.
-    overrides : sequence of str
-        Values such as "rolling.load_n=50", written in YAML. No value (or null) removes an optional
-        key or section. A key that the scene sweeps leaves the sweep when it is set;
-        "sweep.rolling.load_n=[5, 20]" sweeps it.
-
-    Raises
-    ------
-    SceneError
-        File or overrides have faults; all are named, in the order of their lines.
-
-    Examples
-    --------
-    >>> import rolling
-    >>> rolling.read_scene("quickstart", ["rolling.load_n=50"]).rolling.load_n
-    50.0
-    """
-    return read(path, overrides, Scene)
-
-
-def read(path: Path | str, overrides: Sequence[str], model: type[AnyScene]) -> AnyScene:
+def read_as(path: Path | str, model: type[AnyScene], overrides: Sequence[str] = ()) -> AnyScene:
     """Read a scene file of a kind; raise SceneError with all faults of file and overrides."""
     instance("path", path, str, Path)
     if isinstance(overrides, Mapping) or not all(isinstance(word, str) for word in overrides):
@@ -70,7 +39,7 @@ def read(path: Path | str, overrides: Sequence[str], model: type[AnyScene]) -> A
     path = Path(path)
     file = library.find(path)
     is_whole = file == path or bool(library.companions(file))
-    return loads_kind(
+    return loads(
         read_text(file),
         overrides=[overrides] if isinstance(overrides, str) else overrides,
         where=str(file),
@@ -80,24 +49,23 @@ def read(path: Path | str, overrides: Sequence[str], model: type[AnyScene]) -> A
 
 
 def loads(
-    text: str, overrides: Sequence[str] = (), where: str = "scene", folder: Path = Path()
-) -> Scene:
-    """Read a scene from text; raise SceneError with all faults of text and overrides.
+    text: str, overrides: Sequence[str], where: str, folder: Path, model: type[AnyScene]
+) -> AnyScene:
+    """Read a scene of a kind from text; raise SceneError with all faults of text and overrides.
 
     Parameters
     ----------
+    text : str
+        YAML.
+    overrides : sequence of str
+        Values such as "rolling.load_n=50".
     where : str
         Name of the text in messages.
     folder : Path
-        Folder that a relative `surface.path` starts from.
+        Folder that relative paths of height files start from.
+    model : type
+        Class of the scenes of the kind.
     """
-    return loads_kind(text, overrides, where, folder, Scene)
-
-
-def loads_kind(
-    text: str, overrides: Sequence[str], where: str, folder: Path, model: type[AnyScene]
-) -> AnyScene:
-    """Read a scene of a kind from text, as `loads` does."""
     try:
         parsed = parse(text, where)
     except SceneError as error:  # no YAML, so that only the overrides are left to judge
@@ -116,31 +84,17 @@ def loads_kind(
     return model.from_dict(changed.data, folder, places, [*parsed.faults, *changed.faults])
 
 
-def bearing_key(data: Any) -> str | None:
-    """Return the key of the section by which plain values are those of a bearing, None for others.
-
-    It may be misspelt where there is no sphere.
-    """
-    if not isinstance(data, dict):
-        return None
-    if "bearing" in data:
-        return "bearing"
-    if "sphere" in data:
-        return None
-    return next(iter(get_close_matches("bearing", data, 1, LIKE_BEARING)), None)
-
-
 def _refuse_other_kind(
     data: dict[str, Any], places: Mapping[Key, str], model: type[SweptScene]
 ) -> None:
-    """Refuse the scene of a bearing where that of a sphere is read, and the other way round."""
-    key = bearing_key(data)
-    if key is not None and model is Scene:
-        advice = "rolling.read_bearing reads it, and `rolling run` and `rolling check` take it"
-        raise SceneError([f"{places[(key,)]}: {key}: the scene of a bearing; {advice}"])
-    if key is None and model is not Scene and "sphere" in data:
-        advice = "a bearing has a section bearing; rolling.read_scene reads this scene"
-        raise SceneError([f"{places[('sphere',)]}: sphere: the scene of a sphere; {advice}"])
+    """Refuse a scene of another kind, by the section that tells what it is of."""
+    if model.SECTION in data:
+        return
+    for other in OTHER_KINDS:
+        if other in data and other != model.SECTION:
+            raise SceneError(
+                [f"{places[(other,)]}: {other}: allowed here: a scene with {model.SECTION}"]
+            )
 
 
 def dump(scene: SweptScene) -> str:
@@ -316,18 +270,6 @@ def _bound_keys(scene: Scene) -> set[str]:
 
 
 # ---- schema
-
-
-def schema() -> dict[str, Any]:
-    """Return the JSON Schema (draft 2020-12) of a scene file, for editors."""
-    return schema_of(
-        model=Scene,
-        title="Scene of rolling contact noise",
-        description=(
-            "A sphere that rolls on a rough surface, how its contact is solved, and where it is"
-            " heard."
-        ),
-    )
 
 
 def schema_of(model: type[SweptScene], title: str, description: str) -> dict[str, Any]:

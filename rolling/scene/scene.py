@@ -71,6 +71,9 @@ class Scene(quantities.SceneQuantities):
     50.0
     """
 
+    SECTION: ClassVar[str] = "sphere"
+    TITLE: ClassVar[str] = "Scene of rolling contact noise"
+
     sweep: Annotated[
         dict[str, Any],
         BeforeValidator(_sweep),

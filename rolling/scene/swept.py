@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, NamedTuple, Self, TypeVar
@@ -34,6 +35,7 @@ from rolling.scene.messages import (
 from rolling.scene.models import Section, faults_of, full_key, judge
 
 PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
+LIKE_SECTION = 0.8  # likeness from which on a section is taken for a misspelt one
 DEFAULT_NAME = "scene"  # name of a scene that is built in Python
 NAME = (
     "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in"
@@ -66,6 +68,8 @@ class SweptScene(Section):
     """Scene of any kind, which has a name and may have a sweep."""
 
     IN_FILES: ClassVar[str] = "name"
+    SECTION: ClassVar[str]  # of the scenes of this kind alone
+    TITLE: ClassVar[str]  # of their JSON Schema
 
     if TYPE_CHECKING:  # fields of each kind of scene, the first and the last of its file
         name: str
@@ -83,6 +87,16 @@ class SweptScene(Section):
     def folder(self) -> Path:
         """Folder that relative paths of height files start from."""
         return self._folder
+
+    @property
+    def height_paths(self) -> dict[str, Path]:
+        """Files of heights by the section that reads them."""
+        return {}
+
+    @classmethod
+    def misspelt_section(cls, data: Mapping[str, Any]) -> str | None:
+        """Return a key of plain values that is nearly the section of this kind; None without."""
+        return next(iter(get_close_matches(cls.SECTION, data, 1, LIKE_SECTION)), None)
 
     # ---- plain values ----
 

@@ -12,7 +12,7 @@ import pandas as pd
 
 from rolling.run import folder as folders
 from rolling.scene import library
-from rolling.scene.file import read_scene
+from rolling.scene.file import read_as
 from rolling.scene.messages import nearest, table
 from rolling.scene.scene import Scene
 from rolling.studies import lee2025_conditions as conditions
@@ -71,10 +71,10 @@ def reproduce(
     maps: dict[str, Maps] = {}
     missing = 0
     for case, (reading, file) in zip(cases, scene_files, strict=True):
-        overrides = quick_overrides(read_scene(file)) if quick else []
+        overrides = quick_overrides(read_as(file, Scene)) if quick else []
         make_below(folder, case)
         runs = finished_runs(file, case, workers, overrides)
-        missing += len(read_scene(file, overrides).runs()) - len(runs)
+        missing += len(read_as(file, Scene, overrides).runs()) - len(runs)
         for run in runs:
             rows.append(case_of(reading, run))
             maps.setdefault(reading, {}).update(maps_of(run))

@@ -18,7 +18,8 @@ from acoustics.weighting import a_weighting_db
 from rolling.results.run_result import Run
 from rolling.run.folder import stored_runs
 from rolling.run.solving import open_runs, solve_folder
-from rolling.scene import file
+from rolling.scene.file import read_as
+from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
 from rolling.surface import scene_surface
 from rolling.terminal import progress
@@ -69,7 +70,7 @@ def finished_runs(
     scene_path: Path, folder: Path, workers: int, overrides: Sequence[str] = ()
 ) -> list[Run]:
     """Run a scene file into a folder, or continue it there, and open its complete runs."""
-    failures = solve_folder(file.read_scene(scene_path, overrides), folder, workers=workers)
+    failures = solve_folder(read_as(scene_path, Scene, overrides), folder, workers=workers)
     for label, reason in failures.items():
         progress.line(f"failed: {folder.name}, {label}: {reason}")
     return open_runs([run for run in stored_runs(folder) if run.is_done])

@@ -8,7 +8,8 @@ import pandas as pd
 from acoustics.arrays import Array
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S, Ball, axis_transfer
 from rolling.scene import library
-from rolling.scene.file import read_scene
+from rolling.scene.file import read_as
+from rolling.scene.scene import Scene
 from rolling.surface.parameters import parameters, without_plane
 from rolling.surface.scene_surface import scene_surface
 
@@ -29,7 +30,7 @@ LEAD = 2000  # steps before the force begins
 def surfaces() -> dict[str, tuple[Array, float]]:
     """Return heights [m] without their plane and their spacing [m], by item of the rows."""
     found = {}
-    for values, scene in read_scene(FOLDER / "surfaces.yaml").runs():
+    for values, scene in read_as(FOLDER / "surfaces.yaml", Scene).runs():
         surface = scene_surface(scene)
         item = f"skewness {values[SKEWNESS]:g}"
         found[item] = without_plane(surface.heights), surface.spacing

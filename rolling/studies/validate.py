@@ -35,7 +35,7 @@ from rolling.report.bench import compare_all, read_bench
 from rolling.results.run_result import Run
 from rolling.run.solving import Values, simulate_runs
 from rolling.scene import library
-from rolling.scene.file import read_scene
+from rolling.scene.file import read_as
 from rolling.scene.height_files import read_regular
 from rolling.scene.laws import SelfAffineLaw
 from rolling.scene.messages import nearest
@@ -245,7 +245,7 @@ def _kind_cells(rows: pd.DataFrame) -> list[str]:
 
 def _scene(name: str) -> Scene:
     """Read a scene of the validation."""
-    return read_scene(FOLDER / f"{name}.yaml")
+    return read_as(FOLDER / f"{name}.yaml", Scene)
 
 
 def _runs(scene: Scene) -> dict[Values, Run]:

@@ -558,11 +558,13 @@ def _add_schema(commands: Any) -> None:
         answer="Print the JSON Schema of scene files, with which an editor completes and "
         "checks keys.",
     )
-    schema.add_argument("--bearing", action="store_true", help="the schema of scenes of a bearing")
+    schema.add_argument(
+        "--kind", default="ball", metavar="KIND", help="ball or bearing (default: ball)"
+    )
     schema.add_argument(
         "--summary",
         action="store_true",
-        help="the schema of summary.json of a run, with --bearing of a bearing",
+        help="the schema of summary.json of a run of the kind",
     )
 
 

@@ -343,7 +343,7 @@ def gain_table() -> str:
         for seed in GAIN_SEEDS:
             rough = {**GAIN_SURFACE, "roughness_ra_um": ra_um, "seed": seed}
             surfaces = {"balls": None, "inner": None, "outer": rough}
-            scene = rc.read_bearing("bearing-6204").with_({"bearing.surfaces": surfaces})
+            scene = rc.read_scene("bearing-6204").with_({"bearing.surfaces": surfaces})
             contact = contact_plan(scene).rough["outer"]
             only = replace(contact, loads_n=(contact.middle_load_n,))
             (marches,) = solved_stages([[only.scene]], name="gains", workers=1, shown=False)

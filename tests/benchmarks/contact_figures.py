@@ -143,7 +143,7 @@ def environment() -> dict[str, str]:
 def main(peers: list[str]) -> None:
     """Solve the contacts by each peer NAME=PYTHON and print the table."""
     from rolling import validate
-    from rolling.scene.file import read_scene
+    from rolling.kinds.reading import read_scene
 
     _, scene = next(iter(read_scene(validate.FOLDER / "rough-contact.yaml").runs()))
     gap, spacing = validate.rough_gap(scene, validate.COARSE)

@@ -34,10 +34,10 @@ from acoustics.level import RecordNumbers, SoundLevels
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
+from rolling.kinds.run_folder import RunFolder
 from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import next_pieces
 from rolling.marches.result import Result, released_energy
-from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run, make_run
 from rolling.sound.contact_sound import contact_sound
 from rolling.sound.vibration_sound import Vibration, vibrate

@@ -40,8 +40,8 @@ from scipy.io import wavfile
 
 import acoustics.wav
 import rolling as rc
+from rolling.kinds.registry import kind_of_file
 from rolling.scene import library
-from rolling.scene.bearing_file import is_bearing_file
 
 SCENES = Path(__file__).with_name("frozen_scenes.toml")
 SHORTENED_S = 0.03
@@ -52,6 +52,8 @@ NOISE = 0.1  # rms of the noise in a recording over that of the run
 KEPT_PIECES = 2  # and marches of a bearing, with which a run is killed
 POLL_S = 0.005
 KINDS = ("series", "values", "verdicts")
+NUMBERS = {"ball": "run", "bearing": "bearing"}  # tables of frozen_numbers.toml by kind of scene
+CHOICES = {"ball": "choice", "bearing": "bearing_choice"}
 Table = dict[str, dict[str, Any]]  # by label: what is frozen, by kind and name
 
 
@@ -68,9 +70,9 @@ class Job(NamedTuple):
         return f"{self.kind}/{self.name}"
 
     @property
-    def is_bearing(self) -> bool:
-        """Whether its scene is that of a bearing."""
-        return is_bearing_file(library.find(Path(self.entry["scene"])))
+    def scene_kind(self) -> str:
+        """Name of the kind of its scene."""
+        return kind_of_file(self.entry["scene"]).name
 
 
 # ---- what is computed
@@ -100,9 +102,8 @@ def library_jobs() -> list[Job]:
 
 
 def whole_scene(job: Job) -> Any:
-    """Return the scene of a job, which may be that of a bearing."""
-    read = rc.read_bearing if job.is_bearing else rc.read_scene
-    return read(job.entry["scene"], job.entry["words"])
+    """Return the scene of a job, of whatever kind."""
+    return rc.read_scene(job.entry["scene"], job.entry["words"])
 
 
 def scene_of(job: Job) -> Any:
@@ -111,7 +112,7 @@ def scene_of(job: Job) -> Any:
     if "run" not in job.entry:
         return scene
     _, scene = scene.runs()[job.entry["run"]]
-    duration_s = None if job.is_bearing else scene.rolling.duration_s
+    duration_s = scene.rolling.duration_s if isinstance(scene, rc.Scene) else None
     if duration_s is not None and duration_s > SHORTENED_S:
         return scene.with_({"rolling.duration_s": SHORTENED_S})
     return scene
@@ -137,10 +138,8 @@ def freeze_run(job: Job) -> Iterator[tuple[str, Frozen]]:
     """Yield a run, and what a check of its scene foresees."""
     scene = scene_of(job)
     yield f"{job.label}: check", check(scene)
-    if job.is_bearing:
-        yield job.label, of_run(rc.simulate_bearing(scene, workers=1, progress=False), "bearing")
-    else:
-        yield job.label, of_run(rc.simulate(scene, workers=1, progress=False), "run")
+    run = rc.simulate(scene, workers=1, progress=False)
+    yield job.label, of_run(run, NUMBERS[job.scene_kind])
 
 
 def of_run(run: Any, kind: str) -> Frozen:
@@ -182,12 +181,8 @@ def freeze_choice(job: Job) -> Iterator[tuple[str, Frozen]]:
     """Yield the answer which of the runs of a scene is quieter."""
     scene = scene_of(job)
     pairs = job.entry.get("pairs")
-    if job.is_bearing:
-        bearings = rc.choose_bearings(scene, pairs=pairs, workers=1, progress=False)
-        yield job.label, Frozen.of(bearings, "bearing_choice")
-    else:
-        choice = rc.choose(scene, pairs=pairs, workers=1, progress=False)
-        yield job.label, Frozen.of(choice, "choice")
+    choice = rc.choose(scene, pairs=pairs, workers=1, progress=False)
+    yield job.label, Frozen.of(choice, CHOICES[job.scene_kind])
 
 
 def freeze_improvements(job: Job) -> Iterator[tuple[str, Frozen]]:
@@ -261,9 +256,7 @@ def _kill_midway(job: Job, out: Path) -> None:
 
 def _stored(job: Job, folder: Path) -> Frozen:
     """Return what is frozen of the run of a folder."""
-    if job.is_bearing:
-        return of_run(rc.open_bearing(folder), "bearing")
-    return of_run(rc.open_run(folder), "run")
+    return of_run(rc.open_run(folder), NUMBERS[job.scene_kind])
 
 
 # ---- recordings

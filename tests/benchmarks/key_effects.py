@@ -21,7 +21,7 @@ import pandas as pd
 from recognition_study import centroid_hz
 from scipy import stats
 
-from rolling.results.run_folder import RunFolder
+from rolling.kinds.run_folder import RunFolder
 from rolling.results.run_result import Run, make_run
 from rolling.run.executor import RunLoop
 from rolling.run.pools import local_pool

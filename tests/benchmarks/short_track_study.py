@@ -24,7 +24,7 @@ from coverage_study import solved
 import rolling as rc
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
-from rolling.results.run_folder import RunFolder
+from rolling.kinds.run_folder import RunFolder
 from rolling.results.run_result import make_run
 from rolling.sound.vibration_sound import Vibration
 

@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 from made_numbers import bands, computed, estimated, run_with
+from rolling.scene.bearing_file import is_bearing_file
 
+from rolling.kinds.reading import read_scene
+from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.quantity import BandQuantity
 from rolling.results.answer import follows, gap
 from rolling.results.description import runs_sentence, special
-from rolling.results.run_folder import RunFolder
 from rolling.scene import library
-from rolling.scene.bearing_file import is_bearing_file
-from rolling.scene.file import read_scene
 
 
 def loads(of_loads: dict[float, RunNumbers]) -> list[RunFolder]:

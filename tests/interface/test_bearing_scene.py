@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 from bearing_runs import loads_bearing
+from rolling.scene.bearing_file import bearing_schema, is_bearing_file
 from ruamel.yaml import YAML
 from scene_text import BEARINGS, SCENES
 
 import rolling
 from rolling import cli
 from rolling.bearing_contacts.bearing_check import scene_rules
-from rolling.scene.bearing_file import bearing_schema, is_bearing_file
 from rolling.scene.bearing_rules import largest_pressure
 from rolling.scene.bearing_sources import assumed_keys
 from rolling.scene.file import dump
@@ -54,7 +54,7 @@ def bearing(*overrides: str) -> rolling.BearingScene:
 
 @pytest.mark.parametrize("path", BEARINGS, ids=lambda path: path.stem)
 def test_scene_is_the_same_after_writing(path: Path) -> None:
-    scene = rolling.read_bearing(path)
+    scene = rolling.read_scene(path)
     assert loads_bearing(dump(scene)) == scene
     assert rolling.BearingScene.from_dict(scene.to_dict()) == scene
     root = bearing_schema()
@@ -67,7 +67,7 @@ def test_each_reader_refuses_the_other_kind() -> None:
     with pytest.raises(SceneError, match=r"yaml:\d+: bearing: .*read_bearing"):
         rolling.read_scene(BEARINGS[0])
     with pytest.raises(SceneError, match=r"yaml:\d+: sphere: .*read_scene"):
-        rolling.read_bearing(SCENES[0])
+        rolling.read_scene(SCENES[0])
     assert is_bearing_file("bearing-6204") and not is_bearing_file("quickstart")
     assert not is_bearing_file("no-such-file.yaml")
     text = faults(text=TEXT.replace("bearing:", "bearings:"))
@@ -415,7 +415,7 @@ def test_a_file_that_holds_no_turn_is_refused(
 
 @pytest.mark.parametrize("path", BEARINGS, ids=lambda path: path.stem)
 def test_every_bearing_of_the_library_runs_and_names_its_lines(path: Path) -> None:
-    findings = rolling.read_bearing(path).check()
+    findings = rolling.read_scene(path).check()
     assert findings.refusal is None and findings.seconds < 300
     for rows in findings.runs.values():
         assert {"BPFO", "BPFI", "ball_loads", "ring_bending"} <= {row.key for row in rows}

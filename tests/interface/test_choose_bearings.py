@@ -28,7 +28,7 @@ SMOOTH = [
 
 
 def scene() -> rc.BearingScene:
-    return rc.read_bearing("bearing-6204", SMOOTH)
+    return rc.read_scene("bearing-6204", SMOOTH)
 
 
 @pytest.mark.law("Choice of bearings: twice the waviness of the balls is 6 dB more in each band.")
@@ -49,7 +49,7 @@ def test_twice_the_roughness_of_balls_is_six_decibels_more() -> None:
     That marches of fine roughness double, too, is a law of tests/physics/test_bearing_contacts.py.
     """
     balls = "{kind: gaussian, roughness_ra_um: 0.005, correlation_length_um: 15, seed: 1}"
-    rough = rc.read_bearing("bearing-6204", [f"bearing.surfaces.balls={balls}", *SMOOTH[1:]])
+    rough = rc.read_scene("bearing-6204", [f"bearing.surfaces.balls={balls}", *SMOOTH[1:]])
     swept = rough.with_(sweep={"bearing.surfaces.balls.roughness_ra_um": [0.005, 0.01]})
     one, two = choosing.candidates_of([swept])
     for draw in (0, 3):
@@ -207,7 +207,7 @@ def test_a_bearing_and_a_sphere_are_not_compared(capsys: pytest.CaptureFixture[s
 def test_bearings_at_rest_are_alike(tmp_path: Path) -> None:
     """What rounding leaves of a smooth ring has no level, nor does its housing."""
     plate = "{material: steel-s235, thickness_mm: 8, length_mm: 120, width_mm: 90}"
-    still = rc.read_bearing("bearing-6204", [*SMOOTH, "bearing.surfaces.balls=", f"plate={plate}"])
+    still = rc.read_scene("bearing-6204", [*SMOOTH, "bearing.surfaces.balls=", f"plate={plate}"])
     swept = still.with_(sweep={"bearing.density_kg_m3": [7800, 7801]})
     choice = rc.choose_bearings(swept, folder=tmp_path / "out", workers=1, progress=False)
     assert set(choice.rms) == {"low", "medium", "high", "housing"}

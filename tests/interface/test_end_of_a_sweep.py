@@ -18,8 +18,8 @@ from scene_text import TINY
 from rolling import cli
 from rolling.commands import derived
 from rolling.figures.settings import PictureWarning
+from rolling.kinds.run_folder import RunFolder
 from rolling.results import run_result
-from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run, read_run, write_run
 from rolling.run import folder as folders
 from rolling.run import kept_runs

@@ -25,9 +25,9 @@ from rolling.figures import plot_run, sweep, write_figures, write_number_figures
 from rolling.figures.catalogue import comparing_pictures
 from rolling.figures.picture import Picture
 from rolling.figures.settings import PictureWarning
+from rolling.kinds.reading import read_scene
 from rolling.report.page import page
 from rolling.results.run_result import Run
-from rolling.scene.file import read_scene
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import contact_sound
 

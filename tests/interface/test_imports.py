@@ -23,10 +23,12 @@ FLOORS = {
         ("dynamics", "surface"),
         ("check", "sound"),
         ("marches",),
+        ("kinds",),
         ("results",),
         ("figures", "recordings", "run"),
         ("bearing_contacts", "plot", "report"),
         ("bearing_run", "choice", "commands", "studies"),
+        ("built_in",),
         ("cli", "interface"),
     ),
     "acoustics": (

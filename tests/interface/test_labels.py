@@ -14,9 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scene_text import PLAIN
 
+from rolling.kinds.run_folder import RunFolder
 from rolling.results import labels
 from rolling.results.labels import LONGEST
-from rolling.results.run_folder import RunFolder
 from rolling.scene import file, models
 from rolling.scene.scene import Scene
 

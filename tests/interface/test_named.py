@@ -9,8 +9,8 @@ import pytest
 from checked import checked
 
 from rolling import Scene, SceneError, read_scene
+from rolling.kinds.run_folder import RunFolder
 from rolling.results.labels import labels
-from rolling.results.run_folder import RunFolder
 from rolling.scene import library
 from rolling.scene.file import dump, loads, schema
 from rolling.scene.identity import contact_keys, scene_identity

@@ -12,12 +12,12 @@ import pytest
 from finished import VIBRATING, WITHOUT_DYNAMICS, marched
 
 from rolling import cli
+from rolling.kinds.run_folder import SUMMARY
 from rolling.numbers import views
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.run_file import StoredBearing, StoredNumbers
 from rolling.numbers.summary_schema import summary_schema
 from rolling.results.former_numbers import former_names
-from rolling.results.run_folder import SUMMARY
 from rolling.results.run_result import Run, write_run
 
 ROOT = Path(__file__).parents[2]

@@ -14,8 +14,8 @@ import pytest
 from scene_text import TINY
 
 from rolling.figures.picture import DPI, WIDTH_IN, drawable, picture
+from rolling.kinds.run_folder import RunFolder
 from rolling.results.labels import labels, printable
-from rolling.results.run_folder import RunFolder
 from rolling.results.run_lines import levels_table
 from rolling.scene.file import loads
 

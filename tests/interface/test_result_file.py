@@ -11,11 +11,11 @@ from finished import VIBRATING, WITHOUT_DYNAMICS, marched, run_of, same, untimed
 from scene_text import BODIES, MADE
 
 from rolling.check import error_cost
+from rolling.kinds.run_folder import RunFolder
 from rolling.marches.next_pieces import next_pieces
 from rolling.marches.observers import SlowMotion
 from rolling.marches.result import MovingRelease
 from rolling.results.result_file import read_result, write_result
-from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run, make_run, read_run, write_run
 from rolling.scene import file
 

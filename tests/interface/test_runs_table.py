@@ -16,12 +16,12 @@ from scene_text import TINY
 
 from rolling.commands.derived import write_table
 from rolling.figures.picture import csv_bytes
+from rolling.kinds.run_folder import RunFolder
 from rolling.numbers import views
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results import verdict
 from rolling.results.labels import labels
 from rolling.results.level_words import number_texts
-from rolling.results.run_folder import RunFolder
 from rolling.results.run_lines import doubt_lines, error_line, further_lines, levels_table
 from rolling.results.run_result import make_run, write_run
 from rolling.results.runs_table import bands_table, runs_table, seed_statistics

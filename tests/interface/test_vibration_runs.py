@@ -17,11 +17,11 @@ from acoustics.radiation import P_REF_PA
 from rolling.check import comb, error_cost, force_estimate
 from rolling.dynamics import of_scene
 from rolling.figures.catalogue import single_picture
+from rolling.kinds.run_folder import RunFolder
 from rolling.marches.force_law import force_law
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.quantity import PART_WORDS, joined
 from rolling.results.run_errors import LINEAR
-from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run, make_run, read_run, write_run
 from rolling.scene.file import loads
 from rolling.sound.vibration_sound import with_impacts

@@ -13,8 +13,8 @@ from helpers import march_all, roll
 from acoustics import envelope_spectrum
 from rolling.check import cost
 from rolling.check.force_estimate import force_rms
+from rolling.kinds.run_folder import RunFolder
 from rolling.marches.piece import contact_identity
-from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import make_run
 from rolling.scene.surfaces import GRADES
 from rolling.surface.contact_of_scene import rolling_contact

@@ -350,7 +350,7 @@ def test_a_wave_of_a_high_order_is_no_wave_of_a_low_order(order: int) -> None:
 
 def test_the_scene_of_a_bearing_names_its_contacts() -> None:
     """A smooth raceway needs no march, and equal bearings have equal tracks."""
-    scene = rolling.read_bearing("bearing-6204").with_({"bearing.surfaces.outer": None})
+    scene = rolling.read_scene("bearing-6204").with_({"bearing.surfaces.outer": None})
     plan = contact_plan(scene)
     assert list(plan.rough) == ["inner", "balls-on-inner", "balls-on-outer"]
     assert plan.loads_n[1] == pytest.approx(70 / (8 * np.sin(scene.contact_angle)), rel=1e-3)
@@ -415,7 +415,7 @@ def test_a_bridged_wave_is_a_doubt() -> None:
     """A raceway of 0.5 um and 200 um waves is bridged at 20 N, and one of 1,000 um is not."""
     found = []
     for order in (404, 81):
-        scene = rolling.read_bearing("bearing-6204").with_(
+        scene = rolling.read_scene("bearing-6204").with_(
             {"bearing.surfaces.inner": {"kind": "smooth", "waviness": {order: 0.5}}}
         )
         doubts = contact_doubts(contact_plan(scene), {}, np.inf, BandUncertainty())
@@ -442,7 +442,7 @@ def test_twice_the_roughness_of_balls_is_6_db_in_the_high_band() -> None:
             "correlation_length_um": 20,
             "seed": 1,
         }
-        scene = rolling.read_bearing("bearing-6204").with_(
+        scene = rolling.read_scene("bearing-6204").with_(
             {
                 "bearing.surfaces": {"balls": balls},
                 "numerics.window_mm": 4,

@@ -121,7 +121,7 @@ def test_drawn_lines_scatter_as_they_say() -> None:
 
 @pytest.fixture(scope="module")
 def scene() -> rolling.BearingScene:
-    return rolling.read_bearing("bearing-6204")
+    return rolling.read_scene("bearing-6204")
 
 
 def noise(rms_m_s: float) -> RingRecord:

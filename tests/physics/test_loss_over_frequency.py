@@ -13,8 +13,8 @@ from acoustics.radiation import ThinPlate
 from acoustics.rectangular_plate import RectangularPlate
 from acoustics.sound_power import plate_power_per_force
 from rolling import SceneError, read_scene
+from rolling.kinds.run_folder import RunFolder
 from rolling.results.labels import labels
-from rolling.results.run_folder import RunFolder
 from rolling.scene.file import dump, loads
 from rolling.scene.sections import loss_text
 

@@ -13,9 +13,9 @@ from rolling.bearing_contacts.contacts import contact_loads
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, plan_contacts, stages_of
 from rolling.bearing_contacts.solving import CONTACTS, solved_stages
+from rolling.kinds.reading import read_scene
 from rolling.marches.piece import Piece, contact_identity
 from rolling.run import executor, worker
-from rolling.scene.file import read_scene
 from rolling.scene.surfaces import GaussianBall
 from tests.support.bearings import bearing
 

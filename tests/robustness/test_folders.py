@@ -222,9 +222,9 @@ def test_edited_heights_are_not_taken_for_the_solved_ones(
     "damage", [b"", b"PK\x03\x04 half", "flipped"], ids=["empty", "half", "bit"]
 )
 def test_a_damaged_piece_is_marched_again(damage: bytes | str, scene: Path, tmp_path: Path) -> None:
+    from rolling.kinds.reading import read_scene
     from rolling.marches.next_pieces import next_pieces
     from rolling.marches.result import Result
-    from rolling.scene.file import read_scene
 
     single = read_scene(scene)
     (piece,) = next_pieces(single, Result.empty(single))
@@ -246,10 +246,10 @@ def test_a_piece_is_read_in_little_memory_or_not_at_all(
     scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A read makes room for the bytes that the file has, not for all that it may have."""
+    from rolling.kinds.reading import read_scene
     from rolling.marches.next_pieces import next_pieces
     from rolling.marches.result import Result
     from rolling.scene import height_files
-    from rolling.scene.file import read_scene
 
     single = read_scene(scene)
     (piece,) = next_pieces(single, Result.empty(single))

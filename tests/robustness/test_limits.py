@@ -102,7 +102,7 @@ def test_a_bearing_that_does_not_fit_is_refused(
 def test_a_bearing_that_hardly_turns_fits(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its contacts are marched over days of rolling, of which no sound is made."""
     monkeypatch.setattr(refusals, "memory_limit", lambda: 8e9)
-    scene = rolling.read_bearing("bearing-6204", ["bearing.speed_rpm=0.001"])
+    scene = rolling.read_scene("bearing-6204", ["bearing.speed_rpm=0.001"])
     assert scene.check().refusal is None
 
 

@@ -15,8 +15,8 @@ from finished import run_of
 from hostile_hdf5 import LINE, Spoil, inflated, seal, spoil, unwritten, virtual, with_long_text
 from scene_text import TINY
 
+from rolling.kinds.run_folder import RunFolder
 from rolling.results.result_file import read_result
-from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import read_run, write_run
 from rolling.scene.file import loads
 from rolling.terminal.files import FolderError

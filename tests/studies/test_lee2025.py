@@ -17,9 +17,9 @@ from rolling import cli
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.state import Window
+from rolling.kinds.reading import read_scene
 from rolling.results.stored_numbers import read_stored
 from rolling.scene import library
-from rolling.scene.file import read_scene
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
 from rolling.studies import lee2025 as reproduce

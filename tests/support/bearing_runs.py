@@ -47,4 +47,4 @@ def loads_bearing(
     text: str, overrides: Sequence[str] = (), where: str = "scene", folder: Path = Path()
 ) -> BearingScene:
     """Read the scene of a bearing from text, as `file.loads` reads that of a sphere."""
-    return file.loads_kind(text, overrides, where, folder, BearingScene)
+    return file.loads(text, overrides, where, folder, BearingScene)

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from helpers import march_all
 
+from rolling.kinds.run_folder import RunFolder
 from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import next_pieces
 from rolling.numbers.ball_numbers import RunNumbers
-from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run, make_run
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene

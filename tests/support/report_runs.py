@@ -17,9 +17,9 @@ from memory_scenes import MEMORY
 
 from rolling.figures.catalogue import single_picture
 from rolling.figures.picture import Picture
+from rolling.kinds.reading import read_scene
 from rolling.results import labels
 from rolling.results.run_result import Run
-from rolling.scene.file import read_scene
 from rolling.scene.scene import Scene
 
 STEPS = 300  # once round: 0.6 mm, 6 ms

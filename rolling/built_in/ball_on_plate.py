@@ -1,0 +1,263 @@
+"""A ball that rolls over a rough plate, or falls on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from acoustics.texts import printable
+from rolling.check import refusals
+from rolling.check.findings import Findings, check_scene, conclusion
+from rolling.check.in_short import lines_in_short
+from rolling.kinds.kind import Each, Kind, Read
+from rolling.kinds.march import March, MarchStore
+from rolling.kinds.run_folder import LISTEN, RESULT, RunFolder
+from rolling.marches.next_pieces import own_part
+from rolling.marches.piece import contact_identity
+from rolling.marches.result import Result
+from rolling.numbers.run_file import KIND as NAME
+from rolling.numbers.run_file import StoredNumbers
+from rolling.results import labels, listening, result_file, run_lines
+from rolling.results.common_gain import write_with_common_gain
+from rolling.results.former_numbers import former_numbers
+from rolling.results.run_result import PASSES, Run, make_run, read_run, write_run
+from rolling.run.taken import OTHER_CONTACT, TakenMarches
+from rolling.scene import file
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
+from rolling.surface.measured import with_copy
+from rolling.terminal import progress
+from rolling.terminal.files import FolderError
+
+if TYPE_CHECKING:
+    from rolling.choice.choice import Choice
+    from rolling.run.budget import Budget
+
+
+class ResultsOfRuns(MarchStore):
+    """Marches in the results of runs that are done, from which other runs begin.
+
+    by_identity : mapping. A run that is done by the contact identity of its march.
+    """
+
+    def __init__(self, by_identity: Mapping[str, RunFolder]) -> None:
+        self._by_identity = by_identity
+
+    def begin(self, march: March, identity: str) -> Result:
+        """Return the result with which a run begins: empty, or with the march of another run."""
+        source = self._by_identity.get(identity)
+        if source is None:
+            return Result.empty(march.scene)
+        result = result_file.read_result(source.folder / RESULT, source.scene)
+        film = result.slow_motion
+        if film is not None and len(film.positions) == 0:
+            film = None  # another stretch may have a solution
+        steps = march.scene.track.steps
+        return replace(result, steps=steps, extremes={}, slow_motion=film)
+
+    def keep(self, march: March, identity: str, result: Result) -> Result:
+        """Return the marches that the own scene of a run needs."""
+        return own_part(march.scene, result, march.film)
+
+
+class BallOnPlate(Kind):
+    """A ball that rolls over a rough plate under a load, or falls on it."""
+
+    name = NAME
+    scene_type = Scene
+    description = (
+        "A sphere that rolls on a rough surface, how its contact is solved, and where it is heard."
+    )
+    stored_type = StoredNumbers
+    former_format = None
+
+    # ---- scenes
+
+    def refuse(
+        self,
+        scene: Scene,
+        workers: int,
+        folder: Path | None,
+        unsolved: Sequence[Scene] | None = None,
+    ) -> None:
+        """Refuse a scene that cannot be run here."""
+        refusals.refuse(scene, workers, folder, unsolved)
+
+    def check(self, scene: Scene, solve: bool = True) -> Findings:
+        """Judge all runs of a scene before they are run."""
+        return check_scene(scene, solve=solve)
+
+    def conclusion(self, scene: Scene, findings: Findings) -> str:
+        """State in a sentence how long a scene takes, and with which verdict at best."""
+        return conclusion(scene, findings)
+
+    def lines_in_short(self, scene: Scene, findings: Findings) -> list[str]:
+        """Return the conclusion of a check, cost and the largest doubts."""
+        return lines_in_short(scene, findings)
+
+    def resound(self, scene: Scene, overrides: Sequence[str]) -> Scene:
+        """Return the scene of stored runs with another speed, mass, thickness or sound."""
+        return file.resound(scene, overrides)
+
+    def kept_scene(self, scene: Scene, folder: Path) -> Scene:
+        """Return the scene as a folder keeps it, which gets a copy of heights in memory."""
+        return with_copy(scene.with_auto_steps(), folder)
+
+    # ---- marches
+
+    def marches(self, scene: Scene, film: bool = False) -> list[March]:
+        """Return the only march, whose loads and stretches follow from the scene."""
+        return [March(scene, is_shared=False, film=film)]
+
+    def march_store(
+        self,
+        folder: Path | None = None,
+        done: Sequence[RunFolder] = (),
+        sources: Sequence[RunFolder] = (),
+    ) -> ResultsOfRuns:
+        """Return the results of runs that are done; those elsewhere count first."""
+        by_identity: dict[str, RunFolder] = {}
+        for run in (*sources, *done):
+            by_identity.setdefault(contact_identity(run.scene), run)
+        return ResultsOfRuns(by_identity)
+
+    def take_marches(
+        self, start_from: Path, elsewhere: Sequence[RunFolder], own: Sequence[RunFolder]
+    ) -> list[RunFolder]:
+        """Return runs elsewhere whose marches own runs lack, and say what is taken and what not.
+
+        A result is read as the file of a stranger, and left out where it is damaged.
+        """
+        done: dict[str, RunFolder] = {}
+        for run in elsewhere:
+            with suppress(SceneError):  # its file of heights is gone
+                if run.is_done:
+                    done.setdefault(contact_identity(run.scene), run)
+        solved = {contact_identity(run.scene) for run in own if run.is_done}
+        taken = TakenMarches(start_from)
+        sources = []
+        for run, label in zip(own, labels.labels(own), strict=True):
+            identity = contact_identity(run.scene)
+            if identity in solved:
+                continue
+            solved.add(identity)
+            if identity not in done:
+                taken.leave(label, OTHER_CONTACT)
+                continue
+            source = done[identity]
+            try:
+                result_file.read_result(source.folder / RESULT, source.scene)
+            except FolderError as error:
+                taken.leave(label, str(error))
+                continue
+            taken.take(label)
+            sources.append(source)
+        for line in taken.lines():
+            progress.line(line)
+        return sources
+
+    # ---- runs
+
+    def make_run(self, place: RunFolder, label: str, marched: Sequence[Result]) -> Run:
+        """Make the sound of a whole result and its numbers."""
+        (result,) = marched
+        return make_run(place, label, result)
+
+    def write_run(self, run: Run) -> None:
+        """Write the files of a run into its folder."""
+        write_run(run)
+
+    def read_run(self, place: RunFolder, label: str) -> Run:
+        """Read a run from its folder, and make its sound again."""
+        return read_run(place, label)
+
+    def refuse_edited(self, runs: Sequence[RunFolder]) -> None:
+        """Raise SceneError where the height file of a run that is done has other bytes now."""
+        for run in runs:
+            if run.scene.height_paths:
+                result_file.read_result(run.folder / RESULT, run.scene)
+
+    def former_stored(self, content: bytes) -> StoredNumbers:
+        """Return the numbers of a run of version 0.8."""
+        return former_numbers(content)
+
+    def write_with_common_gain(
+        self, runs: Sequence[RunFolder], reader_of: Callable[[RunFolder], Read], each: Each
+    ) -> None:
+        """Write listen.wav of the runs of a sweep with the gain that they share."""
+        write_with_common_gain(runs, reader_of, each)
+
+    def write_long(
+        self, run: Run, seconds: float, speed: float | tuple[float, float] | None, seed: int
+    ) -> Path:
+        """Let the ball roll on beyond the solved track, and write long.wav."""
+        long = run.listen(seconds, speed, seed)
+        path = listening.write_long(run, long)
+        progress.line(listening.describe_long_record(run, long))
+        for text in long.numbers.limits or ():
+            progress.line(f"warning: {text}")
+        return path
+
+    # ---- how runs are shown
+
+    def answer_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Return sentence, table and conclusion of runs."""
+        return run_lines.answer_lines(done)
+
+    def doubt_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Return the lines on channels and the largest doubts."""
+        return [*run_lines.channel_lines(done), *run_lines.doubt_lines(done)]
+
+    def further_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Return all other lines on runs."""
+        return run_lines.further_lines(done)
+
+    def listen_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Name listen.wav of the first run, with what is heard."""
+        first = done[0]
+        heard = ["released power" if first.scene.sound.source == "release" else "vibration"]
+        if len(done) > 1:
+            heard.insert(0, labels.labels(done)[0])
+        lines = [f"listen: {printable(str(first.folder / LISTEN))} ({', '.join(heard)})"]
+        if (first.folder / PASSES).is_file():
+            lines.append(f"pass by pass: {printable(str(first.folder / PASSES))}")
+        return lines
+
+    def has_figures(self, runs: int) -> bool:
+        """Tell whether there is something to compare; a single run has its figures on its page."""
+        return runs > 1
+
+    def write_figures(self, runs: Sequence[Run], folder: Path) -> None:
+        """Write the figures that compare runs."""
+        from rolling.figures import write_figures
+
+        write_figures(runs, folder)
+
+    def page(self, runs: Sequence[Run], unsolved: Sequence[str], folder: Path | None) -> bytes:
+        """Return the page of runs."""
+        from rolling.report import page
+
+        return page.page(runs, unsolved)
+
+    # ---- choices
+
+    def choose(
+        self, scenes: Sequence[Scene], folder: Path | None, budget: Budget, workers: int
+    ) -> Choice:
+        """Choose between scenes by the level of their vibration."""
+        from rolling.choice.choosing import choose_scenes
+
+        return choose_scenes(scenes, folder, budget, workers)
+
+    def write_choice(self, choice: Choice) -> None:
+        """Write the files of a choice, and print its answer."""
+        from rolling.choice import command
+
+        command.write_choice(choice)
+        command.print_choice(choice)
+
+
+KIND = BallOnPlate()

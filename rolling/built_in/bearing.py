@@ -1,0 +1,233 @@
+"""A ball bearing that turns: its rough contacts are marched, and its ring moves over them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from acoustics.texts import printable
+from rolling.bearing_contacts.bearing_check import check_bearing, conclusion, lines_in_short
+from rolling.bearing_contacts.plan import contact_plan
+from rolling.bearing_contacts.solving import (
+    ContactMarch,
+    ContactStore,
+    Marches,
+    march_of_contact,
+    take_march,
+)
+from rolling.bearing_run import run_lines, simulation, stored_run
+from rolling.bearing_run.bearing_run import BearingRun
+from rolling.bearing_run.former_bearing import former_bearing
+from rolling.check.findings import Findings
+from rolling.kinds.kind import Each, Kind, Read
+from rolling.kinds.march import March
+from rolling.kinds.run_folder import LISTEN, RunFolder
+from rolling.marches.piece import contact_identity
+from rolling.numbers.run_file import BEARING_KIND, StoredBearing
+from rolling.run import folder as folders
+from rolling.run.taken import TakenMarches
+from rolling.scene.bearing_scene import BearingScene
+from rolling.scene.height_files import read_regular
+from rolling.terminal import files, progress
+
+if TYPE_CHECKING:
+    from rolling.bearing_run.bearing_choice import BearingChoice
+    from rolling.run.budget import Budget
+
+MAX_SCENE = 1_000_000  # bytes of a scene file on the page
+
+
+class TurningBearing(Kind):
+    """A ball bearing that turns under a constant load."""
+
+    name = BEARING_KIND
+    scene_type = BearingScene
+    description = (
+        "A ball bearing: its geometry, surfaces, loads and speed, and the plate on which it is"
+        " heard."
+    )
+    stored_type = StoredBearing
+    former_format = 1
+
+    # ---- scenes
+
+    def refuse(
+        self,
+        scene: BearingScene,
+        workers: int,
+        folder: Path | None,
+        unsolved: Sequence[BearingScene] | None = None,
+    ) -> None:
+        """Refuse a scene that cannot be run here."""
+        if unsolved is None:
+            unsolved = [run for _, run in scene.runs()]
+        simulation.refuse(scene, workers, folder, unsolved)
+
+    def check(self, scene: BearingScene, solve: bool = True) -> Findings:
+        """Judge all runs of a scene before they are run; no contact is solved."""
+        return check_bearing(scene)
+
+    def conclusion(self, scene: BearingScene, findings: Findings) -> str:
+        """State in a sentence how long a scene takes, and with which verdict at best."""
+        return conclusion(findings)
+
+    def lines_in_short(self, scene: BearingScene, findings: Findings) -> list[str]:
+        """Return the conclusion of a check, the numbers that a designer asks for, and doubts."""
+        return lines_in_short(findings)
+
+    def resound(self, scene: BearingScene, overrides: Sequence[str]) -> BearingScene:
+        """Return the scene of stored runs with values that leave its contacts as they are."""
+        raise NotImplementedError
+
+    # ---- marches
+
+    def marches(self, scene: BearingScene, film: bool = False) -> list[March]:
+        """Return the rough contacts at their middle load and the faults, then all other loads."""
+        first, rest = contact_plan(scene).stages
+        marches = [march_of_contact(contact) for contact in first]
+        return marches + [march_of_contact(contact, is_first=False) for contact in rest]
+
+    def march_store(
+        self,
+        folder: Path | None = None,
+        done: Sequence[RunFolder] = (),
+        sources: Sequence[RunFolder] = (),
+    ) -> ContactStore:
+        """Return the files of marches of the folder, and of the folders of runs elsewhere."""
+        return ContactStore(folder, list(dict.fromkeys(run.home for run in sources)))
+
+    def take_marches(
+        self, start_from: Path, elsewhere: Sequence[RunFolder], own: Sequence[RunFolder]
+    ) -> list[RunFolder]:
+        """Return runs elsewhere with marches that own runs lack, and say which ones these are."""
+        home = elsewhere[0].home
+        taken = TakenMarches(home)
+        contacts: dict[str, March] = {}
+        for run in own:
+            if not run.is_done:
+                for march in self.marches(run.scene):
+                    contacts.setdefault(contact_identity(march.scene), march)
+        has_some = [take_march(taken, march) for march in contacts.values()]
+        for line in taken.lines():
+            progress.line(line)
+        return list(elsewhere) if any(has_some) else []
+
+    # ---- runs
+
+    def make_run(self, place: RunFolder, label: str, marched: Sequence[ContactMarch]) -> BearingRun:
+        """Move the ring over the tracks of all marches, and make its numbers."""
+        return simulation.make_run(place, label, self._by_identity(place.scene, marched))
+
+    def _by_identity(self, scene: BearingScene, marched: Sequence[ContactMarch | None]) -> Marches:
+        """Return the marches of a scene that are there by their contact identities."""
+        by_identity = {}
+        for march, known in zip(self.marches(scene), marched, strict=True):
+            if known is not None:
+                by_identity[contact_identity(march.scene)] = known
+        return by_identity
+
+    def write_first_sound(
+        self, place: RunFolder, label: str, marched: Sequence[ContactMarch | None]
+    ) -> Path:
+        """Write the sound of contacts at one load."""
+        marches = self._by_identity(place.scene, marched)
+        plan = contact_plan(place.scene)
+        bearing = simulation.move_bearing(place, label, plan, marches)
+        files.make_below(place.home, place.folder)
+        sound = stored_run.write_acceleration(bearing, place.folder)
+        stored_run.write_listen(bearing, place.folder, sound, sound.gain)
+        return place.folder / LISTEN
+
+    def write_run(self, run: BearingRun) -> None:
+        """Write the files of a run into its folder."""
+        stored_run.write_run(run)
+
+    def read_run(self, place: RunFolder, label: str) -> BearingRun:
+        """Read a run from its folder."""
+        return stored_run.read_run(place, label)
+
+    def refuse_edited(self, runs: Sequence[RunFolder]) -> None:
+        """Do nothing: the identity of a march holds the digest of its heights."""
+
+    def former_stored(self, content: bytes) -> StoredBearing:
+        """Return the numbers of a run of version 0.8."""
+        return former_bearing(content)
+
+    def write_with_common_gain(
+        self, runs: Sequence[RunFolder], reader_of: Callable[[RunFolder], Read], each: Each
+    ) -> None:
+        """Write the sounds of the runs of a sweep with the gain that they share."""
+        done = [run for run in runs if run.is_done and run.values]
+        if done:
+            stored_run.write_with_common_gain(done, reader_of)
+
+    def write_long(self, run: BearingRun, seconds: float, speed: Any, seed: int) -> Path:
+        """Let the ring move for longer, and write long.wav."""
+        if speed is not None or seed:
+            raise ValueError("--speed, --seed: a bearing turns on at the speed of its scene")
+        return stored_run.write_long(run, seconds)
+
+    # ---- how runs are shown
+
+    def answer_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Return the sentences of a run, or the bands of several."""
+        return run_lines.answer_lines(done)
+
+    def doubt_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Return the doubts about runs, the worst first."""
+        return run_lines.doubt_lines(done)
+
+    def further_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Return the lines of the spectra of runs."""
+        return run_lines.further_lines(done)
+
+    def listen_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Name the sound of the ring, and that of the housing where there is one."""
+        folder = done[0].folder
+        lines = [f"listen: {printable(str(folder / LISTEN))}"]
+        if (folder / stored_run.HOUSING).is_file():
+            lines.append(f"listen to the housing: {printable(str(folder / stored_run.HOUSING))}")
+        return lines
+
+    def write_figures(self, runs: Sequence[BearingRun], folder: Path) -> None:
+        """Write the figures of each run into its folder."""
+        for run in runs:
+            stored_run.write_figures(run, run.folder)
+
+    def page(
+        self, runs: Sequence[BearingRun], unsolved: Sequence[str], folder: Path | None
+    ) -> bytes:
+        """Return the page of runs."""
+        from rolling.bearing_run import page
+
+        return page.page(runs, _scene_text(folder), unsolved)
+
+    # ---- choices
+
+    def choose(
+        self, scenes: Sequence[BearingScene], folder: Path | None, budget: Budget, workers: int
+    ) -> BearingChoice:
+        """Choose between bearings by the bands of their rings."""
+        from rolling.bearing_run.choosing import choose_bearings
+
+        return choose_bearings(scenes, folder, budget, workers)
+
+    def write_choice(self, choice: BearingChoice) -> None:
+        """Print the answer of a choice, whose files are written."""
+        from rolling.bearing_run.choosing import print_choice
+
+        print_choice(choice)
+
+
+def _scene_text(folder: Path | None) -> str:
+    """Return the scene file of a folder, or of the folder of the sweep around it."""
+    if folder is None:
+        return ""
+    for place in (folder, folder.absolute().parent):
+        if (place / folders.SCENE).is_file():
+            return read_regular(place / folders.SCENE, MAX_SCENE).decode("utf-8", "replace")
+    return ""
+
+
+KIND = TurningBearing()
