@@ -66,7 +66,6 @@ def __getattr__(name: str) -> Any:
             import_module("rolling.terminal.files").FolderError,
             import_module("rolling.contact.solver").ContactError,
         )
-    if "bearing" in module:
         import_module("rolling.scene.bearing_scene").BearingScene.check = _check_bearing
     if name in _SUBMODULES:
         value = import_module(f"{module}.{name}")

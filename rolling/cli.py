@@ -272,9 +272,9 @@ def _choose(given: argparse.Namespace) -> int:
 def _scenes_of_one_kind(given: argparse.Namespace) -> list[Any]:
     """Read the scenes of a choice, which are of one kind."""
     from rolling.kinds.reading import read_scene
-    from rolling.kinds.registry import kind_of_file
+    from rolling.kinds.registry import name_of_file
 
-    kinds = [kind_of_file(path).name for path in given.scenes]
+    kinds = [name_of_file(path) for path in given.scenes]
     for path, kind in zip(given.scenes, kinds, strict=True):
         if kind != kinds[0]:
             given.parser.error(
@@ -476,14 +476,14 @@ def _schema(given: argparse.Namespace) -> int:
     import json
 
     from rolling.kinds import reading
-    from rolling.kinds.registry import kinds
+    from rolling.kinds.registry import kind_named, scene_types
     from rolling.numbers.summary_schema import summary_schema
 
-    every = kinds()
-    if given.kind not in every:
-        given.parser.error(f"--kind: got {given.kind}, allowed: {', '.join(every)}")
+    allowed = list(scene_types())
+    if given.kind not in allowed:
+        given.parser.error(f"--kind: got {given.kind}, allowed: {', '.join(allowed)}")
     if given.summary:
-        schema = summary_schema(every[given.kind].stored_type)
+        schema = summary_schema(kind_named(given.kind).stored_type)
     else:
         schema = reading.schema(given.kind)
     print(json.dumps(schema, indent=2))

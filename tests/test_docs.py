@@ -21,9 +21,9 @@ import soundfile
 
 import rolling
 from rolling import cli, read_scene
+from rolling.kinds.registry import name_of_file
 from rolling.scene import file as scene_file
 from rolling.scene import library as scene_library
-from rolling.scene.bearing_file import is_bearing_file, read_either
 from rolling.terminal import parser as command_line
 
 ROOT = next(folder for folder in Path(__file__).parents if (folder / "pyproject.toml").exists())
@@ -111,7 +111,7 @@ def test_commands_have_options_scenes_and_keys_of_the_program(page: Path):
             if "folder" in given:
                 scene_file.resound(read_scene("steel-sheet"), overrides)
             else:
-                read_either(library.get(known, library["quickstart"]), overrides)
+                read_scene(library.get(known, library["quickstart"]), overrides)
     for options in re.findall(r"`(--set [^`]*)`", text):
         settings = [word for word in shlex.split(options) if word != "--set"]
         read_scene("ball-on-plate", ["sweep=", *settings])
@@ -186,7 +186,7 @@ def test_python_of_readme_and_getting_started_is_the_same():
 
 def test_scenes_name_their_schema():
     for scene in (ROOT / "scenarios").glob("*.yaml"):
-        kind = "bearing" if is_bearing_file(scene) else "scene"
+        kind = "bearing" if name_of_file(scene) == "bearing" else "scene"
         line = f"# yaml-language-server: $schema={kind}.schema.json\n"
         assert scene.read_text(encoding="utf-8").startswith(line), _name(scene)
 

@@ -36,7 +36,7 @@ SHORTER = {
         "window_mm=2": 'window_mm=1", "numerics.spacing_um=8',
         "listen_s=4": "listen_s=0.5",
         "duration_s=0.3": "duration_s=0.1",
-        "simulate_bearing(scene)": "simulate_bearing(scene, workers=1)",
+        "simulate(scene)": "simulate(scene, workers=1)",
         'inner.faults": None}))': 'inner.faults": None}), workers=1)',
         "progress=False": "progress=False, workers=1",
         "with_(plate=plate))": "with_(plate=plate), workers=1)",

@@ -87,8 +87,8 @@ SHOWN = "![Gallery of scenes that come with the program](pictures/gallery.png)"
 def main(words: list[str]) -> int:
     """Run the scenes and write the gallery; return the exit code."""
     sys.path.insert(0, str(ROOT))
+    from rolling.kinds.registry import name_of_file
     from rolling.scene import library
-    from rolling.scene.bearing_file import is_bearing_file
 
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("scenes", nargs="*", metavar="SCENE")
@@ -98,7 +98,7 @@ def main(words: list[str]) -> int:
     names = given.scenes
     if not names:
         titles = library.titles()
-        names = [x for x, _ in titles if x not in LEFT_OUT and not is_bearing_file(x)]
+        names = [x for x, _ in titles if x not in LEFT_OUT and name_of_file(x) == "ball"]
     made(dict.fromkeys(names, ()), given.out, given.workers)
     return 0
 

@@ -112,9 +112,9 @@ def _schema() -> Json:
 
 
 def _bearing_schema() -> Json:
-    from rolling.scene.bearing_file import bearing_schema
+    from rolling.kinds.reading import schema
 
-    return bearing_schema()
+    return schema("bearing")
 
 
 def _summary_schema(stored: type) -> Json:

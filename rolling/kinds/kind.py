@@ -11,12 +11,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from rolling.kinds.march import March, MarchStore
 from rolling.kinds.run_folder import RunFolder
 from rolling.scene.swept import SweptScene
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # a scene is read without the solver
     from rolling.check.findings import Findings
+    from rolling.kinds.march import March, MarchStore
 
 Read = Callable[[RunFolder, str], Any]  # a run that is done, under a label
 Each = Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], Any]  # calls, in some process

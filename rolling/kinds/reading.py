@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from acoustics.traps import ignoring_underflow
-from rolling.kinds.registry import kind_of_file, kinds
+from rolling.kinds.registry import kind_named, name_of_file, scene_types
 from rolling.scene import file
 from rolling.scene.messages import nearest
 
@@ -45,7 +45,7 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Any:
     >>> rolling.read_scene("bearing-6204", ["bearing.speed_rpm=900"]).turns_hz
     15.0
     """
-    return file.read_as(path, kind_of_file(path).scene_type, overrides)
+    return file.read_as(path, scene_types()[name_of_file(path)], overrides)
 
 
 def schema(kind: str) -> dict[str, Any]:
@@ -55,10 +55,9 @@ def schema(kind: str) -> dict[str, Any]:
     ------
     ValueError : there is no kind of this name.
     """
-    every = kinds()
-    if kind not in every:
-        raise ValueError(
-            f"{kind}: no kind of scene{nearest(kind, list(every))}, allowed: {', '.join(every)}"
-        )
-    model = every[kind].scene_type
-    return file.schema_of(model, title=model.TITLE, description=every[kind].description)
+    types = scene_types()
+    if kind not in types:
+        near = nearest(kind, list(types))
+        raise ValueError(f"{kind}: no kind of scene{near}, allowed: {', '.join(types)}")
+    model = types[kind]
+    return file.schema_of(model, model.TITLE, kind_named(kind).description)

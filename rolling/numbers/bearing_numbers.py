@@ -284,7 +284,7 @@ class BearingNumbers:
     ...     bearing={"named": "6204", "speed_rpm": 1800, "axial_load_n": 70, "surfaces": waves},
     ...     sound={"duration_s": 0.2, "listen_s": 0.2},
     ... )
-    >>> numbers = rolling.simulate_bearing(scene, progress=False).numbers
+    >>> numbers = rolling.simulate(scene, progress=False).numbers
     >>> print(numbers.below_bending.radial.low)
     81 um/s ± 0.1 dB, computed
     """

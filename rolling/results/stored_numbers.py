@@ -13,7 +13,7 @@ from typing import Any
 
 from rolling.contact.processor_time import ProcessorTime
 from rolling.kinds.kind import Kind
-from rolling.kinds.registry import kinds
+from rolling.kinds.registry import kind_named, scene_types
 from rolling.kinds.run_folder import (
     MAX_NUMBERS,
     NUMBERS,
@@ -62,17 +62,17 @@ def _kind_of_content(content: bytes) -> Kind:
     """Return the kind whose numbers a file has; raise ValueError where it names none."""
     values = json.loads(content)
     name = values.get("kind") if isinstance(values, dict) else None
-    every = kinds()
-    if name not in every:
+    if name not in scene_types():
         raise ValueError(f"numbers of the kind {name}")
-    return every[name]
+    return kind_named(str(name))
 
 
 def _former(content: bytes) -> Any:
     """Return the numbers of a summary.json of version 0.8; raise ValueError where it is none."""
     values = json.loads(content)
     written = values.get("format") if isinstance(values, dict) else None
-    for kind in kinds().values():
+    for name in scene_types():
+        kind = kind_named(name)
         if kind.former_format == written:
             return kind.former_stored(content)
     raise ValueError(f"the file beside it, {NUMBERS}, is missing")

@@ -39,18 +39,23 @@ def read_as(path: Path | str, model: type[AnyScene], overrides: Sequence[str] = 
     path = Path(path)
     file = library.find(path)
     is_whole = file == path or bool(library.companions(file))
-    return loads(
+    scene: AnyScene = loads(
         read_text(file),
         overrides=[overrides] if isinstance(overrides, str) else overrides,
         where=str(file),
         folder=file.parent if is_whole else Path(),
         model=model,
     )
+    return scene
 
 
 def loads(
-    text: str, overrides: Sequence[str], where: str, folder: Path, model: type[AnyScene]
-) -> AnyScene:
+    text: str,
+    overrides: Sequence[str] = (),
+    where: str = "scene",
+    folder: Path = Path(),
+    model: type[SweptScene] = Scene,
+) -> Any:
     """Read a scene of a kind from text; raise SceneError with all faults of text and overrides.
 
     Parameters

@@ -277,7 +277,7 @@ def chosen(number: int, within_db: float, folder: Path) -> list[dict[str, Any]]:
     changed, values, change = pair_of(number)
     first = rc.BearingScene.from_dict(values)
     second = first.with_({"name": f"{values['name']}-changed", **change})
-    choice = rc.choose_bearings(
+    choice = rc.choose(
         [first, second], folder=folder, within_db=within_db, workers=1, progress=False
     )
     (differences,) = choice.differences

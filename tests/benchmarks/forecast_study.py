@@ -69,8 +69,7 @@ BEARINGS: dict[str, tuple[str, list[str]]] = {
 
 def measure(source: str, words: Sequence[str], cores: int) -> dict[str, float | str]:
     """Check and run a scene, and return the times [s]."""
-    reader = rc.read_bearing if source.startswith("bearing-") else rc.read_scene
-    scene = reader(source, words)
+    scene = rc.read_scene(source, words)
     seconds = scene.check().seconds
     began = time.perf_counter()
     before = _processor_seconds()

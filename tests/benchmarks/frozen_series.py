@@ -40,7 +40,7 @@ from scipy.io import wavfile
 
 import acoustics.wav
 import rolling as rc
-from rolling.kinds.registry import kind_of_file
+from rolling.kinds.registry import name_of_file
 from rolling.scene import library
 
 SCENES = Path(__file__).with_name("frozen_scenes.toml")
@@ -72,7 +72,7 @@ class Job(NamedTuple):
     @property
     def scene_kind(self) -> str:
         """Name of the kind of its scene."""
-        return kind_of_file(self.entry["scene"]).name
+        return name_of_file(self.entry["scene"])
 
 
 # ---- what is computed

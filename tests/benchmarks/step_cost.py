@@ -32,7 +32,7 @@ from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import ContactState
 from rolling.contact.subcells import half_space_of
-from rolling.scene import file
+from rolling.kinds.reading import read_scene
 from rolling.scene.scene import Scene
 from rolling.surface.contact_of_scene import rolling_contact
 
@@ -97,7 +97,7 @@ def scene_of(kind: str, width: float) -> Scene | None:
         across = f"surface.width_um={nodes * 2}"
         overrides = [*KINDS[kind], f"rolling.load_n={load:.6g}", across, long]
         pinned = ["numerics.tolerance=1e-4", "numerics.error_estimate=false"]
-        return file.read_scene(QUICKSTART, [*overrides, *pinned]).runs()[0][1]
+        return read_scene(QUICKSTART, [*overrides, *pinned]).runs()[0][1]
 
     def wide(scene: Scene) -> bool:
         return cost.window_nodes(scene, cost.roughness(scene)[0]) > width

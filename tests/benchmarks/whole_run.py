@@ -20,9 +20,9 @@ from pathlib import Path
 import numpy as np
 
 from rolling.contact.half_space import HalfSpace
+from rolling.kinds.reading import read_scene
 from rolling.marches.march_piece import march_piece
 from rolling.marches.piece import Piece, contact_identity, track_pieces
-from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.surface.scene_surface import heights
 
@@ -34,7 +34,7 @@ SPACING = 2e-6
 
 def scene_20_n(*overrides: str) -> Scene:
     """Return the quickstart's run under 20 N."""
-    runs = file.read_scene(QUICKSTART, overrides).runs()
+    runs = read_scene(QUICKSTART, overrides).runs()
     return next(scene for values, scene in runs if values["rolling.load_n"] == 20)
 
 

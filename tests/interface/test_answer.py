@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 from made_numbers import bands, computed, estimated, run_with
-from rolling.scene.bearing_file import is_bearing_file
 
 from rolling.kinds.reading import read_scene
+from rolling.kinds.registry import name_of_file
 from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.quantity import BandQuantity
@@ -140,7 +140,9 @@ def test_the_gap_names_both_levels() -> None:
     assert gap([estimated(record={"q": None})]) == ""
 
 
-@pytest.mark.parametrize("name", [name for name in library.scenes() if not is_bearing_file(name)])
+@pytest.mark.parametrize(
+    "name", [name for name in library.scenes() if name_of_file(name) == "ball"]
+)
 def test_every_scene_of_the_library_has_a_sentence(name: str) -> None:
     runs = [RunFolder(run.values, run.scene, Path()) for run in read_scene(Path(name)).runs()]
     sentence = runs_sentence(runs)

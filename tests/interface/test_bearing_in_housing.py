@@ -18,9 +18,9 @@ def in_plate(**changes: object) -> rc.BearingScene:
 
 
 def test_a_folder_has_the_sound_of_the_plate(tmp_path: Path) -> None:
-    run = rc.simulate_bearing(in_plate(), progress=False)
-    rc.save_bearing(run, tmp_path / "run", report=False)
-    level = rc.open_bearing(tmp_path / "run").numbers.housing.laeq
+    run = rc.simulate(in_plate(), progress=False)
+    rc.save_run(run, tmp_path / "run", report=False)
+    level = rc.open_run(tmp_path / "run").numbers.housing.laeq
     assert level == run.numbers.housing.laeq
     assert level.value == run.housing.levels.laeq_db
     assert "contact_angle" not in {doubt.key for doubt in level.doubts}  # of axial velocities alone
@@ -30,14 +30,14 @@ def test_a_folder_has_the_sound_of_the_plate(tmp_path: Path) -> None:
 
 
 def test_a_bearing_without_a_plate_has_none(tmp_path: Path) -> None:
-    run = rc.simulate_bearing(loads_bearing(WAVY), progress=False)
-    rc.save_bearing(run, tmp_path / "run", report=False)
+    run = rc.simulate(loads_bearing(WAVY), progress=False)
+    rc.save_run(run, tmp_path / "run", report=False)
     assert run.housing is None and run.numbers.housing is None
     assert not (tmp_path / "run" / "housing.wav").exists()
 
 
 def test_twice_the_distance_is_quieter() -> None:
-    near = rc.simulate_bearing(in_plate(), progress=False).housing.levels.laeq_db
+    near = rc.simulate(in_plate(), progress=False).housing.levels.laeq_db
     far_scene = in_plate().with_({"sound.distance_m": 2})
-    far = rc.simulate_bearing(far_scene, progress=False).housing.levels.laeq_db
+    far = rc.simulate(far_scene, progress=False).housing.levels.laeq_db
     assert 3 < near - far < 9

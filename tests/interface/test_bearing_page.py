@@ -41,9 +41,7 @@ IDLE = "document.querySelector('#model').getAttribute('aria-busy') === 'false'"
 
 @pytest.fixture(scope="module")
 def run() -> BearingRun:
-    return rolling.simulate_bearing(
-        loads_bearing(WAVY, ["bearing.radial_load_n=40"]), progress=False
-    )
+    return rolling.simulate(loads_bearing(WAVY, ["bearing.radial_load_n=40"]), progress=False)
 
 
 @pytest.fixture(scope="module")
@@ -161,7 +159,7 @@ def test_keys_and_sound(page_file: Path, opened) -> None:
 
 def test_a_page_of_two_runs_shows_the_chosen_one(run: BearingRun, tmp_path: Path, opened) -> None:
     slower = loads_bearing(WAVY, ["bearing.speed_rpm=900"])
-    other = rolling.simulate_bearing(slower, progress=False)
+    other = rolling.simulate(slower, progress=False)
     runs = [replace(run, label="40 N"), replace(other, label="900 rpm")]
     path = tmp_path / "two.html"
     path.write_bytes(pages_of_bearings.page(runs, WAVY, ["70 N"]))

@@ -27,7 +27,7 @@ from rolling.bearing.band_uncertainty import BandUncertainty
 from rolling.bearing.motion import move_ring
 from rolling.bearing.ring_record import DIRECTIONS
 from rolling.bearing.tracks import BodyTrack, smooth_tracks
-from rolling.bearing_run import figures, page, simulation, stored_run
+from rolling.bearing_run import figures, page, simulation
 from rolling.bearing_run.bearing_run import BearingRun, numbered
 from rolling.bearing_run.line_numbers import envelope_lines
 from rolling.bearing_run.numbers import MarchFindings
@@ -35,7 +35,7 @@ from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.numbers.bearing_numbers import BandVelocities, VelocityLine
 from rolling.numbers.run_file import StoredBearing
 from rolling.numbers.summary_schema import summary_schema
-from rolling.results.stored_numbers import write_stored
+from rolling.results.stored_numbers import read_stored, write_stored
 
 FILES = {
     *("result.h5", "numbers.json", "summary.json", "spectrum.csv", "lines.csv"),
@@ -47,7 +47,7 @@ RATE = 48_000
 @pytest.fixture(scope="module")
 def run() -> BearingRun:
     """A bearing with nine waves on the inner raceway and eight on the outer."""
-    return rolling.simulate_bearing(loads_bearing(WAVY), progress=False)
+    return rolling.simulate(loads_bearing(WAVY), progress=False)
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +59,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def stored(folder: Path) -> StoredBearing:
-    return stored_run.read_stored_bearing(folder)
+    return read_stored(folder)
 
 
 def line_of(run: BearingRun, name: str) -> VelocityLine:
@@ -85,7 +85,7 @@ def test_a_run_of_a_bearing_states_processor_times(folder: Path) -> None:
     assert parts["sound"] > 0 and parts["page"] > 0
     assert effort.march_cpu_s == parts["march"] == 0
     assert pd.read_csv(folder / "runs.csv")["effort_march_cpu_s"].tolist() == [0]
-    assert rolling.open_bearing(folder).numbers.effort == effort
+    assert rolling.open_run(folder).numbers.effort == effort
 
 
 @pytest.mark.law("Bearing run: nine waves of the inner raceway have their velocity and their line.")
@@ -190,7 +190,7 @@ sound: {duration_s: 0.5, listen_s: 0.5}
 @pytest.mark.law("Bearing lines: an order is credited in the direction in which it moves the ring.")
 def test_orders_are_named_by_their_direction() -> None:
     """Orders 9 and 10 of the outer raceway share a line: nine balls make 9 axial, 10 radial."""
-    run = rolling.simulate_bearing(loads_bearing(NAMES), progress=False)
+    run = rolling.simulate(loads_bearing(NAMES), progress=False)
     (said,) = [text for text in run.numbers.sentences if text.startswith("The largest lines")]
     assert "axial outer 9 (107.8 Hz, 140 um/s)" in said
     assert "radial outer 10 (107.8 Hz, 0.049 um/s)" in said
@@ -205,7 +205,7 @@ def test_a_line_that_the_record_does_not_resolve_has_no_level() -> None:
     """An outer ring that turns has nine waves at 122.2 Hz; nothing moves it at 119.8 Hz."""
     outer = "{outer: {kind: smooth, waviness: {9: 0.05}}}"
     words = ["bearing.turning=outer", f"bearing.surfaces={outer}", "sound.duration_s=2"]
-    longer = rolling.simulate_bearing(loads_bearing(WAVY, words), progress=False)
+    longer = rolling.simulate(loads_bearing(WAVY, words), progress=False)
     silent = line_of(longer, "2 x ball spin")
     assert silent.radial.um_s == 0 == silent.radial.height
     record = replace(longer.record, velocity_m_s=longer.record.velocity_m_s[: RATE // 2])
@@ -288,10 +288,10 @@ def test_a_bearing_with_a_fault_is_also_moved_without_it(tmp_path: Path) -> None
     step = {"kind": "step", "at_mm": [10, 0], "depth_um": 1, "size_um": 300}
     waves = {"kind": "smooth", "waviness": {9: 0.1}}
     short = ["sound.duration_s=0.2", "sound.listen_s=0.2"]
-    healthy = rolling.simulate_bearing(
+    healthy = rolling.simulate(
         loads_bearing(WAVY, [*short, f"bearing.surfaces.inner={json.dumps(waves)}"]), progress=False
     )
-    faulty = rolling.simulate_bearing(
+    faulty = rolling.simulate(
         loads_bearing(
             WAVY, [*short, f"bearing.surfaces.inner={json.dumps(waves | {'faults': [step]})}"]
         ),
@@ -306,7 +306,7 @@ def test_a_bearing_with_a_fault_is_also_moved_without_it(tmp_path: Path) -> None
     assert faulty.numbers.velocities.radial.high.value > 2 * without.radial.high
     (said,) = [text for text in faulty.numbers.sentences if "fault of" in text]
     assert "shows in the envelope at BPFI" in said and "without the fault" in said
-    opened = rolling.open_bearing(rolling.save_bearing(faulty, tmp_path / "run", report=False))
+    opened = rolling.open_run(rolling.save_run(faulty, tmp_path / "run", report=False))
     assert opened.numbers.without_faults == without
 
 
@@ -442,7 +442,7 @@ def test_former_names_warn_and_have_the_same_values(run: BearingRun) -> None:
 
 def test_a_smooth_bearing_under_an_axial_load_is_silent() -> None:
     scene = loads_bearing(WAVY, ["bearing.surfaces={}"])
-    quiet = rolling.simulate_bearing(scene, progress=False)
+    quiet = rolling.simulate(scene, progress=False)
     velocities = quiet.numbers.velocities.by_direction.values()
     assert max(max(bands.um_s.values()) for bands in velocities) < 1e-3
 
@@ -450,7 +450,7 @@ def test_a_smooth_bearing_under_an_axial_load_is_silent() -> None:
 def test_the_outer_ring_may_turn() -> None:
     """The inner ring moves then, at the same rates of contact."""
     scene = loads_bearing(WAVY, ["bearing.turning=outer"])
-    run = rolling.simulate_bearing(scene, progress=False)
+    run = rolling.simulate(scene, progress=False)
     assert run.moving == "inner" and run.numbers.departures
     assert run.numbers.velocities.axial.low.value > 50
 
@@ -458,7 +458,7 @@ def test_the_outer_ring_may_turn() -> None:
 def test_a_radial_load_alone_has_a_load_zone_and_varying_compliance() -> None:
     """Clearance is open, so balls outside the zone bear nothing, and the ring moves at Z f_c."""
     words = ["bearing.axial_load_n=0", "bearing.radial_load_n=200", "bearing.surfaces={}"]
-    run = rolling.simulate_bearing(loads_bearing(WAVY, words), progress=False)
+    run = rolling.simulate(loads_bearing(WAVY, words), progress=False)
     assert run.record.ball_load_n.min() == 0 < run.record.lost_contact_share
     around = figures.mean_loads_n(run)
     assert around[0] == np.nanmax(around) and around[len(around) // 2] == 0
@@ -470,7 +470,7 @@ def test_a_radial_load_alone_has_a_load_zone_and_varying_compliance() -> None:
 def test_a_bearing_that_hardly_turns_has_few_lines_and_all_figures() -> None:
     """Its lines are closer than a record of 0.2 s can tell apart, and would name every peak."""
     text = WAVY.replace("0.5", "0.2").replace("1800", "0.01")
-    run = rolling.simulate_bearing(loads_bearing(text), progress=False)
+    run = rolling.simulate(loads_bearing(text), progress=False)
     assert len(run.numbers.lines) < 100
     found = lines.family_lines(run.model, wavy=lines.BODIES, faulty=(), highest_hz=1800.0)
     assert len(found) < 10_000
@@ -528,13 +528,13 @@ def test_sounds_are_acceleration_and_its_scaled_copy(folder: Path, run: BearingR
 
 def test_a_stored_run_is_the_run(folder: Path, run: BearingRun, tmp_path: Path) -> None:
     """Numbers are stored unrounded, and arrays in single precision."""
-    opened = rolling.open_bearing(folder)
+    opened = rolling.open_run(folder)
     assert replace(opened.numbers, effort=run.numbers.effort) == run.numbers
     track = opened.tracks.inner.at_loads(run.tracks.inner.loads_n)
     assert track == pytest.approx(run.tracks.inner.approach_m, abs=1e-13)
     tree = opened.to_xarray()
     assert tree.velocity.attrs["units"] == "m/s" and tree.velocity.dims == ("time", "axis")
-    again = rolling.save_bearing(opened, tmp_path / "again", report=False)
+    again = rolling.save_run(opened, tmp_path / "again", report=False)
     assert stored(again).numbers.velocities == opened.numbers.velocities
     assert (again / "result.h5").read_bytes() == (folder / "result.h5").read_bytes()
 
@@ -587,9 +587,9 @@ def test_a_sweep_has_a_row_for_each_run(tmp_path: Path, capsys: pytest.CaptureFi
     assert cli.main(["table", str(out)]) == 0
     assert "75 N" in capsys.readouterr().out
     first = next(path.parent for path in out.glob("*/summary.json"))
-    assert rolling.open_bearing(first).scene.bearing.axial_load_n == 65
+    assert rolling.open_run(first).scene.bearing.axial_load_n == 65
     with pytest.raises(rolling.FolderError, match="holds 3 runs"):
-        rolling.open_bearing(out)
+        rolling.open_run(out)
 
 
 @pytest.mark.slow
@@ -620,7 +620,7 @@ def test_bad_folders_are_refused(folder: Path, tmp_path: Path, capsys) -> None:
     assert cli.main(["run", str(scene), "--out", str(strange), "-q"]) == 2
     assert {path.name for path in strange.iterdir()} == {"letter.txt"}
     with pytest.raises(rolling.FolderError, match="no run folder of a bearing"):
-        rolling.open_bearing(strange)
+        rolling.open_run(strange)
     with pytest.raises(SystemExit, match="2"):
         cli.main(["run", str(scene), "--out", str(tmp_path / "new"), "--part", "1/2"])
     assert not (tmp_path / "new").exists()
@@ -641,8 +641,8 @@ def test_nothing_is_written_for_a_scene_that_cannot_run(
 
 @pytest.mark.parametrize("name", ["result.h5", "numbers.json"])
 def test_a_damaged_file_is_named(name: str, run: BearingRun, tmp_path: Path) -> None:
-    folder = rolling.save_bearing(run, tmp_path / "own", report=False)
+    folder = rolling.save_run(run, tmp_path / "own", report=False)
     content = (folder / name).read_bytes()
     (folder / name).write_bytes(content[: len(content) // 2])
     with pytest.raises(rolling.FolderError, match=name):
-        rolling.open_bearing(folder)
+        rolling.open_run(folder)

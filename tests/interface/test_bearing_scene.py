@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 from bearing_runs import loads_bearing
-from rolling.scene.bearing_file import bearing_schema, is_bearing_file
 from ruamel.yaml import YAML
 from scene_text import BEARINGS, SCENES
 
 import rolling
 from rolling import cli
 from rolling.bearing_contacts.bearing_check import scene_rules
+from rolling.kinds.reading import schema
+from rolling.kinds.registry import name_of_file
 from rolling.scene.bearing_rules import largest_pressure
 from rolling.scene.bearing_sources import assumed_keys
 from rolling.scene.file import dump
@@ -57,7 +58,7 @@ def test_scene_is_the_same_after_writing(path: Path) -> None:
     scene = rolling.read_scene(path)
     assert loads_bearing(dump(scene)) == scene
     assert rolling.BearingScene.from_dict(scene.to_dict()) == scene
-    root = bearing_schema()
+    root = schema("bearing")
     for data in (YAML(typ="safe").load(path.read_text()), scene.to_dict()):
         assert set(data) <= set(root["properties"])
         assert set(data["bearing"]) <= set(root["$defs"]["Bearing"]["properties"])
@@ -68,8 +69,8 @@ def test_each_reader_refuses_the_other_kind() -> None:
         rolling.read_scene(BEARINGS[0])
     with pytest.raises(SceneError, match=r"yaml:\d+: sphere: .*read_scene"):
         rolling.read_scene(SCENES[0])
-    assert is_bearing_file("bearing-6204") and not is_bearing_file("quickstart")
-    assert not is_bearing_file("no-such-file.yaml")
+    assert name_of_file("bearing-6204") == "bearing" and name_of_file("quickstart") == "ball"
+    assert name_of_file("no-such-file.yaml") == "ball"
     text = faults(text=TEXT.replace("bearing:", "bearings:"))
     assert text[0].startswith("b.yaml:2: bearings: unknown key, nearest: bearing")
 
@@ -85,7 +86,7 @@ def test_a_sweep_has_runs_with_their_values() -> None:
 
 
 def test_every_key_is_described() -> None:
-    root = bearing_schema()
+    root = schema("bearing")
     for section in root["$defs"].values():
         for name, key in section["properties"].items():
             assert key.get("description"), name

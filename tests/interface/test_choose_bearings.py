@@ -34,9 +34,7 @@ def scene() -> rc.BearingScene:
 @pytest.mark.law("Choice of bearings: twice the waviness of the balls is 6 dB more in each band.")
 def test_twice_the_waviness_is_six_decibels_more(tmp_path: Path) -> None:
     twice = scene().with_({"name": "twice", "bearing.surfaces.balls.waviness": {4: 0.04}})
-    choice = rc.choose_bearings(
-        [scene(), twice], folder=tmp_path / "out", workers=1, progress=False
-    )
+    choice = rc.choose([scene(), twice], folder=tmp_path / "out", workers=1, progress=False)
     for apart in choice.differences[0]:
         assert apart.db == pytest.approx(6.02, abs=0.1)
     assert {path.name for path in (tmp_path / "out").iterdir()} >= {"choice.csv", "choice.png"}
@@ -209,7 +207,7 @@ def test_bearings_at_rest_are_alike(tmp_path: Path) -> None:
     plate = "{material: steel-s235, thickness_mm: 8, length_mm: 120, width_mm: 90}"
     still = rc.read_scene("bearing-6204", [*SMOOTH, "bearing.surfaces.balls=", f"plate={plate}"])
     swept = still.with_(sweep={"bearing.density_kg_m3": [7800, 7801]})
-    choice = rc.choose_bearings(swept, folder=tmp_path / "out", workers=1, progress=False)
+    choice = rc.choose(swept, folder=tmp_path / "out", workers=1, progress=False)
     assert set(choice.rms) == {"low", "medium", "high", "housing"}
     for of_band in choice.rms.values():
         np.testing.assert_array_equal(of_band, 0.0)

@@ -162,7 +162,7 @@ def test_a_forecast_of_a_bearing_counts_what_is_computed(
     scene = loads_bearing(ROUGH_BEARING, changes)
     expected = bearing_forecast_of(scene)
     counted = Counted(monkeypatch)
-    rolling.simulate_bearing(scene, workers=1, progress=False)
+    rolling.simulate(scene, workers=1, progress=False)
     assert expected.marches == len({piece.identity for piece in counted.pieces})
     assert expected.starts == len(counted.pieces)
     assert expected.steps == sum(piece.last - piece.first for piece in counted.pieces)
@@ -177,7 +177,7 @@ def test_a_smooth_bearing_moves_once_and_a_sweep_shares_its_marches(
 ) -> None:
     smooth = loads_bearing(ROUGH_BEARING, ["bearing.surfaces.inner={kind: smooth}"])
     counted = Counted(monkeypatch)
-    rolling.simulate_bearing(smooth, workers=1, progress=False)
+    rolling.simulate(smooth, workers=1, progress=False)
     expected = bearing_forecast_of(smooth)
     assert expected.motions == counted.motions == 1
     assert expected.marches == expected.steps == 0 == len(counted.pieces)

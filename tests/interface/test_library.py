@@ -10,7 +10,6 @@ import pytest
 
 from rolling import cli, read_scene
 from rolling.scene import library
-from rolling.scene.bearing_file import read_either
 from rolling.scene.messages import SceneError
 
 ROOT = Path(__file__).parents[2]
@@ -27,7 +26,7 @@ def test_every_scene_has_a_name_and_a_title() -> None:
     for name, title in library.titles(inner=True):
         assert title[-1] in ".?" and len(title) < 160 and "$schema" not in title, name
         if "/" not in name:
-            assert read_either(scenes[name]).name == name
+            assert read_scene(scenes[name]).name == name
 
 
 def test_scenes_are_listed(capsys: pytest.CaptureFixture[str]) -> None:

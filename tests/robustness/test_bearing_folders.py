@@ -17,12 +17,12 @@ from commands import started, tree
 
 import rolling
 from rolling import cli
-from rolling.bearing_run import stored_run
 from rolling.bearing_run.bearing_run import BearingRun
 from rolling.bearing_run.former_bearing import former_names
 from rolling.numbers.bearing_numbers import BearingNumbers
 from rolling.numbers.stored import to_bytes
 from rolling.results.provenance import program_provenance
+from rolling.results.stored_numbers import read_stored
 from rolling.terminal import files
 
 SHORT = WAVY.replace("0.5", "0.1")
@@ -40,7 +40,7 @@ numerics: {window_mm: 2}
 
 @pytest.fixture(scope="module")
 def run() -> BearingRun:
-    return rolling.simulate_bearing(loads_bearing(SHORT), progress=False)
+    return rolling.simulate(loads_bearing(SHORT), progress=False)
 
 
 def former_summary(run: BearingRun) -> dict[str, Any]:
@@ -64,7 +64,7 @@ def velocities_of(numbers: BearingNumbers) -> list[tuple[object, ...]]:
 def test_a_summary_of_version_0_8_has_the_same_numbers(run: BearingRun, tmp_path: Path) -> None:
     """Parts below the bending follow from the stored ± there, so they have its rounding."""
     (tmp_path / "summary.json").write_text(json.dumps(former_summary(run)))
-    read = stored_run.read_stored_bearing(tmp_path)
+    read = read_stored(tmp_path)
     numbers = read.numbers
     assert read.files.listen.full_scale_m_s2 == 3.0
     for own, stored in zip(velocities_of(run.numbers), velocities_of(numbers), strict=True):
@@ -87,7 +87,7 @@ def test_a_summary_of_version_0_8_0_lacks_what_it_did_not_know(
     del summary["contact_angles_under_loads_deg"]
     summary["contact_angle_under_load_deg"] = 13.9
     (tmp_path / "summary.json").write_text(json.dumps(summary))
-    numbers = stored_run.read_stored_bearing(tmp_path).numbers
+    numbers = read_stored(tmp_path).numbers
     own = run.numbers.velocities.radial
     assert numbers.below_bending.radial.low.value == own.low.value
     assert numbers.below_bending.radial.high.value is None
@@ -105,25 +105,25 @@ def test_a_part_of_a_summary_that_a_stranger_wrote_is_refused(
 ) -> None:
     (tmp_path / "summary.json").write_text(json.dumps(former_summary(run) | {key: damage}))
     with pytest.raises(files.FolderError, match="not readable"):
-        stored_run.read_stored_bearing(tmp_path)
+        read_stored(tmp_path)
 
 
 @pytest.mark.parametrize("damage", [None, "much", [1.0], {"value": "much"}])
 def test_a_number_that_a_stranger_wrote_is_refused(
     tmp_path: Path, run: BearingRun, damage: object
 ) -> None:
-    folder = rolling.save_bearing(run, tmp_path / "run", report=False)
+    folder = rolling.save_run(run, tmp_path / "run", report=False)
     content = json.loads((folder / "numbers.json").read_text())
     content["numbers"]["velocities"]["radial"]["low"] = damage
     (folder / "numbers.json").write_text(json.dumps(content))
     with pytest.raises(files.FolderError, match=r"numbers\.velocities\.radial\.low"):
-        stored_run.read_stored_bearing(folder)
+        read_stored(folder)
 
 
 def test_a_folder_of_version_0_8_is_shown_and_not_resumed(
     tmp_path: Path, run: BearingRun, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    folder = rolling.save_bearing(run, tmp_path / "run", report=False)
+    folder = rolling.save_run(run, tmp_path / "run", report=False)
     (folder / "numbers.json").unlink()
     (folder / "summary.json").write_text(json.dumps(former_summary(run)))
     before = tree(folder)
@@ -137,7 +137,7 @@ def test_a_folder_of_version_0_8_is_shown_and_not_resumed(
     assert tree(folder) == before
     assert cli.main(["table", str(folder)]) == 0
     assert cli.main(["report", str(folder), "-q"]) == 0
-    shown = rolling.open_bearing(folder).numbers
+    shown = rolling.open_run(folder).numbers
     assert shown.sentences == run.numbers.sentences
     page = (folder / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
     assert shown.sentences[0].replace(" um/s", " µm/s") in page
@@ -175,7 +175,7 @@ def test_a_full_disk_is_told_and_the_same_command_goes_on(
         for name in ("result.h5", "listen.wav", "acceleration.wav", "lines.csv", "spectrum.csv"):
             assert (out / name).read_bytes() == wanted[name]
     assert number == len(wanted)
-    assert stored_run.read_stored_bearing(out).kind == "bearing"
+    assert read_stored(out).kind == "bearing"
 
 
 @pytest.mark.slow
@@ -195,4 +195,4 @@ def test_ctrl_c_keeps_finished_marches(tmp_path: Path) -> None:
     kept = {path: path.stat().st_mtime_ns for path in out.glob("contacts/*.npz")}
     assert kept and cli.main([*map(str, words), "-q"]) == 0
     assert all(path.stat().st_mtime_ns == then for path, then in kept.items())
-    assert stored_run.read_stored_bearing(out).numbers.contacts
+    assert read_stored(out).numbers.contacts

@@ -75,7 +75,7 @@ def test_no_other_module_opens_a_file_of_hdf5() -> None:
 @pytest.fixture(scope="module")
 def run() -> BearingRun:
     scene = loads_bearing(WAVY.replace("0.5", "0.1"))
-    return rolling.simulate_bearing(scene, progress=False)
+    return rolling.simulate(scene, progress=False)
 
 
 @pytest.fixture

@@ -12,6 +12,7 @@ from large_scenes import FILE, LAPS, scene_of
 from scene_text import PLAIN, faults
 
 from rolling.check import findings
+from rolling.kinds.reading import read_scene
 from rolling.scene import file as scene_file
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -20,7 +21,7 @@ from rolling.scene.sections import Rolling
 
 def fault_of(path: Path) -> str:
     with pytest.raises(SceneError) as error:
-        scene_file.read_scene(path)
+        read_scene(path)
     return str(error.value)
 
 
@@ -46,7 +47,7 @@ def test_only_regular_files_are_heights(tmp_path: Path) -> None:
     ):
         make()
         with pytest.raises(SceneError, match=f"heights.npy: is {kind}"):
-            findings.check_scene(scene_file.read_scene(path))
+            findings.check_scene(read_scene(path))
         heights.rmdir() if heights.is_dir() else heights.unlink()
 
 
@@ -57,17 +58,13 @@ def test_height_file_shorter_than_its_header_is_refused(tmp_path: Path) -> None:
     with pytest.raises(
         SceneError, match="its header says 32,768 bytes of heights, it holds 32,767"
     ):
-        str(
-            findings.check_scene(
-                scene_file.read_scene(scene_of(tmp_path, FILE, LAPS % (0.1, 0.01)))
-            )
-        )
+        str(findings.check_scene(read_scene(scene_of(tmp_path, FILE, LAPS % (0.1, 0.01)))))
 
 
 def test_scene_file_of_more_than_a_megabyte_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "scene.yaml"
     path.write_text(PLAIN + "#" * (1_000_000 - len(PLAIN)))
-    scene_file.read_scene(path)
+    read_scene(path)
     path.write_text(PLAIN + "#" * (1_000_001 - len(PLAIN)))
     assert (
         fault_of(path)

@@ -21,7 +21,6 @@ from commands import tree
 
 import rolling as rc
 from rolling import cli
-from rolling.bearing_run import stored_run
 from rolling.bearing_run.former_bearing import former_names
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.bearing_numbers import BearingNumbers
@@ -221,7 +220,7 @@ def test_a_summary_has_the_numbers_that_are_stored(name: str) -> None:
 
 def test_a_summary_of_a_bearing_with_a_fault_is_read() -> None:
     folder = FOLDERS / "numbers_only" / "faulty_bearing"
-    numbers = stored_run.read_stored_bearing(folder).numbers
+    numbers = read_stored(folder).numbers
     former = former_names(numbers, label="")
     stored = stored_summary(folder)
     for name in (
@@ -242,7 +241,7 @@ def test_a_summary_of_a_bearing_with_a_fault_is_read() -> None:
 
 
 def test_a_bearing_has_the_velocities_and_the_motion_that_are_stored() -> None:
-    run = rc.open_bearing(BEARING)
+    run = rc.open_run(BEARING)
     stored = stored_summary(BEARING)["bands_um_s"]
     shown = shown_bands(run.numbers)
     for direction, bands in stored.items():

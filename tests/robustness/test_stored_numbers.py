@@ -12,7 +12,6 @@ import pytest
 from finished import VIBRATING, marched
 
 import rolling as rc
-from rolling.bearing_run.stored_run import read_stored_bearing
 from rolling.numbers import views
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.run_file import StoredBearing, StoredNumbers
@@ -37,7 +36,7 @@ MOVING = ["dynamics.release=true", "rolling.distance_mm=0.16", "sound.loudness=t
 def stored(name: str) -> StoredNumbers | StoredBearing:
     """Return the numbers of a folder of the test data."""
     if name in BEARINGS:
-        return read_stored_bearing(FOLDERS / name)
+        return read_stored(FOLDERS / name)
     return read_stored(FOLDERS / name)
 
 

@@ -5,12 +5,12 @@ from typing import Any
 
 import pytest
 
-from rolling.scene.bearing_file import is_bearing_file
+from rolling.kinds.registry import name_of_file
 from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
 
 FILES = sorted((Path(__file__).parents[2] / "scenarios").glob("*.yaml"))
-BEARINGS = [path for path in FILES if is_bearing_file(path)]
+BEARINGS = [path for path in FILES if name_of_file(path) == "bearing"]
 SCENES = [path for path in FILES if path not in BEARINGS]
 
 TEXT = """\
