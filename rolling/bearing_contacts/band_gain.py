@@ -57,7 +57,7 @@ def rough_bands(model: BearingModel, plan: ContactPlan, marches: Marches) -> dic
     plan : ContactPlan
         Its contacts. Those of a measured turn are as they were marched, and have no part.
     marches : dict
-        Marches by contact identity, as of `solved_stages`.
+        Marches by contact identity, as of `march_contacts`.
 
     Returns
     -------

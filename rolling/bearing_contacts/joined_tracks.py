@@ -49,7 +49,7 @@ def bearing_tracks(
     plan : ContactPlan
         Contacts of the bearing.
     marches : dict, optional
-        Marches by contact identity, as of `solved_stages`. Default: none.
+        Marches by contact identity, as of `march_contacts`. Default: none.
     draw : int
         Number of a specimen of equal statistics: others than 0 have other random heights around
         each body, other forms of graded balls, and begin at other angles. They need no march of

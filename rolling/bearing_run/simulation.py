@@ -18,17 +18,19 @@ from rolling.bearing_contacts.contact_uncertainty import contact_uncertainty
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
 from rolling.bearing_contacts.solving import Marches
+from rolling.bearing_run import stored_run
 from rolling.bearing_run.bearing_run import BearingRun, numbered, with_numbers
 from rolling.bearing_run.numbers import MarchFindings, with_effort
 from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.bearing_run.without_faults import without_faults_of_record
 from rolling.contact.processor_time import ProcessorTime
 from rolling.contact.solver import ContactError
-from rolling.kinds.run_folder import RunFolder
+from rolling.kinds.run_folder import RESULT, RunFolder
 from rolling.marches import effort
 from rolling.marches.effort import Effort
 from rolling.marches.piece import contact_identity
 from rolling.numbers.bearing_numbers import FaultlessNumbers
+from rolling.results.stored_numbers import read_stored
 from rolling.scene import library
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.messages import SceneError
@@ -61,6 +63,26 @@ def make_run(place: RunFolder, label: str, marches: Marches) -> BearingRun:
     parts = march_effort(plan, marches).numbers(effort.OF_BEARING)
     parts = effort.with_work(parts, effort.SOUND, ProcessorTime.now().since(began))
     return with_numbers(run, with_effort(run.numbers, parts))
+
+
+def read_run(place: RunFolder, label: str) -> BearingRun:
+    """Read a run from its folder, with its stored numbers, under a label.
+
+    Raises
+    ------
+    FolderError : a file is missing or damaged, or the result is that of another scene.
+    """
+    stored = read_stored(place.folder)
+    record, tracks = stored_run.read_result(place.folder / RESULT, place.scene)
+    bearing = SolvedBearing(
+        values=place.values,
+        scene=place.scene,
+        folder=place.folder,
+        label=label,
+        record=record,
+        tracks=tracks,
+    )
+    return with_numbers(bearing, stored.numbers, stored)
 
 
 def march_effort(plan: ContactPlan, marches: Marches) -> Effort:

@@ -394,28 +394,6 @@ def write_figures(run: BearingRun, folder: Path) -> None:
             files.write_bytes(folder / FIGURES / f"{name}.png", content)
 
 
-def read_run(place: RunFolder, label: str) -> BearingRun:
-    """Read a run from its folder, with its stored numbers, under a label.
-
-    Raises
-    ------
-    FolderError : a file is missing or damaged, or the result is that of another scene.
-    """
-    from rolling.bearing_run.bearing_run import with_numbers
-
-    stored = read_stored(place.folder)
-    record, tracks = read_result(place.folder / RESULT, place.scene)
-    bearing = SolvedBearing(
-        values=place.values,
-        scene=place.scene,
-        folder=place.folder,
-        label=label,
-        record=record,
-        tracks=tracks,
-    )
-    return with_numbers(bearing, stored.numbers, stored)
-
-
 # ---- runs of a sweep with one gain
 
 

@@ -145,7 +145,7 @@ class TurningBearing(Kind):
 
     def read_run(self, place: RunFolder, label: str) -> BearingRun:
         """Read a run from its folder."""
-        return stored_run.read_run(place, label)
+        return simulation.read_run(place, label)
 
     def refuse_edited(self, runs: Sequence[RunFolder]) -> None:
         """Do nothing: the identity of a march holds the digest of its heights."""

@@ -24,7 +24,7 @@ from rolling.results import labels
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.ending import Ending
-from rolling.run.solving import Values, open_runs, simulate_runs
+from rolling.run.solving import Values, open_runs, refuse_other_kind, simulate_runs
 from rolling.run.sweep_runs import Runs, SweepError
 from rolling.scene import sweep as sweeps
 from rolling.scene.bearing_scene import BearingScene
@@ -209,7 +209,9 @@ def _simulated(
             instance("start_from", start_from, str, Path)
             elsewhere = folders.stored_runs(Path(start_from))
             own = folders.runs_in(Path(), scene)
-            sources = kind_of(scene).take_marches(Path(start_from), elsewhere, own)
+            kind = kind_of(scene)
+            refuse_other_kind(Path(start_from), elsewhere, kind)
+            sources = kind.take_marches(Path(start_from), elsewhere, own)
         return simulate_runs(scene, workers, progress, sources)
 
 

@@ -138,6 +138,7 @@ def solve_folder(
     folders.refuse_other(folder, scene)
     elsewhere = [] if start_from is None else folders.stored_runs(start_from)
     if start_from is not None:
+        refuse_other_kind(start_from, elsewhere, kind)
         refuse_former(elsewhere)
     if cluster is not None:  # its workers have other working folders
         scene = type(scene).from_dict(scene.to_dict(), scene.folder.resolve())
@@ -166,6 +167,16 @@ def solve_folder(
         if not (folder / folders.SCENE).is_file():  # somebody removed the folder meanwhile
             folders.write_scene(folder, scene)
     return failures
+
+
+def refuse_other_kind(folder: Path, runs: Sequence[RunFolder], kind: Kind) -> None:
+    """Refuse a folder with runs of another kind; raise FolderError with what it holds."""
+    other = kind_of(runs[0].scene)
+    if other is not kind:
+        raise FolderError(
+            f"{folder}: runs of a {other.name}; a {kind.name} takes the marches of the run folder"
+            f" of a {kind.name}"
+        )
 
 
 def runs_of_part(runs: Sequence[RunFolder], part: folders.Part | None) -> list[RunFolder]:

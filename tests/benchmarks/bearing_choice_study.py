@@ -33,7 +33,7 @@ from rolling.bearing import waves
 from rolling.bearing_contacts.contact_gain import contact_gain
 from rolling.bearing_contacts.joined_tracks import rough_rows
 from rolling.bearing_contacts.plan import contact_plan
-from rolling.bearing_contacts.solving import solved_stages
+from rolling.bearing_contacts.solving import march_contacts
 
 CHOICES = 20
 WITHIN_DB = 1.0  # wanted ±
@@ -346,7 +346,7 @@ def gain_table() -> str:
             scene = rc.read_scene("bearing-6204").with_({"bearing.surfaces": surfaces})
             contact = contact_plan(scene).rough["outer"]
             only = replace(contact, loads_n=(contact.middle_load_n,))
-            (marches,) = solved_stages([[only.scene]], name="gains", workers=1, shown=False)
+            marches = march_contacts([only.scene], name="gains", workers=1, shown=False)
             rows = rough_rows(only, marches)
             gains.append(10 * math.log10(contact_gain(only, rows).power_gain()[0, 0]))
             before, after = (

@@ -146,7 +146,9 @@ def simulate(costs: Costs, seeds: int, pieces: int, cores: int) -> dict[str, flo
     rng = np.random.default_rng(1)
     surface = costs.surface * pieces * PIECE_M
     pool = LocalPool(cores, min(cores, seeds, MAX_TEAMS) if cores <= PART else cores)
-    backlog = Backlog((run, (run, "begin")) for run in range(seeds))
+    backlog = Backlog()
+    for run in range(seeds):
+        backlog.put_last(run, (run, "begin"))
     lacking = Counter(dict.fromkeys(range(seeds), pieces))
     in_hand = Counter[Any]()
     last = dict[tuple[Any, int], int]()

@@ -56,7 +56,11 @@ def test_two_workers_make_few_surfaces_of_a_sweep_of_seeds(
 
 
 def filled(**items: int) -> Backlog:
-    return Backlog((key, f"{key}{number}") for key in items for number in range(items[key]))
+    backlog = Backlog()
+    for key in items:
+        for number in range(items[key]):
+            backlog.put_last(key, f"{key}{number}")
+    return backlog
 
 
 def test_an_idle_team_prefers_its_own_surface_then_a_free_one_then_the_longest_queue() -> None:

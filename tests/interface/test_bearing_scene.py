@@ -19,7 +19,7 @@ from rolling.kinds.reading import schema
 from rolling.kinds.registry import name_of_file
 from rolling.scene.bearing_rules import largest_pressure
 from rolling.scene.bearing_sources import assumed_keys
-from rolling.scene.file import dump
+from rolling.scene.file import dump, read_as
 from rolling.scene.messages import SceneError
 
 TEXT = """\
@@ -64,11 +64,11 @@ def test_scene_is_the_same_after_writing(path: Path) -> None:
         assert set(data["bearing"]) <= set(root["$defs"]["Bearing"]["properties"])
 
 
-def test_each_reader_refuses_the_other_kind() -> None:
-    with pytest.raises(SceneError, match=r"yaml:\d+: bearing: .*read_bearing"):
-        rolling.read_scene(BEARINGS[0])
-    with pytest.raises(SceneError, match=r"yaml:\d+: sphere: .*read_scene"):
-        rolling.read_scene(SCENES[0])
+def test_a_scene_is_read_by_its_section() -> None:
+    assert isinstance(rolling.read_scene(BEARINGS[0]), rolling.BearingScene)
+    assert isinstance(rolling.read_scene(SCENES[0]), rolling.Scene)
+    with pytest.raises(SceneError, match=r"yaml:\d+: bearing: allowed here: a scene with sphere"):
+        read_as(BEARINGS[0], rolling.Scene)
     assert name_of_file("bearing-6204") == "bearing" and name_of_file("quickstart") == "ball"
     assert name_of_file("no-such-file.yaml") == "ball"
     text = faults(text=TEXT.replace("bearing:", "bearings:"))
@@ -374,7 +374,7 @@ def test_a_bad_file_is_refused_by_the_check(
     assert cli.main(["check", str(file)]) == 2
     assert "b.yaml:3: bearing.balls: got 14, allowed: at most 13" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["b.yaml"]
-    assert cli.main(["schema", "--bearing"]) == 0
+    assert cli.main(["schema", "--kind", "bearing"]) == 0
     assert "ball_diameter_mm" in capsys.readouterr().out
 
 

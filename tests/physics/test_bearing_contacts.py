@@ -31,7 +31,7 @@ from rolling.bearing_contacts.contacts import (
 from rolling.bearing_contacts.faults import FaultStretch, fault_stretches
 from rolling.bearing_contacts.joined_tracks import bearing_tracks, rough_rows
 from rolling.bearing_contacts.plan import contact_plan, plan_contacts
-from rolling.bearing_contacts.solving import Marches, solved_stages
+from rolling.bearing_contacts.solving import Marches, march_contacts
 from rolling.bearing_contacts.specimen_turn import linear_covariance, rough_body
 from rolling.bearing_contacts.turns import continued_turn
 from rolling.scene.laws import Roughness, SurfaceFault
@@ -50,7 +50,7 @@ FINE = Roughness(
 
 def marched(scenes: Sequence[Scene]) -> Marches:
     """Return the marches of scenes in this process."""
-    (marches,) = solved_stages([scenes], name="contacts", workers=1, shown=False)
+    marches = march_contacts(scenes, name="contacts", workers=1, shown=False)
     return marches
 
 

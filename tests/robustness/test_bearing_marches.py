@@ -11,8 +11,8 @@ import rolling
 from rolling.bearing_contacts import solving
 from rolling.bearing_contacts.contacts import contact_loads
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
-from rolling.bearing_contacts.plan import ContactPlan, plan_contacts, stages_of
-from rolling.bearing_contacts.solving import CONTACTS, solved_stages
+from rolling.bearing_contacts.plan import ContactPlan, plan_contacts
+from rolling.bearing_contacts.solving import CONTACTS, Marches, march_contacts
 from rolling.kinds.reading import read_scene
 from rolling.marches.piece import Piece, contact_identity
 from rolling.run import executor, worker
@@ -51,11 +51,21 @@ def marched_pieces(monkeypatch: pytest.MonkeyPatch) -> list[Piece]:
     return marched
 
 
+def contacts_of(plan: ContactPlan) -> list[rolling.Scene]:
+    return [scene for stage in plan.stages for scene in stage]
+
+
+def marched_into(folder: Path, plan: ContactPlan) -> Marches:
+    """March the contacts of a plan into a folder."""
+    return march_contacts(contacts_of(plan), name="a", folder=folder, workers=1, shown=False)
+
+
 def test_equal_contacts_are_marched_once(marched_pieces: list[Piece]) -> None:
     """Two bearings that differ in the seed of one raceway share the contacts of their balls."""
     plans = [small_plan(2), small_plan(3), small_plan(2)]
-    stages = list(solved_stages(stages_of(plans), name="sweep", workers=1, shown=False))
-    assert [len(marches) for marches in stages] == [4, 12]  # at one load, and at three
+    contacts = [scene for plan in plans for scene in contacts_of(plan)]
+    marches = march_contacts(contacts, name="sweep", workers=1, shown=False)
+    assert len(marches) == 12  # four contacts at three loads
     assert len({(piece.identity, piece.key) for piece in marched_pieces}) == len(marched_pieces)
     assert len({piece.identity for piece in marched_pieces}) == 12
 
@@ -64,7 +74,7 @@ def test_a_stopped_command_goes_on_with_its_pieces(
     tmp_path: Path, marched_pieces: list[Piece], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     plan = small_plan(balls=None)
-    whole = list(solved_stages(plan.stages, name="whole", workers=1, shown=False))[-1]
+    whole = march_contacts(contacts_of(plan), name="whole", workers=1, shown=False)
     count = len(marched_pieces)
     marched_pieces.clear()
     counted = executor.solve_piece
@@ -78,8 +88,8 @@ def test_a_stopped_command_goes_on_with_its_pieces(
     with monkeypatch.context() as patch:
         patch.setattr(executor, "solve_piece", stopped)
         with pytest.raises(KeyboardInterrupt):
-            list(solved_stages(plan.stages, name="a", folder=tmp_path, workers=1, shown=False))
-    again = list(solved_stages(plan.stages, name="a", folder=tmp_path, workers=1, shown=False))[-1]
+            marched_into(tmp_path, plan)
+    again = marched_into(tmp_path, plan)
     assert len(marched_pieces) == count
     assert again.keys() == whole.keys()
     for identity, march in again.items():
@@ -92,13 +102,13 @@ def test_a_stopped_command_goes_on_with_its_pieces(
 
 def test_a_damaged_march_is_solved_again(tmp_path: Path, marched_pieces: list[Piece]) -> None:
     plan = small_plan(balls=None)
-    first = list(solved_stages(plan.stages, name="a", folder=tmp_path, workers=1, shown=False))[-1]
+    first = marched_into(tmp_path, plan)
     marched_pieces.clear()
-    list(solved_stages(plan.stages, name="a", folder=tmp_path, workers=1, shown=False))
+    marched_into(tmp_path, plan)
     assert not marched_pieces
     damaged = sorted((tmp_path / CONTACTS).glob("*.npz"))[0]
     damaged.write_bytes(damaged.read_bytes()[:100])
-    again = list(solved_stages(plan.stages, name="a", folder=tmp_path, workers=1, shown=False))[-1]
+    again = marched_into(tmp_path, plan)
     assert len({piece.identity for piece in marched_pieces}) == 1
     tracks = [bearing_tracks(plan, marches) for marches in (first, again)]
     assert np.array_equal(tracks[0].inner.approach_m, tracks[1].inner.approach_m)

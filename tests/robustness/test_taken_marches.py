@@ -10,17 +10,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scene_text import TINY
-from test_bearing_marches import marched_pieces, small_plan
+from test_bearing_marches import contacts_of, marched_pieces, small_plan
 
 from rolling import cli
 from rolling.bearing_contacts import solving
 from rolling.bearing_contacts.bearing_forecast import different_marches
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
-from rolling.bearing_contacts.solving import Marches, solved_stages
+from rolling.bearing_contacts.solving import (
+    Marches,
+    march_contacts,
+    march_of_contact,
+    take_march,
+)
+from rolling.kinds.reading import read_scene
 from rolling.marches.piece import Piece, contact_identity
 from rolling.results import result_file
 from rolling.results.stored_numbers import read_stored
 from rolling.run import folder as folders
+from rolling.run.taken import TakenMarches
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.scene import Scene
 from rolling.terminal import progress
@@ -120,8 +127,7 @@ def test_a_folder_without_marches_to_take_is_refused_before_anything_is_written(
         source.mkdir()
         (source / "scene.yaml").write_text("name: mine\n")
     if kind == "bearing":
-        head = f"{folders.MARK}, written by version 0\n"
-        (source / "scene.yaml").write_text(head + "name: ring\nbearing: {named: '6204'}\n")
+        folders.write_scene(source, read_scene("bearing-6204"))
     assert cli.main(command(loads, tmp_path / "out", source)) == 2
     said = capsys.readouterr().err
     assert str(source) in " ".join(said.split())
@@ -151,7 +157,7 @@ def plan() -> ContactPlan:
 def healthy(plan: ContactPlan, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the marches of a bearing, as its run leaves them, which no test changes."""
     source = tmp_path_factory.mktemp("healthy")
-    list(solved_stages(plan.stages, name="a", folder=source, workers=1, shown=False))
+    march_contacts(contacts_of(plan), name="a", folder=source, workers=1, shown=False)
     (source / "scene.yaml").write_text(f"{folders.MARK}, written by {folders.this_program()}\n")
     return source
 
@@ -164,11 +170,16 @@ def marched(healthy: Path, tmp_path: Path) -> Path:
 
 def taken(plan: ContactPlan, folder: Path, source: Path) -> Marches:
     """Return the marches of a bearing that takes those of another folder."""
-    stages = solved_stages(
-        plan.stages, name="b", folder=folder, workers=1, shown=False, start_from=source
-    )
+    note = TakenMarches(source)
+    contacts = contacts_of(plan)
+    for contact in plan.stages[1]:
+        take_march(note, march_of_contact(contact))
     with progress.begin(progress.Level.NORMAL):
-        return list(stages)[-1]
+        for line in note.lines():
+            progress.line(line)
+        return march_contacts(
+            contacts, name="b", folder=folder, workers=1, shown=False, homes=[source]
+        )
 
 
 def test_a_bearing_takes_the_marches_of_its_healthy_sister(
