@@ -36,7 +36,7 @@ Arrays = dict[str, NDArray[Any]]
 MAX_BREAKS = 3  # of processes by a task, before its runs have failed
 KILLED = f"a worker process was killed {MAX_BREAKS} times while it had this run; out of memory?"
 _MAX_PIECE = 2**30  # bytes of the file of a piece
-_threads = threading.local()  # of a worker of a cluster; each has a process that does its tasks
+_one_task = threading.Lock()  # a worker of a cluster may have threads, and surfaces are large
 # A process imports nothing from the working directory, and runs its libraries on one thread. Large
 # surfaces are no leak of memory.
 ENVIRONMENT = {
@@ -134,41 +134,37 @@ def first_sound(run: RunFolder, label: str, marched: Sequence[Any]) -> str:
 
 
 def run_task(task: bytes, program: Program) -> Any:
-    """Have a pickled task done by the process of this thread of a Dask worker.
+    """Do a pickled task in this thread of a Dask worker, one task at a time in each process.
 
-    The process is one without Dask, whose profiler keeps the frames of all threads, and with them
-    HDF5 files open, so that the layout of result.h5 changes.
+    The task is not unpickled before the programs are compared, since another program may lack its
+    function.
 
     Raises
     ------
     OtherProgramError : this worker runs another program, or has other packages.
-    MemoryError : the process was killed again and again.
     """
     if identity() != program:
         raise OtherProgramError(str(identity()))
-    for _ in range(MAX_BREAKS):
-        if not hasattr(_threads, "process"):
-            _threads.process = _start_process(f"serve({os.getpid()})", subprocess.PIPE)
-        process = _threads.process
-        try:
-            process.stdin.write(task)
-            process.stdin.flush()
-            value = pickle.load(process.stdout)
-        except (OSError, EOFError, pickle.UnpicklingError):  # it was killed
-            del _threads.process
-            process.kill()
-            process.communicate()
-            continue
-        if isinstance(value, Exception):
-            raise value
-        return value
-    raise MemoryError(KILLED)
+    function, arguments = pickle.loads(task)
+    progress.silence()
+    with _one_task:
+        return function(*arguments)
 
 
 def compiler(part: str) -> subprocess.Popen[bytes]:
     """Start a process that compiles a part of the solver into the cache, and says nothing."""
-    call = f"compile_ahead({os.getpid()}, {part!r})"
-    return _start_process(call, subprocess.DEVNULL, subprocess.DEVNULL)
+    package = str(Path(__file__).parents[2])
+    code = (
+        f"import sys; sys.path.append({package!r}); from rolling.run import worker;"
+        f" worker.compile_ahead({os.getpid()}, {part!r})"
+    )
+    return subprocess.Popen(
+        [sys.executable, "-P", "-c", code],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env=os.environ | ENVIRONMENT,
+    )
 
 
 def compile_ahead(parent: int, part: str) -> None:
@@ -177,39 +173,6 @@ def compile_ahead(parent: int, part: str) -> None:
     from rolling.contact import compiling_ahead
 
     getattr(compiling_ahead, part)()
-
-
-def _start_process(call: str, pipe: int, errors: int | None = None) -> subprocess.Popen[bytes]:
-    """Start a process that calls a function of this module."""
-    package = str(Path(__file__).parents[2])
-    code = (
-        f"import sys; sys.path.append({package!r}); from rolling.run import worker; worker.{call}"
-    )
-    return subprocess.Popen(
-        [sys.executable, "-P", "-c", code],
-        stdin=pipe,
-        stdout=pipe,
-        stderr=errors,
-        env=os.environ | ENVIRONMENT,
-    )
-
-
-def serve(parent: int) -> None:
-    """Do the pickled tasks of standard input, and write their pickled values or errors."""
-    begin(parent)
-    values = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # a print must not get among the values
-    while True:
-        try:
-            function, arguments = pickle.load(sys.stdin.buffer)
-        except EOFError:
-            return
-        try:
-            value = function(*arguments)
-        except Exception as error:
-            value = error
-        pickle.dump(value, values)
-        values.flush()
 
 
 def begin(parent: int, compiles: Any = None) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from bearing_runs import WAVY, loads_bearing, written
 from commands import started, tree
+from stored_arrays import content_of
 
 import rolling
 from rolling import cli
@@ -150,7 +151,7 @@ def test_a_full_disk_is_told_and_the_same_command_goes_on(
     scene = written(tmp_path, SHORT)
     words = ["run", str(scene), "--no-report", "-q", "--out"]
     assert cli.main([*words, str(tmp_path / "whole")]) == 0
-    wanted = {path.name: path.read_bytes() for path in (tmp_path / "whole").iterdir()}
+    wanted = {path.name: content_of(path) for path in (tmp_path / "whole").iterdir()}
     write = files.write_bytes
     left = 0
 
@@ -173,7 +174,7 @@ def test_a_full_disk_is_told_and_the_same_command_goes_on(
         assert "No space left" in capsys.readouterr().err
         assert cli.main([*words, str(out)]) == 0
         for name in ("result.h5", "listen.wav", "acceleration.wav", "lines.csv", "spectrum.csv"):
-            assert (out / name).read_bytes() == wanted[name]
+            assert content_of(out / name) == wanted[name]
     assert number == len(wanted)
     assert read_stored(out).kind == "bearing"
 

@@ -1,15 +1,18 @@
-"""A Dask cluster of real processes on loopback: the bytes of a local run, whatever is killed."""
+"""A Dask cluster of real processes on loopback: the results of a local run, whatever is killed."""
 
 from __future__ import annotations
 
 import os
+import pickle
 import shutil
 import signal
 import socket
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -89,7 +92,7 @@ def run(scene: Path, out: Path, cluster: DaskProcesses, *more: str) -> int:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("text", [SWEEP, MEMORY], ids=["sweep", "passes"])
-def test_a_killed_worker_or_process_of_one_changes_no_byte(
+def test_a_killed_worker_changes_no_result(
     cluster: DaskProcesses, tmp_path: Path, text: str
 ) -> None:
     scene = tmp_path / "scene.yaml"
@@ -101,9 +104,8 @@ def test_a_killed_worker_or_process_of_one_changes_no_byte(
 
     def kill() -> None:
         wait_for(lambda: pieces(out))
-        below = {child.pid: str(child.cmdline()) for child in nanny.children(recursive=True)}
-        for name in ("worker.serve", "spawn_main"):
-            os.kill(next(pid for pid, words in below.items() if name in words), signal.SIGKILL)
+        workers = [child for child in nanny.children() if "spawn_main" in str(child.cmdline())]
+        os.kill(workers[0].pid, signal.SIGKILL)
 
     killing = threading.Thread(target=kill)
     killing.start()
@@ -157,6 +159,23 @@ def test_a_worker_of_another_program_is_refused_by_name(
 def test_a_late_worker_of_another_program_does_nothing(name: str) -> None:
     with pytest.raises(worker.OtherProgramError, match=r"version .* sources .* python .* numba"):
         worker.run_task(b"", program.identity()._replace(**{name: "another"}))
+
+
+_events: list[str] = []
+
+
+def _enter_and_leave() -> None:
+    """Note the begin and the end of a task."""
+    _events.append("begin")
+    time.sleep(0.01)
+    _events.append("end")
+
+
+def test_a_worker_with_threads_does_one_task_at_a_time() -> None:
+    task = pickle.dumps((_enter_and_leave, ()))
+    with ThreadPoolExecutor(3) as threads:
+        list(threads.map(worker.run_task, [task] * 3, [program.identity()] * 3))
+    assert _events == ["begin", "end"] * 3
 
 
 @pytest.mark.slow

@@ -10,6 +10,9 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
+
+from stored_arrays import content_of
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 600.0  # [s] until a command has surely hung, on whatever machine
@@ -80,11 +83,14 @@ def pieces(out: Path) -> list[Path]:
     return [*out.glob("pieces/*/*.npz")]
 
 
-def contents(out: Path) -> dict[str, bytes]:
-    """Return the results and sounds of a folder by path; they hold no times of the machine."""
+def contents(out: Path) -> dict[str, Any]:
+    """Return the bytes of sounds and the arrays of results in a folder by path.
+
+    They hold no times of the machine. The bytes of a result may differ between equal runs.
+    """
     names = ("result.h5", "signal.wav", "listen.wav", "passes.wav")
     return {
-        str(path.relative_to(out)): path.read_bytes()
+        str(path.relative_to(out)): content_of(path)
         for path in out.rglob("*.*")
         if path.name in names
     }
