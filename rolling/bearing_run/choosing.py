@@ -43,11 +43,10 @@ from rolling.run.choice_folder import CHOICE, PICTURE, RUNS, TABLE
 from rolling.run.executor import ended_by_signal
 from rolling.run.pools import Pool, Task, pool_for_tasks
 from rolling.scene.bearing_scene import BearingScene
-from rolling.scene.height_files import read_regular
 from rolling.scene.identity import digest
 from rolling.scene.messages import SceneError, quoted
 from rolling.terminal import files, progress, shortage
-from rolling.terminal.files import FolderError
+from rolling.terminal.files import FolderError, read_regular
 from rolling.terminal.streams import folded
 
 ROUNDING_UM_S = 1e-7  # velocity of a ring at rest, of numbers that are rounded

@@ -28,8 +28,8 @@ from rolling.numbers.run_file import BEARING_KIND, StoredBearing
 from rolling.run import folder as folders
 from rolling.run.taken import TakenMarches
 from rolling.scene.bearing_scene import BearingScene
-from rolling.scene.height_files import read_regular
 from rolling.terminal import files, progress
+from rolling.terminal.files import read_regular
 
 if TYPE_CHECKING:
     from rolling.bearing_run.bearing_choice import BearingChoice

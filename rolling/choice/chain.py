@@ -20,10 +20,9 @@ from rolling.kinds.run_folder import RESULT
 from rolling.marches import force_law
 from rolling.numbers.stored import from_bytes, to_bytes
 from rolling.results import result_file
-from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
 from rolling.sound import radiators
-from rolling.terminal.files import write_bytes
+from rolling.terminal.files import read_regular, write_bytes
 
 CHAIN = "chain.json"
 POSITIONS = 12  # along the track, whose stiffness enters

@@ -32,11 +32,10 @@ from rolling.results.instrument_spread import part_of_instrument
 from rolling.results.stored_numbers import read_stored
 from rolling.run.worker import finish_run
 from rolling.scene import file
-from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
 from rolling.sound.radiators import known_bands
 from rolling.sound.vibration_sound import radiated_by_motion
-from rolling.terminal.files import FolderError, write_bytes
+from rolling.terminal.files import FolderError, read_regular, write_bytes
 
 HEARD = "heard.json"
 BAFFLE = "baffle"  # source of a part of the ± of a free plate

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rolling.scene.height_files import read_regular
 from rolling.scene.sweep import Value
+from rolling.terminal.files import read_regular
 
 RESULT = "result.h5"
 NUMBERS = "numbers.json"  # unrounded, for the program

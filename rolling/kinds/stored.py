@@ -7,8 +7,7 @@ from collections.abc import Iterable
 
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import MAX_NUMBERS, SUMMARY, RunFolder, is_former
-from rolling.scene.height_files import read_regular
-from rolling.terminal.files import FolderError
+from rolling.terminal.files import FolderError, read_regular
 
 
 def is_of_0_8(run: RunFolder) -> bool:

@@ -17,9 +17,8 @@ from acoustics.radiation import P_REF_PA
 from acoustics.texts import printable
 from acoustics.vibration_level import REFERENCES
 from acoustics.wav import SAMPLE_RATE_HZ as RATE
-from rolling.scene.height_files import read_regular
 from rolling.scene.messages import nearest
-from rolling.terminal.files import FolderError
+from rolling.terminal.files import FolderError, read_regular
 
 MIN_S = 0.5  # shortest recording
 MAX_S = 120.0

@@ -20,11 +20,10 @@ from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs, solve_folder
 from rolling.scene.file import read_as
-from rolling.scene.height_files import read_regular
 from rolling.scene.messages import SceneError, nearest
 from rolling.scene.scene import Scene
 from rolling.scene.yaml_text import parse, read_text
-from rolling.terminal.files import FolderError
+from rolling.terminal.files import FolderError, read_regular
 
 CALIBRATION = "calibration.txt"
 RUN = "run"  # folder of the run in the folder of a bench

@@ -23,11 +23,16 @@ from acoustics.numbers import decibels_a, rounded
 from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.files import ListenFacts, RaisedEnd, SignalFacts
 from rolling.results.solved_run import NumberedRun
-from rolling.scene.height_files import open_regular, read_regular
 from rolling.sound.contact_sound import FADE_S, ContactSound
 from rolling.sound.long_listening import Listening
 from rolling.terminal import progress
-from rolling.terminal.files import make_below, write_bytes, write_temporary
+from rolling.terminal.files import (
+    make_below,
+    open_regular,
+    read_regular,
+    write_bytes,
+    write_temporary,
+)
 
 # [s] of a pass for the ear, and of the silence after it
 PASS_S = 1.5

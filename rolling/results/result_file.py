@@ -27,9 +27,8 @@ from rolling.results.result_arrays import (
 from rolling.results.solved_run import SolvedRun
 from rolling.scene import hdf5_files
 from rolling.scene.hdf5_files import ArrayRule
-from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
-from rolling.terminal.files import FolderError
+from rolling.terminal.files import FolderError, read_regular
 
 if TYPE_CHECKING:
     import h5netcdf

@@ -23,9 +23,8 @@ from rolling.kinds.run_folder import (
 )
 from rolling.marches import effort
 from rolling.numbers.stored import from_bytes, summary_of, to_bytes
-from rolling.scene.height_files import read_regular
 from rolling.terminal import files
-from rolling.terminal.files import FolderError
+from rolling.terminal.files import FolderError, read_regular
 
 _ADVICE = "delete it, and the same command solves the run again"
 

@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from rolling.run import folder as folders
-from rolling.scene.height_files import read_regular
 from rolling.terminal import files, progress
-from rolling.terminal.files import FolderError
+from rolling.terminal.files import FolderError, read_regular
 
 CHOICE = "choice.json"
 PAGE = "choice.html"

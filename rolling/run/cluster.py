@@ -17,9 +17,9 @@ from urllib.parse import urlsplit
 
 from rolling.run import worker
 from rolling.run.pools import Pool, Task
-from rolling.scene.height_files import read_regular
 from rolling.scene.messages import SceneError
 from rolling.terminal import program
+from rolling.terminal.files import read_regular
 
 CONNECT_SECONDS = 10.0
 COUNT_SECONDS = 5.0  # between two counts of the workers of a cluster

@@ -16,12 +16,11 @@ from rolling.kinds.reading import read_scene
 from rolling.kinds.run_folder import FAILED, RESULT, RunFolder
 from rolling.kinds.stored import refuse_former
 from rolling.scene import file
-from rolling.scene.height_files import open_regular
 from rolling.scene.identity import contains, differences, scene_identity
 from rolling.scene.sweep import run_name, with_paths
 from rolling.scene.swept import AnyScene
 from rolling.terminal import files, program
-from rolling.terminal.files import FolderError
+from rolling.terminal.files import FolderError, open_regular
 
 try:
     import fcntl

@@ -20,9 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.traps import ignoring_underflow
-from rolling.scene.height_files import read_regular
 from rolling.terminal import progress
-from rolling.terminal.files import make_below, write_bytes
+from rolling.terminal.files import make_below, read_regular, write_bytes
 from rolling.terminal.program import Program, identity
 
 if TYPE_CHECKING:

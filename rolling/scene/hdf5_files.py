@@ -24,9 +24,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling.scene.height_files import open_regular
 from rolling.terminal import addresses
-from rolling.terminal.files import FolderError
+from rolling.terminal.files import FolderError, open_regular
 
 if TYPE_CHECKING:
     import xarray

@@ -4,9 +4,7 @@ import hashlib
 import io
 import itertools
 import math
-import os
 import re
-import stat
 import warnings
 import zipfile
 from array import array
@@ -21,7 +19,7 @@ import numpy as np
 from acoustics.arrays import Array
 from rolling.scene.kept import Kept
 from rolling.scene.messages import TABLES, SceneError, quoted
-from rolling.terminal.files import kind_of
+from rolling.terminal.files import open_regular, read_regular
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # of heights, in m
 MAX_BYTES = 500_000_000  # of a file, packed or not; reading takes long, and .npy may be larger
@@ -509,36 +507,12 @@ def _number(field: str) -> float | None:
 # ---- regular files
 
 
-def open_regular(path: Path) -> io.FileIO:
-    """Open a regular file for reading; raise OSError for any other, and never wait for a pipe."""
-    flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
-    try:
-        descriptor = os.open(path, flags)
-    except ValueError as error:  # a zero byte in the name
-        raise OSError(0, str(error)) from error
-    mode = os.fstat(descriptor).st_mode
-    if stat.S_ISREG(mode):
-        return io.FileIO(descriptor, "rb")
-    os.close(descriptor)
-    raise OSError(0, f"is {kind_of(mode)}")
-
-
 def reason_of(error: OSError) -> str:
     """Say why a file is not opened or read."""
     reason = error.strerror or str(error)
     if isinstance(error, FileNotFoundError):
         return "no such file"
     return reason if reason.startswith("is ") else f"not readable ({reason})"
-
-
-def read_regular(path: Path, most: int) -> bytes:
-    """Read a regular file of at most `most` bytes; raise OSError for any other."""
-    with io.BufferedReader(open_regular(path)) as file:
-        # A read makes room for all that it may return.
-        content = file.read(min(os.fstat(file.fileno()).st_size, most) + 1)
-    if len(content) > most:
-        raise OSError(0, f"is larger than {most:,} bytes")
-    return content
 
 
 def holds(path: Path, content: bytes) -> bool:

@@ -20,7 +20,6 @@ from rolling.run import pools
 from rolling.run.executor import ended_by_signal
 from rolling.scene import hdf5_files
 from rolling.scene.hdf5_files import TEXT, ArrayRule
-from rolling.scene.height_files import read_regular
 from rolling.scene.identity import digest, scene_identity
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import run_name
@@ -29,7 +28,7 @@ from rolling.studies import accuracy_variants as variants
 from rolling.studies import work_precision
 from rolling.studies.accuracy_variants import OWN, REFERENCE, SOLVER, Variant, label
 from rolling.terminal import defaults, files, progress
-from rolling.terminal.files import FolderError
+from rolling.terminal.files import FolderError, read_regular
 
 BANDS = [name for name in BAND_NAMES if 100 <= float(name) <= 16000]
 LEVELS = ("laeq_db", "third_octave_db")

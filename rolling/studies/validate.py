@@ -36,7 +36,6 @@ from rolling.results.run_result import Run
 from rolling.run.solving import Values, simulate_runs
 from rolling.scene import library
 from rolling.scene.file import read_as
-from rolling.scene.height_files import read_regular
 from rolling.scene.laws import SelfAffineLaw
 from rolling.scene.messages import nearest
 from rolling.scene.scene import Scene
@@ -47,7 +46,7 @@ from rolling.surface.heights import statistics
 from rolling.surface.measured import HeightArray
 from rolling.surface.scene_surface import heights
 from rolling.terminal import progress
-from rolling.terminal.files import FolderError, write_bytes
+from rolling.terminal.files import FolderError, read_regular, write_bytes
 from rolling.terminal.program import identity
 
 PAGE = Path("validation.md")

@@ -1,6 +1,7 @@
-"""Safe writing of whole files, and the error of a folder."""
+"""Safe reading and writing of whole files, and the error of a folder."""
 
 import errno
+import io
 import json
 import os
 import secrets
@@ -34,6 +35,30 @@ class FolderError(Exception):
 def kind_of(mode: int) -> str:
     """Name the kind of something that is no regular file, by its mode."""
     return _KINDS.get(stat.filemode(mode)[0], "no regular file")
+
+
+def open_regular(path: Path) -> io.FileIO:
+    """Open a regular file for reading; raise OSError for any other, and never wait for a pipe."""
+    flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    try:
+        descriptor = os.open(path, flags)
+    except ValueError as error:  # a zero byte in the name
+        raise OSError(0, str(error)) from error
+    mode = os.fstat(descriptor).st_mode
+    if stat.S_ISREG(mode):
+        return io.FileIO(descriptor, "rb")
+    os.close(descriptor)
+    raise OSError(0, f"is {kind_of(mode)}")
+
+
+def read_regular(path: Path, most: int) -> bytes:
+    """Read a regular file of at most `most` bytes; raise OSError for any other."""
+    with io.BufferedReader(open_regular(path)) as file:
+        # A read makes room for all that it may return.
+        content = file.read(min(os.fstat(file.fileno()).st_size, most) + 1)
+    if len(content) > most:
+        raise OSError(0, f"is larger than {most:,} bytes")
+    return content
 
 
 def refuse_link_below(root: Path, folder: Path) -> None:

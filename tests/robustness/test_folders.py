@@ -249,7 +249,7 @@ def test_a_piece_is_read_in_little_memory_or_not_at_all(
     from rolling.kinds.reading import read_scene
     from rolling.marches.next_pieces import next_pieces
     from rolling.marches.result import Result
-    from rolling.scene import height_files
+    from rolling.terminal import files
 
     single = read_scene(scene)
     (piece,) = next_pieces(single, Result.empty(single))
@@ -257,12 +257,12 @@ def test_a_piece_is_read_in_little_memory_or_not_at_all(
     path = worker.piece_path(tmp_path, piece)
     asked = []
 
-    class Reader(height_files.io.BufferedReader):
+    class Reader(files.io.BufferedReader):
         def read(self, size: int | None = -1) -> bytes:
             asked.append(size)
             return super().read(size)
 
-    monkeypatch.setattr(height_files.io, "BufferedReader", Reader)
+    monkeypatch.setattr(files.io, "BufferedReader", Reader)
     assert worker.read_piece(path) is not None
     assert max(asked) == path.stat().st_size + 1
 
