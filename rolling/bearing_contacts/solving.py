@@ -24,7 +24,7 @@ from rolling.kinds.run_folder import RunFolder
 from rolling.marches.effort import ARRAY, PieceEffort
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
-from rolling.results import result_file
+from rolling.record.sealed_file import seal, sealed_content
 from rolling.run import folder as folders
 from rolling.run.executor import RunFiles, RunLoop, ended_by_signal
 from rolling.run.pools import local_pool
@@ -191,7 +191,7 @@ def _write_march(folder: Path, identity: str, march: ContactMarch) -> None:
         identity=np.array(identity),
     )
     content = stream.getvalue()
-    write_bytes(march_path(folder, identity), content + result_file.seal(content))
+    write_bytes(march_path(folder, identity), content + seal(content))
 
 
 def _write_scene(folder: Path, scene: Scene, identity: str) -> None:
@@ -236,7 +236,7 @@ def read_march(folder: Path, scene: Scene, identity: str) -> ContactMarch:
     """
     path = march_path(folder, identity)
     steps = scene.track.solved_steps
-    content = result_file.sealed_content(path, 8 * steps + _MAX_BESIDE)
+    content = sealed_content(path, 8 * steps + _MAX_BESIDE)
     expected = {
         "approach_m": ((steps,), np.dtype(np.float64)),
         "numbers": ((2,), np.dtype(np.float64)),

@@ -28,22 +28,29 @@ from rolling.kinds.run_folder import LISTEN, RESULT, RunFolder
 from rolling.marches import effort
 from rolling.numbers.files import BearingFiles, RingListenFacts
 from rolling.numbers.run_file import StoredBearing
-from rolling.results import result_file
+from rolling.record.definition import (
+    LETTERS,
+    ROOT,
+    Arrays,
+    Attribute,
+    GroupDefinition,
+    Record,
+    RecordDefinition,
+    RecordGroup,
+    Variable,
+)
+from rolling.record.hdf5_writer import to_xarray
+from rolling.record.record_file import largest_size, read_record, record_bytes, refusing
 from rolling.results.provenance import program_provenance
 from rolling.results.stored_numbers import read_stored, with_parts, write_stored
-from rolling.scene import hdf5_files
 from rolling.scene.bearing_scene import BearingScene
-from rolling.scene.hdf5_files import ArrayRule
 from rolling.terminal import files, progress
-from rolling.terminal.files import FolderError
 
 if TYPE_CHECKING:
     import xarray
 
     from rolling.bearing_run.bearing_run import BearingRun
 
-FORMAT = 2  # of result.h5
-FORMER_FORMAT = 1  # of 0.8.0, without time and places
 SPECTRUM = "spectrum.csv"
 LINES = "lines.csv"
 ACCELERATION = "acceleration.wav"
@@ -52,67 +59,79 @@ HOUSING = "housing.wav"
 FIGURES = "figures"
 _TITLE_LETTERS = 400
 FADE_S = 0.05  # at the ends of a sound
-_MIN_COMPRESSED = 10_000  # bytes of an array
 _AXES = ("x", "y", "z")
 
 
-class _Variable(NamedTuple):
-    """An array of result.h5: its dimensions, unit, type and meaning."""
-
-    dimensions: tuple[str, ...]
-    unit: str
-    dtype: str
-    long_name: str
-
-    @property
-    def rule(self) -> ArrayRule:
-        """Type and dimensions in the file, where a text is a row of letters."""
-        if self.dtype == "S1":
-            return ArrayRule((*self.dimensions, "letter"), self.dtype)
-        return ArrayRule(self.dimensions, self.dtype)
-
-
-_MOTION = {
-    "velocity": _Variable(("time", "axis"), "m/s", "f4", "velocity of the ring"),
-    "acceleration": _Variable(("time", "axis"), "m/s2", "f4", "acceleration of the ring"),
-    "ball_load": _Variable(("time", "ball"), "N", "f4", "load of each ball"),
+_FACTS: dict[str, type[Attribute]] = {
+    "energy_error": float,
+    "lost_contact_share": float,
+    "rate_hz": float,
+    "cage_hz": float,
 }
-_TRACKS = {
-    "inner_track": _Variable(
-        ("load", "inner_place"), "m", "f4", "change of the approach around the inner raceway"
+_MOTION = (
+    Variable("velocity", "time axis", "m/s", "f4", "velocity of the ring"),
+    Variable("acceleration", "time axis", "m/s2", "f4", "acceleration of the ring"),
+    Variable("ball_load", "time ball", "N", "f4", "load of each ball"),
+)
+_TRACKS = (
+    Variable(
+        "inner_track",
+        "load inner_place",
+        "m",
+        "f4",
+        "change of the approach around the inner raceway",
     ),
-    "outer_track": _Variable(
-        ("load", "outer_place"), "m", "f4", "change of the approach around the outer raceway"
+    Variable(
+        "outer_track",
+        "load outer_place",
+        "m",
+        "f4",
+        "change of the approach around the outer raceway",
     ),
-    "balls_on_inner": _Variable(
-        ("ball", "load", "ball_place"), "m", "f4", "change around each ball on the inner raceway"
+    Variable(
+        "balls_on_inner",
+        "ball load ball_place",
+        "m",
+        "f4",
+        "change around each ball on the inner raceway",
     ),
-    "balls_on_outer": _Variable(
-        ("ball", "load", "ball_place"), "m", "f4", "change around each ball on the outer raceway"
+    Variable(
+        "balls_on_outer",
+        "ball load ball_place",
+        "m",
+        "f4",
+        "change around each ball on the outer raceway",
     ),
-}
-_COORDINATES = {
-    "time": _Variable(("time",), "s", "f8", "time from the start of the record"),
-    "axis": _Variable(("axis",), "1", "S1", "x to the middle of the load zone, z along the shaft"),
-    "ball": _Variable(("ball",), "1", "u4", "number of the ball"),
-    "load": _Variable(("load",), "N", "f8", "load of a contact at which the tracks are known"),
-    "inner_place": _Variable(("inner_place",), "m", "f8", "length along the inner raceway"),
-    "outer_place": _Variable(("outer_place",), "m", "f8", "length along the outer raceway"),
-    "ball_place": _Variable(("ball_place",), "m", "f8", "length along the track of a ball"),
-}
-_VARIABLES = {**_MOTION, **_TRACKS}
-_RULES = {name: variable.rule for name, variable in (_VARIABLES | _COORDINATES).items()}
-_FORMER_LOADS = "track_loads"
-_FORMER_RULES = {name: variable.rule for name, variable in _VARIABLES.items()}
-_FORMER_RULES[_FORMER_LOADS] = ArrayRule(("load",), "f4")
-_FACTS = ("energy_error", "lost_contact_share", "rate_hz", "cage_hz")
+)
+_COORDINATES = (
+    Variable("time", "time", "s", "f8", "time from the start of the record"),
+    Variable("axis", "axis", "1", LETTERS, "x to the middle of the load zone, z along the shaft"),
+    Variable("ball", "ball", "1", "u4", "number of the ball"),
+    Variable("load", "load", "N", "f8", "load of a contact at which the tracks are known"),
+    Variable("inner_place", "inner_place", "m", "f8", "length along the inner raceway"),
+    Variable("outer_place", "outer_place", "m", "f8", "length along the outer raceway"),
+    Variable("ball_place", "ball_place", "m", "f8", "length along the track of a ball"),
+)
+DEFINITION = RecordDefinition(
+    name="a bearing's result",
+    format=2,
+    kind="bearing",
+    groups={ROOT: GroupDefinition((*_MOTION, *_TRACKS, *_COORDINATES), _FACTS)},
+)
+_FORMER_LOADS = Variable("track_loads", "load", "N", "f4", "load of a contact")
+_FORMER = RecordDefinition(  # of 0.8.0, without time and places
+    name="a bearing's result",
+    format=1,
+    kind="bearing",
+    groups={ROOT: GroupDefinition((*_MOTION, *_TRACKS, _FORMER_LOADS), _FACTS)},
+)
 
 
 # ---- result.h5
 
 
-def _arrays(run: SolvedBearing) -> dict[str, Array]:
-    """Return the arrays of a run by their names."""
+def record_of(run: SolvedBearing) -> Record:
+    """Return the record of a run: its motion, its tracks, and the facts about them."""
     tracks = run.tracks
     every = (tracks.inner, tracks.outer, *tracks.balls_on_inner, *tracks.balls_on_outer)
     loads = every[0].loads_n
@@ -125,7 +144,7 @@ def _arrays(run: SolvedBearing) -> dict[str, Array]:
         return np.stack([track.resampled(places).at_loads(loads) for track in balls])
 
     turns = run.scene.circumferences
-    return {
+    arrays = {
         "velocity": run.record.velocity_m_s,
         "acceleration": run.record.acceleration_m_s2,
         "ball_load": run.record.ball_load_n,
@@ -141,6 +160,8 @@ def _arrays(run: SolvedBearing) -> dict[str, Array]:
         "outer_place": _places(turns["outer"], tracks.outer.points),
         "ball_place": _places(turns["balls"], places),
     }
+    facts = {name: getattr(run.record, name) for name in _FACTS}
+    return {ROOT: RecordGroup(arrays, facts)}
 
 
 def _places(turn_m: float, points: int) -> Array:
@@ -150,34 +171,12 @@ def _places(turn_m: float, points: int) -> Array:
 
 def result_dataset(run: SolvedBearing) -> xarray.Dataset:
     """Return the arrays of a run with dimensions and units, and its facts as attributes."""
-    import xarray  # slow to import
-
-    variables = {}
-    definitions = _VARIABLES | _COORDINATES
-    for name, values in _arrays(run).items():
-        definition = definitions[name]
-        attributes = {"units": definition.unit, "long_name": definition.long_name}
-        encoding: dict[str, Any] = {"_FillValue": None}
-        stored = values
-        if definition.dtype == "S1":  # letters in the file, as texts of any length are bombs
-            encoding |= {"dtype": "S1", "char_dim_name": "letter"}
-        else:
-            stored = values.astype(definition.dtype)
-        if stored.nbytes >= _MIN_COMPRESSED:
-            encoding |= {"zlib": True, "complevel": 1, "shuffle": True}
-        variables[name] = xarray.Variable(definition.dimensions, stored, attributes, encoding)
-    facts = {name: float(getattr(run.record, name)) for name in _FACTS}
-    return xarray.Dataset(
-        data_vars={name: variables[name] for name in _VARIABLES},
-        coords={name: variables[name] for name in _COORDINATES},
-        attrs={"format": FORMAT, "kind": "bearing", **facts},
-    )
+    return to_xarray(DEFINITION, record_of(run)).to_dataset()
 
 
 def result_bytes(run: SolvedBearing) -> bytes:
-    """Return the bytes of result.h5, which are equal for equal runs."""
-    content = bytes(result_dataset(run).to_netcdf(engine="h5netcdf"))
-    return content + result_file.seal(content)
+    """Return the bytes of result.h5; equal runs have equal arrays and attributes in it."""
+    return record_bytes(DEFINITION, record_of(run))
 
 
 def read_result(path: Path, scene: BearingScene) -> tuple[RingRecord, BearingTracks]:
@@ -187,46 +186,40 @@ def read_result(path: Path, scene: BearingScene) -> tuple[RingRecord, BearingTra
     ------
     FolderError : the file is missing or damaged, or holds no result of such a bearing.
     """
-    most_bytes = result_file.largest_size(needs.motion_disk(scene, contact_plan(scene)))
-    content = result_file.sealed_content(path, most_bytes)
-    lengths = {
-        "axis": len(_AXES),
-        "ball": scene.bearing.balls,
-        "time": max(1, round(scene.moved * wav.SAMPLE_RATE_HZ)),
-    }
-    try:
-        with hdf5_files.reading(content, most_bytes) as file:
-            facts = file.attributes()
-            rules = {FORMAT: _RULES, FORMER_FORMAT: _FORMER_RULES}.get(facts["format"])
-            if rules is None or facts["kind"] != "bearing":
-                raise FolderError(f"{path}: no bearing's result of format {FORMAT}")
-            arrays = file.groups({"": rules}, lengths)[""].arrays
-        return _record(arrays, facts), _tracks(arrays)
-    except FolderError:
-        raise
-    except Exception as error:  # values of a hostile file lead to errors of any kind
-        raise result_file.no_result(path, "a bearing's result", error) from error
+    record = read_record(
+        path,
+        [DEFINITION, _FORMER],
+        lengths={
+            "axis": len(_AXES),
+            "ball": scene.bearing.balls,
+            "time": max(1, round(scene.moved * wav.SAMPLE_RATE_HZ)),
+        },
+        most_bytes=largest_size(needs.motion_disk(scene, contact_plan(scene))),
+    )
+    with refusing(path, DEFINITION):
+        root = record[ROOT]
+        return _record(root), _tracks(root.arrays)
 
 
-def _record(arrays: dict[str, Array], facts: dict[str, Any]) -> RingRecord:
+def _record(root: RecordGroup) -> RingRecord:
     """Return the motion of a ring from its arrays and facts."""
-    known = {name: float(facts[name]) for name in _FACTS}
-    for name, number in known.items():
+    facts = {name: root.attributes[name] for name in _FACTS}
+    for name, number in facts.items():
         if not math.isfinite(number):
             raise ValueError(f"{name}: no finite number")
-    if known["rate_hz"] != wav.SAMPLE_RATE_HZ:
-        raise ValueError(f"rate_hz: got {known['rate_hz']:g}, allowed: {wav.SAMPLE_RATE_HZ}")
+    if facts["rate_hz"] != wav.SAMPLE_RATE_HZ:
+        raise ValueError(f"rate_hz: got {facts['rate_hz']:g}, allowed: {wav.SAMPLE_RATE_HZ}")
     return RingRecord(
-        velocity_m_s=_finite(arrays, "velocity"),
-        acceleration_m_s2=_finite(arrays, "acceleration"),
-        ball_load_n=_finite(arrays, "ball_load"),
-        **known,
+        velocity_m_s=_finite(root.arrays, "velocity"),
+        acceleration_m_s2=_finite(root.arrays, "acceleration"),
+        ball_load_n=_finite(root.arrays, "ball_load"),
+        **facts,
     )
 
 
-def _tracks(arrays: dict[str, Array]) -> BearingTracks:
+def _tracks(arrays: Arrays) -> BearingTracks:
     """Return the tracks of a bearing from its arrays."""
-    loads = _finite(arrays, "load" if "load" in arrays else _FORMER_LOADS)
+    loads = _finite(arrays, "load" if "load" in arrays else _FORMER_LOADS.name)
     return BearingTracks(
         inner=BodyTrack(loads, _finite(arrays, "inner_track")),
         outer=BodyTrack(loads, _finite(arrays, "outer_track")),
@@ -235,7 +228,7 @@ def _tracks(arrays: dict[str, Array]) -> BearingTracks:
     )
 
 
-def _finite(arrays: dict[str, Array], name: str) -> Array:
+def _finite(arrays: Arrays, name: str) -> Array:
     """Return the values of an array, which are finite numbers."""
     values = arrays[name].astype(float)
     if not np.isfinite(values).all():

@@ -1,14 +1,12 @@
-"""The arrays of result.h5: the definition of each, and their way from a run and into a result."""
+"""The record of a run: the definition of result.h5, and the way from a run and into a result."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import rolling
 from acoustics import wav
@@ -27,6 +25,16 @@ from rolling.marches.observers import (
 from rolling.marches.passes import SERIES as PASS_SERIES
 from rolling.marches.passes import Passes
 from rolling.marches.result import ErrorStretches, LoadMarches, MovingRelease, Result, StretchMarch
+from rolling.record.definition import (
+    ROOT,
+    Arrays,
+    Attribute,
+    GroupDefinition,
+    Record,
+    RecordDefinition,
+    RecordGroup,
+    Variable,
+)
 from rolling.results.channels import Channel, by_quantity
 from rolling.results.solved_run import SolvedRun
 from rolling.scene import file as scene_file
@@ -35,29 +43,6 @@ from rolling.sound.vibration_sound import Vibration
 
 if TYPE_CHECKING:
     import pandas as pd
-
-FORMAT = 5
-Arrays = dict[str, NDArray[Any]]
-
-
-# ---- definition
-
-
-class Variable(NamedTuple):
-    """Definition of an array of result.h5.
-
-    name : str. Name in its group.
-    dimensions : str. Names of its dimensions, separated by spaces.
-    unit : str. SI unit, "1" for a pure number, "position" or "step" for a place along the track.
-    dtype : str. Type in the file. Whole numbers are stored as such.
-    long_name : str. Meaning, for readers of netCDF.
-    """
-
-    name: str
-    dimensions: str
-    unit: str
-    dtype: str
-    long_name: str
 
 
 def _of_quantity(quantity: str) -> tuple[Variable, Variable]:
@@ -75,8 +60,8 @@ def _of_quantity(quantity: str) -> tuple[Variable, Variable]:
 _SERIES = (
     Variable("step", "step", "m", "f8", "distance along the track at the middle of each step"),
     Variable("position", "position", "m", "f8", "distance along the track at each position"),
-    Variable("time", "step", "s", "f8", "time at the middle of each step"),
-    Variable("position_time", "position", "s", "f8", "time at each position"),
+    Variable("time", "step", "s", "f8", "time at the middle of each step", is_auxiliary=True),
+    Variable("position_time", "position", "s", "f8", "time at each position", is_auxiliary=True),
     Variable("release_energy", "step", "J", "f8", "elastic energy released in each step"),
     Variable("loading_energy", "step", "J", "f8", "elastic energy loaded in each step"),
     Variable("energy_defect", "step", "J", "f8", "defect of the energy balance of each step"),
@@ -128,8 +113,22 @@ _FILM = (
     Variable("map_position", "map_position", "1", "u4", "number of the position of each map"),
     Variable("along", "along", "m", "f8", "plate coordinate of the cells along the track"),
     Variable("across", "across", "m", "f8", "plate coordinate of the cells across the track"),
-    Variable("pressure", "map_position along across", "Pa", "u1", "mean pressure of cells"),
-    Variable("release", "map_position along across", "J", "u2", "energy released since last map"),
+    Variable(
+        "pressure",
+        "map_position along across",
+        "Pa",
+        "u1",
+        "mean pressure of cells",
+        scale_factor="pressure_unit",
+    ),
+    Variable(
+        "release",
+        "map_position along across",
+        "J",
+        "u2",
+        "energy released since last map",
+        scale_factor="release_unit",
+    ),
 )
 _LAW = (
     Variable("load", "load", "N", "f8", "load of each march"),
@@ -176,27 +175,62 @@ _SOUND = (
 )
 
 
-def _by_name(*variables: Variable) -> dict[str, Variable]:
-    """Return variables by their names."""
-    return {variable.name: variable for variable in variables}
-
-
-# All arrays by group and name. The group without a name is the root.
-DEFINITION: dict[str, dict[str, Variable]] = {
-    "": _by_name(*_SERIES),
-    "snapshot": _by_name(*_SNAPSHOT),
-    "pressure_maps": _by_name(*_MAPS),
-    "events": _by_name(*_EVENTS),
-    "error_estimate": _by_name(*_STRETCHES),
-    "slow_motion": _by_name(*_FILM),
-    "force_law": _by_name(*_LAW),
-    "moving_release": _by_name(*_MOVING),
-    "passes": _by_name(*_PASSES),
-    "contact_force": _by_name(*_FORCE),
-    "channels": _by_name(*_CHANNELS),
-    "sound": _by_name(*_SOUND),
+_CHANNEL_FACTS: dict[str, type[Attribute]] = {
+    "sample_rate_hz": int,
+    **{f"{quantity}_channels": str for quantity in REFERENCES},
+    **{f"{quantity}_reference": str for quantity in REFERENCES},
 }
-COORDINATES = ("time", "position_time")  # beside the arrays that are named as their dimension
+
+DEFINITION = RecordDefinition(
+    name="a result",
+    format=5,
+    kind="",
+    groups={
+        ROOT: GroupDefinition(
+            _SERIES,
+            {
+                "title": str,
+                "program": str,
+                "identity": str,
+                "scene": str,
+                "load_n": float,
+                "steps": int,
+                "solved_steps": int,
+                "step_m": float,
+                "step_choice": str,
+                "start_m": float,
+            },
+        ),
+        "snapshot": GroupDefinition(_SNAPSHOT, {"distance_m": float}),
+        "pressure_maps": GroupDefinition(_MAPS),
+        "events": GroupDefinition(_EVENTS),
+        "error_estimate": GroupDefinition(_STRETCHES, {"faults": str}),
+        "slow_motion": GroupDefinition(
+            _FILM,
+            {
+                "first": int,
+                "stride": int,
+                "along": float,
+                "across": float,
+                "cell": float,
+                "pressure_unit": float,
+                "release_unit": float,
+            },
+        ),
+        "force_law": GroupDefinition(_LAW, {"own_load_n": float, "faults": str}),
+        "moving_release": GroupDefinition(_MOVING, {"key": str, "fault": str}),
+        "passes": GroupDefinition(_PASSES),
+        "contact_force": GroupDefinition(
+            _FORCE,
+            {"closed": int, "minimum_n": float, "maximum_n": float, "time_step_s": float},
+        ),
+        "channels": GroupDefinition(_CHANNELS, _CHANNEL_FACTS),
+        "sound": GroupDefinition(
+            _SOUND, {"sample_rate_hz": int, "closed": int, "factor_pa_per_w_m2": float}
+        ),
+    },
+)
+SERIES = DEFINITION.groups[ROOT].by_name  # definitions of the series of a run
 
 
 def fixed_lengths(scene: Scene, result: Result) -> dict[str, int]:
@@ -216,33 +250,19 @@ def fixed_lengths(scene: Scene, result: Result) -> dict[str, int]:
     return lengths
 
 
-@dataclass(frozen=True)
-class FileGroup:
-    """Content of a group of result.h5.
-
-    arrays : dict. Arrays by name.
-    attributes : dict. Texts and numbers by name.
-    scale_factors : dict. Units of arrays that are stored as whole numbers of a unit, by name.
-    """
-
-    arrays: Arrays
-    attributes: dict[str, Any] = field(default_factory=dict)
-    scale_factors: dict[str, float] = field(default_factory=dict)
-
-
 # ---- all groups
 
 
-def groups_of(run: SolvedRun) -> dict[str, FileGroup]:
-    """Return the groups of the file of a run by name; the root, with the series, has none."""
+def record_of(run: SolvedRun) -> Record:
+    """Return the record of a run, with its series in the root."""
     result = run.result
-    groups = {"": _series_group(run)}
+    groups = {ROOT: _series_group(run)}
     if result.snapshot is not None:
         groups["snapshot"] = _snapshot_group(result.snapshot, run.scene.spacing)
     if result.maps:
         groups["pressure_maps"] = _maps_group(result.maps)
     if run.events is not None:
-        groups["events"] = FileGroup(run.events)
+        groups["events"] = RecordGroup(run.events)
     if result.stretches is not None:
         groups["error_estimate"] = _stretches_group(result.stretches, _levels_of(run.scene))
     if result.slow_motion is not None:
@@ -261,9 +281,9 @@ def groups_of(run: SolvedRun) -> dict[str, FileGroup]:
     return groups
 
 
-def fill_result(result: Result, groups: dict[str, FileGroup]) -> None:
-    """Fill an empty result with the groups of its file."""
-    _read_series(groups[""], result)
+def fill_result(result: Result, groups: Record) -> None:
+    """Fill an empty result with its record."""
+    _read_series(groups[ROOT], result)
     if "snapshot" in groups:
         result.snapshot = _read_snapshot(groups["snapshot"])
     if "pressure_maps" in groups:
@@ -285,7 +305,7 @@ def fill_result(result: Result, groups: dict[str, FileGroup]) -> None:
 # ---- series
 
 
-def _series_group(run: SolvedRun) -> FileGroup:
+def _series_group(run: SolvedRun) -> RecordGroup:
     """Return the series of a whole run, and the facts of its scene."""
     result = run.result
     arrays = {
@@ -294,12 +314,11 @@ def _series_group(run: SolvedRun) -> FileGroup:
         "time": run.time,
         "position_time": run.position_time,
     }
-    for name in DEFINITION[""]:
+    for name in SERIES:
         if name not in arrays:
             arrays[name] = run.series[name]
-    attributes = {
+    attributes: dict[str, Any] = {
         "title": f"rolling contact noise: {run.scene.name}",
-        "format": FORMAT,
         "program": rolling.__version__,
         "identity": result.identity,
         "scene": scene_file.dump(run.scene),
@@ -310,13 +329,13 @@ def _series_group(run: SolvedRun) -> FileGroup:
         "step_choice": run.scene.step_reason,
         "start_m": result.start,
     }
-    return FileGroup(arrays, attributes)
+    return RecordGroup(arrays, attributes)
 
 
-def _read_series(group: FileGroup, result: Result) -> None:
+def _read_series(group: RecordGroup, result: Result) -> None:
     """Read the series of the solved lap, all as floating-point numbers; times are not stored."""
     for name in (*STEP_SERIES, *STATE_SERIES):
-        if name in DEFINITION[""]:
+        if name in SERIES:
             count = len(result.series[name])
             result.series[name] = group.arrays[name][:count].astype(np.float64)
 
@@ -324,7 +343,7 @@ def _read_series(group: FileGroup, result: Result) -> None:
 # ---- contact: snapshot, maps, events
 
 
-def _snapshot_group(snapshot: Snapshot, spacing: float) -> FileGroup:
+def _snapshot_group(snapshot: Snapshot, spacing: float) -> RecordGroup:
     """Return pressure [Pa] and deflection [m] with the places [m] of their cells."""
     rows, columns = snapshot.pressure.shape
     arrays = {
@@ -333,10 +352,10 @@ def _snapshot_group(snapshot: Snapshot, spacing: float) -> FileGroup:
         "pressure": snapshot.pressure,
         "deflection": snapshot.deflection,
     }
-    return FileGroup(arrays, {"distance_m": snapshot.distance})
+    return RecordGroup(arrays, {"distance_m": snapshot.distance})
 
 
-def _read_snapshot(group: FileGroup) -> Snapshot:
+def _read_snapshot(group: RecordGroup) -> Snapshot:
     """Return the snapshot of a group."""
     return Snapshot(
         distance=group.attributes["distance_m"],
@@ -347,7 +366,7 @@ def _read_snapshot(group: FileGroup) -> Snapshot:
     )
 
 
-def _maps_group(maps: dict[int, PressureMap]) -> FileGroup:
+def _maps_group(maps: dict[int, PressureMap]) -> RecordGroup:
     """Return the maps [Pa], padded with NaN to a common shape, and their places [m]."""
     ordered = [maps[position] for position in sorted(maps)]
     rows = np.array([pressure_map.pressure.shape[0] for pressure_map in ordered])
@@ -365,10 +384,10 @@ def _maps_group(maps: dict[int, PressureMap]) -> FileGroup:
         "columns": columns,
         "pressure": padded,
     }
-    return FileGroup(arrays)
+    return RecordGroup(arrays)
 
 
-def _read_maps(group: FileGroup) -> dict[int, PressureMap]:
+def _read_maps(group: RecordGroup) -> dict[int, PressureMap]:
     """Return the maps of a group by position, without their padding."""
     arrays = group.arrays
     maps = {}
@@ -386,7 +405,7 @@ def _read_maps(group: FileGroup) -> dict[int, PressureMap]:
     return maps
 
 
-def _read_events(group: FileGroup) -> Arrays:
+def _read_events(group: RecordGroup) -> Arrays:
     """Return the table of recovery events of a group."""
     table = {name: group.arrays[name] for name in EVENT_COLUMNS}
     table["first"] = table["first"].astype(np.int64)
@@ -401,7 +420,7 @@ _LEVELS = (*LEVELS, DETAIL)  # that of detail is NaN where a stretch is not marc
 _INSTRUMENT_LEVELS = (*_LEVELS, WITH_LAW, MEASURED)
 
 
-def _stretches_group(stretches: ErrorStretches, levels: Sequence[str]) -> FileGroup:
+def _stretches_group(stretches: ErrorStretches, levels: Sequence[str]) -> RecordGroup:
     """Return the marches by stretch and level, and the reasons of those that failed."""
     firsts = sorted({first for first, _ in stretches.marches})
     none = StretchMarch.none(stretches.steps)
@@ -413,7 +432,7 @@ def _stretches_group(stretches: ErrorStretches, levels: Sequence[str]) -> FileGr
         "plastic_area": np.array([[march.plastic_area for march in row] for row in marches]),
     }
     faults = [[march.fault for march in row] for row in marches]
-    return FileGroup(arrays, {"faults": json.dumps(faults)})
+    return RecordGroup(arrays, {"faults": json.dumps(faults)})
 
 
 def _levels_of(scene: Scene) -> tuple[str, ...]:
@@ -421,7 +440,7 @@ def _levels_of(scene: Scene) -> tuple[str, ...]:
     return _INSTRUMENT_LEVELS if has_instrument(scene) else _LEVELS
 
 
-def _read_stretches(group: FileGroup) -> ErrorStretches:
+def _read_stretches(group: RecordGroup) -> ErrorStretches:
     """Return the marches of stretches, whose time is not stored."""
     arrays = group.arrays
     faults = json.loads(group.attributes["faults"])
@@ -442,7 +461,7 @@ def _read_stretches(group: FileGroup) -> ErrorStretches:
     return stretches
 
 
-def _film_group(film: SlowMotion) -> FileGroup:
+def _film_group(film: SlowMotion) -> RecordGroup:
     """Return the film; it has no arrays where its stretch could not be solved again."""
     attributes = {
         "first": film.first,
@@ -454,7 +473,7 @@ def _film_group(film: SlowMotion) -> FileGroup:
         "release_unit": film.release_unit,
     }
     if not film.pressure.size:
-        return FileGroup({}, attributes)
+        return RecordGroup({}, attributes)
     _, rows, columns = film.pressure.shape
     arrays = {
         "map_position": film.positions,
@@ -463,11 +482,10 @@ def _film_group(film: SlowMotion) -> FileGroup:
         "pressure": film.pressure,
         "release": film.release,
     }
-    units = {"pressure": film.pressure_unit, "release": film.release_unit}
-    return FileGroup(arrays, attributes, scale_factors=units)
+    return RecordGroup(arrays, attributes)
 
 
-def _read_film(group: FileGroup) -> SlowMotion:
+def _read_film(group: RecordGroup) -> SlowMotion:
     """Return the film of a group."""
     if not group.arrays:
         return SlowMotion.none()
@@ -487,7 +505,7 @@ def _read_film(group: FileGroup) -> SlowMotion:
 # ---- marches beside the track
 
 
-def _law_group(marches: LoadMarches, run: SolvedRun) -> FileGroup:
+def _law_group(marches: LoadMarches, run: SolvedRun) -> RecordGroup:
     """Return the approach at each load, the scene's own included."""
     approach = marches.approach | {run.scene.load: run.result.series["approach"]}
     loads = sorted(approach)
@@ -501,10 +519,10 @@ def _law_group(marches: LoadMarches, run: SolvedRun) -> FileGroup:
         arrays["judging_load"] = np.array(judging_loads)
         arrays["judging_approach"] = np.array([marches.judging[load] for load in judging_loads])
     faults = {repr(load): marches.faults[load] for load in sorted(marches.faults)}
-    return FileGroup(arrays, {"own_load_n": run.scene.load, "faults": json.dumps(faults)})
+    return RecordGroup(arrays, {"own_load_n": run.scene.load, "faults": json.dumps(faults)})
 
 
-def _read_law(group: FileGroup, solved_steps: int) -> LoadMarches:
+def _read_law(group: RecordGroup, solved_steps: int) -> LoadMarches:
     """Return the marches at other loads, without the run's own."""
     arrays = group.arrays
     marches = LoadMarches(solved_steps)
@@ -520,11 +538,11 @@ def _read_law(group: FileGroup, solved_steps: int) -> LoadMarches:
     return marches
 
 
-def _moving_group(moving: MovingRelease, run: SolvedRun) -> FileGroup:
+def _moving_group(moving: MovingRelease, run: SolvedRun) -> RecordGroup:
     """Return force [N], approach [m] and energies [J] under the moving load, or its fault."""
     attributes = {"key": moving.key, "fault": moving.fault}
     if moving.fault:
-        return FileGroup({}, attributes)
+        return RecordGroup({}, attributes)
     arrays = {
         "place": run.position[: len(moving.force)],
         "force": moving.force,
@@ -532,10 +550,10 @@ def _moving_group(moving: MovingRelease, run: SolvedRun) -> FileGroup:
         "motion_approach": moving.motion_approach,
         **moving.steps,
     }
-    return FileGroup(arrays, attributes)
+    return RecordGroup(arrays, attributes)
 
 
-def _read_moving(group: FileGroup, solved_steps: int) -> MovingRelease:
+def _read_moving(group: RecordGroup, solved_steps: int) -> MovingRelease:
     """Return the march under the moving load, or its fault."""
     key = group.attributes["key"]
     fault = group.attributes["fault"]
@@ -550,12 +568,12 @@ def _read_moving(group: FileGroup, solved_steps: int) -> MovingRelease:
     )
 
 
-def _passes_group(passes: Passes) -> FileGroup:
+def _passes_group(passes: Passes) -> RecordGroup:
     """Return the series of all passes, and the depth [m] of the plate after the last."""
-    return FileGroup({**passes.series, "depth": passes.depth, "sunk": passes.sunk})
+    return RecordGroup({**passes.series, "depth": passes.depth, "sunk": passes.sunk})
 
 
-def _read_passes(group: FileGroup) -> Passes:
+def _read_passes(group: RecordGroup) -> Passes:
     """Return the passes of a group, without the surface before the last."""
     return Passes(
         series={name: group.arrays[name] for name in PASS_SERIES},
@@ -567,7 +585,7 @@ def _read_passes(group: FileGroup) -> Passes:
 # ---- force and sound, which are made again from the marches and not read
 
 
-def _force_group(vibration: Vibration) -> FileGroup:
+def _force_group(vibration: Vibration) -> RecordGroup:
     """Return the contact force at the samples of the sound, and its bands."""
     arrays = {
         "force_time": np.arange(len(vibration.force)) / wav.SAMPLE_RATE_HZ,
@@ -581,10 +599,10 @@ def _force_group(vibration: Vibration) -> FileGroup:
         "maximum_n": float(vibration.motion.force_n.max()),
         "time_step_s": vibration.motion.time_step_s,
     }
-    return FileGroup(arrays, attributes)
+    return RecordGroup(arrays, attributes)
 
 
-def _channels_group(channels: tuple[Channel, ...]) -> FileGroup:
+def _channels_group(channels: tuple[Channel, ...]) -> RecordGroup:
     """Return the signals of the channels by quantity, and the names and places of their rows."""
     samples = len(channels[0].samples)
     arrays: Arrays = {
@@ -609,10 +627,10 @@ def _channels_group(channels: tuple[Channel, ...]) -> FileGroup:
             )
         attributes[f"{quantity}_channels"] = json.dumps(facts)
         attributes[f"{quantity}_reference"] = reference.words
-    return FileGroup(arrays, attributes)
+    return RecordGroup(arrays, attributes)
 
 
-def _sound_group(run: SolvedRun) -> FileGroup:
+def _sound_group(run: SolvedRun) -> RecordGroup:
     """Return the sound pressure [Pa] at one listener or two."""
     sound = run.sound
     arrays = {
@@ -627,7 +645,7 @@ def _sound_group(run: SolvedRun) -> FileGroup:
     }
     if sound.factor is not None:
         attributes["factor_pa_per_w_m2"] = sound.factor
-    return FileGroup(arrays, attributes)
+    return RecordGroup(arrays, attributes)
 
 
 # ---- table
@@ -639,8 +657,8 @@ def series_frame(run: SolvedRun) -> pd.DataFrame:
 
     columns = {"position_time": pd.Series(run.position_time)}
     for name, values in run.series.items():
-        if name in DEFINITION[""]:
+        if name in SERIES:
             columns[name] = pd.Series(values)
     table = pd.DataFrame(columns).set_index(pd.Index(run.position, name="position"))
-    table.attrs = {name: DEFINITION[""][name].unit for name in ("position", *table)}
+    table.attrs = {name: SERIES[name].unit for name in ("position", *table)}
     return table

@@ -16,7 +16,7 @@ from rolling.numbers import views
 from rolling.numbers.fields import leaves
 from rolling.numbers.quantity import BandQuantity
 from rolling.results.labels import named
-from rolling.results.result_arrays import DEFINITION
+from rolling.results.result_arrays import SERIES
 from rolling.results.run_result import Run
 from rolling.scene.sweep import Value
 
@@ -188,7 +188,7 @@ def _add_series(
         if is_shared:
             attributes = _attributes(place_name)
             dataset.coords[place_name] = (place_name, first, attributes)
-    for name, variable in DEFINITION[""].items():
+    for name, variable in SERIES.items():
         (place_name,) = variable.dimensions.split()
         if name in _PLACES and along[name] == name:
             continue
@@ -214,5 +214,5 @@ def _series(run: Run, name: str) -> Array:
 
 def _attributes(name: str) -> dict[str, str]:
     """Return unit and meaning of a series."""
-    variable = DEFINITION[""][name]
+    variable = SERIES[name]
     return {"units": variable.unit, "long_name": variable.long_name}

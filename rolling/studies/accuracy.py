@@ -6,6 +6,7 @@ from concurrent.futures import BrokenExecutor, Future
 from functools import partial
 from operator import attrgetter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -16,10 +17,10 @@ from rolling import __version__
 from rolling.check import resolution
 from rolling.contact.solver import ContactError
 from rolling.figures.settings import left_out_if_it_fails
+from rolling.record import hdf5_reader
+from rolling.record.definition import ROOT, TEXT, GroupDefinition, Variable
 from rolling.run import pools
 from rolling.run.executor import ended_by_signal
-from rolling.scene import hdf5_files
-from rolling.scene.hdf5_files import TEXT, ArrayRule
 from rolling.scene.identity import digest, scene_identity
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import run_name
@@ -35,30 +36,52 @@ LEVELS = ("laeq_db", "third_octave_db")
 MEANS = ("mean_release_w", "contact_area_m2", "plastic_area_m2", "max_pressure_pa")
 DATASET = "accuracy.nc"
 MAX_BYTES = 100_000_000  # of the dataset
-_MARCHED = {
-    "seconds_per_second": ("variant",),
-    "iterations": ("variant",),
-    "convolutions": ("variant",),
-    "laeq_db": ("variant",),
-    "third_octave_db": ("variant", "band"),
-    "intensity_w_m2": ("variant", "sample"),
-    "mean_release_w": ("variant",),
-    "contact_area_m2": ("variant",),
-    "plastic_area_m2": ("variant",),
-    "max_pressure_pa": ("variant",),
-}
-_ERRORS = {
-    "error_laeq_db": ("variant",),
-    "error_third_octave_db": ("variant", "band"),
-    "error_mean_release_percent": ("variant",),
-    "error_contact_area_percent": ("variant",),
-    "error_plastic_area_percent": ("variant",),
-    "error_max_pressure_percent": ("variant",),
-    "error_signal_db": ("variant",),
-    "solver_error_signal_db": ("variant",),
-}
-_SETTINGS = {"spacing_um": "f8", "step_um": "f8", "tolerance": "f8"}
-_NAMES = {"variant": TEXT, "curve": TEXT, "edges": TEXT, "precision": TEXT}
+_STUDY = GroupDefinition(
+    (
+        Variable("variant", "variant", "1", TEXT, "label of a variant"),
+        Variable("band", "band", "Hz", TEXT, "name of a third octave"),
+        *(
+            # A setting that no variant changes is stored once.
+            Variable(name, "variant", unit, dtype, meaning, is_auxiliary=True, may_be_single=True)
+            for name, unit, dtype, meaning in (
+                ("curve", "1", TEXT, "what the variants of a curve change"),
+                ("edges", "1", TEXT, "treatment of the edge of the contact"),
+                ("precision", "1", TEXT, "precision of the solver"),
+                ("spacing_um", "um", "f8", "spacing of the grid"),
+                ("step_um", "um", "f8", "length of a step"),
+                ("tolerance", "1", "f8", "tolerance of the solver"),
+            )
+        ),
+        Variable("seconds_per_second", "variant", "1", "f8", "march over duration of the sound"),
+        Variable("iterations", "variant", "1", "f8", "mean number of iterations"),
+        Variable("convolutions", "variant", "1", "f8", "mean number of convolutions"),
+        Variable("laeq_db", "variant", "dB", "f8", "equivalent level"),
+        Variable("third_octave_db", "variant band", "dB", "f8", "level of a third octave"),
+        Variable("intensity_w_m2", "variant sample", "W/m2", "f8", "audible release"),
+        Variable("mean_release_w", "variant", "W", "f8", "mean released power"),
+        Variable("contact_area_m2", "variant", "m2", "f8", "mean area in contact"),
+        Variable("plastic_area_m2", "variant", "m2", "f8", "mean area at the hardness"),
+        Variable("max_pressure_pa", "variant", "Pa", "f8", "maximum pressure"),
+        Variable("error_laeq_db", "variant", "dB", "f8", "error of the level"),
+        Variable("error_third_octave_db", "variant band", "dB", "f8", "error of a third octave"),
+        Variable("error_mean_release_percent", "variant", "%", "f8", "error of the mean release"),
+        Variable("error_contact_area_percent", "variant", "%", "f8", "error of the contact area"),
+        Variable("error_plastic_area_percent", "variant", "%", "f8", "error of the plastic area"),
+        Variable("error_max_pressure_percent", "variant", "%", "f8", "error of the pressure"),
+        Variable("error_signal_db", "variant", "dB", "f8", "error over signal of the release"),
+        Variable("solver_error_signal_db", "variant", "dB", "f8", "the same, of the solver alone"),
+    ),
+    {
+        "identity": str,
+        "name": str,
+        "length_m": float,
+        "closed": int,
+        "failures": str,
+        "scene": str,
+        "program": str,
+    },
+)
+_MAY_LACK = {"solver_error_signal_db"}
 
 
 def accuracy(
@@ -275,29 +298,16 @@ def read_study(path: Path) -> xr.Dataset:
     OSError, ValueError : the file is missing, larger than MAX_BYTES, or holds no study.
     """
     content = read_regular(path, MAX_BYTES)
-    with hdf5_files.reading(content, MAX_BYTES) as file:
-        stored = file.groups({"": _rules()}, {"band": len(BANDS)})[""]
-    coordinates = {*_NAMES, *_SETTINGS, "band"}
-    variables = {}
+    with hdf5_reader.reading(content, MAX_BYTES) as file:
+        stored = file.groups({ROOT: _STUDY}, {"band": len(BANDS)})[ROOT]
+    variables: dict[str, Any] = {}
+    coordinates: dict[str, Any] = {}
     for name, values in stored.arrays.items():
-        dimensions = _rules()[name].dimensions
-        variables[name] = (dimensions if values.ndim else (), values)
-    study = xr.Dataset(
-        {name: variable for name, variable in variables.items() if name not in coordinates},
-        {name: variable for name, variable in variables.items() if name in coordinates},
-        stored.attributes,
-    )
-    missing = {*_rules()} - {*variables, "solver_error_signal_db"}
+        definition = _STUDY.by_name[name]
+        kept = coordinates if definition.is_coordinate else variables
+        kept[name] = (definition.axes if values.ndim else (), values)
+    study = xr.Dataset(variables, coordinates, stored.attributes)
+    missing = {*_STUDY.by_name} - {*stored.arrays} - _MAY_LACK
     if missing:
         raise ValueError(f"lacks {', '.join(sorted(missing))}")
     return study
-
-
-def _rules() -> dict[str, ArrayRule]:
-    """Return type and dimensions of each array of a stored study."""
-    rules = {name: ArrayRule(dimensions, "f8") for name, dimensions in (_MARCHED | _ERRORS).items()}
-    for name, dtype in (_SETTINGS | _NAMES).items():
-        # A setting that no variant changes is stored once.
-        rules[name] = ArrayRule(("variant",), dtype, may_be_single=name != "variant")
-    rules["band"] = ArrayRule(("band",), TEXT)
-    return rules

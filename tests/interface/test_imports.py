@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 FLOORS = {
     "rolling": (
         ("_own_acoustics", "contact", "numbers", "terminal"),
-        ("bearing",),
+        ("bearing", "record"),
         ("scene",),
         ("dynamics", "surface"),
         ("check", "sound"),
@@ -127,9 +127,9 @@ def test_every_room_has_one_floor(package: str) -> None:
 
 
 def test_the_house_is_small() -> None:
-    """A stranger keeps eleven floors, 24 rooms and one meaning of a class name in mind."""
+    """A stranger keeps eleven floors, 25 rooms and one meaning of a class name in mind."""
     assert max(map(len, FLOORS.values())) <= 11
-    assert sum(map(len, FLOORS["rolling"])) <= 24
+    assert sum(map(len, FLOORS["rolling"])) <= 25
     names = [
         node.name
         for package in FLOORS

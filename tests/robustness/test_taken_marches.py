@@ -24,6 +24,7 @@ from rolling.bearing_contacts.solving import (
 )
 from rolling.kinds.reading import read_scene
 from rolling.marches.piece import Piece, contact_identity
+from rolling.record.sealed_file import seal
 from rolling.results import result_file
 from rolling.results.stored_numbers import read_stored
 from rolling.run import folder as folders
@@ -213,7 +214,7 @@ def rewritten(path: Path, changes: dict[str, np.ndarray], compressed: bool = Fal
     stream = io.BytesIO()
     (np.savez_compressed if compressed else np.savez)(stream, **arrays)
     content = stream.getvalue()
-    path.write_bytes(content + result_file.seal(content))
+    path.write_bytes(content + seal(content))
 
 
 def bomb(path: Path) -> None:
@@ -228,7 +229,7 @@ def bomb(path: Path) -> None:
                 else:
                     np.lib.format.write_array(member, stored[name])
     content = stream.getvalue()
-    path.write_bytes(content + result_file.seal(content))
+    path.write_bytes(content + seal(content))
 
 
 STRANGE = {

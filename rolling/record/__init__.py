@@ -1,0 +1,1 @@
+"""Records in files: one definition of their arrays serves writer, reader and xarray."""
