@@ -153,9 +153,9 @@ def run_task(task: bytes, program: Program) -> Any:
 def compiler(part: str) -> subprocess.Popen[bytes]:
     """Start a process that compiles a part of the solver into the cache, and says nothing."""
     package = str(Path(__file__).parents[2])
+    call = f"compile_ahead({os.getpid()}, {part!r})"
     code = (
-        f"import sys; sys.path.append({package!r}); from rolling.run import worker;"
-        f" worker.compile_ahead({os.getpid()}, {part!r})"
+        f"import sys; sys.path.append({package!r}); from rolling.run import worker; worker.{call}"
     )
     return subprocess.Popen(
         [sys.executable, "-P", "-c", code],
