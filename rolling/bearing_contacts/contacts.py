@@ -20,11 +20,11 @@ from acoustics.arrays import Array, short_repr
 from rolling.bearing import waves
 from rolling.bearing.geometry import BearingGeometry, RacewayContact
 from rolling.bearing.static_load import static_balance
+from rolling.contact.track import MIN_NODES
 from rolling.scene.laws import Roughness, SurfaceFault
 from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
 from rolling.scene.surfaces import BallHeightFile
-from rolling.scene.track import MIN_NODES
 from rolling.surface.scene_surface import heights
 
 # ---- numbers of a march

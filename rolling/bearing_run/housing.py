@@ -18,8 +18,8 @@ from acoustics.arrays import Array, short_repr
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.level import SoundLevels, sound_levels
 from acoustics.rectangular_plate import Listener, RectangularPlate
+from rolling.ball.bodies_of_scene import plate_of
 from rolling.bearing.linear_ring import LinearRing
-from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import modes_of
 from rolling.scene.bearing_scene import BearingScene
 from rolling.sound.contact_sound import faded
@@ -63,7 +63,7 @@ def housing_of_scene(
     """
     if scene.plate is None:
         return None
-    plate = of_scene.plate_with_edges(scene.plate)
+    plate = plate_of(scene.plate).with_edges
     assert plate is not None  # the plate of a housing has edges, a mass and a loss factor
     contact = 1e-3 * np.array(scene.plate.contact_ends_mm["contact_mm"])
     x, y = contact.tolist()

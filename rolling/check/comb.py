@@ -15,11 +15,18 @@ from acoustics.loss_factors import least_loss_factor
 from acoustics.numbers import rounded, si
 from acoustics.radiation import Body, axis_transfer
 from acoustics.weighting import a_weighting_db
+from rolling.ball.bodies_of_scene import bodies_of, plate_of
 from rolling.check.finding import Finding
 from rolling.check.force_estimate import contact_axes, mean_heights
-from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
-from rolling.dynamics.comb import BROAD, COMB_MOST_DB, MOST_SPEEDS, speeds_of_comb, spread_db
+from rolling.dynamics.comb import (
+    BROAD,
+    COMB_MOST_DB,
+    MOST_SPEEDS,
+    NEAR_SPEEDS,
+    speeds_of_comb,
+    spread_db,
+)
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.scene import Scene
 from rolling.scene.sections import loss_text
@@ -45,13 +52,13 @@ def rules(scene: Scene) -> Iterator[Finding | Doubt]:
     if not _repeats(scene):
         return
     lap_m = _lap_m(scene)
-    chain = of_scene.smooth_chain(scene)
+    chain = bodies_of(scene).smooth_chain
     speed = scene.motion.fastest(scene.duration)
     spread = comb_spread_db(scene, chain, lap_m, speed)
     if spread is None:
         yield Finding(KEY, _NAME, "none: the resonance holds several lines, or nothing is heard")
         return
-    near = f"{100 * of_scene.NEAR_SPEEDS:g} %"
+    near = f"{100 * NEAR_SPEEDS:g} %"
     value = f"LAeq spreads by about {rounded(spread)} dB over speeds within {near}"
     yield Finding(KEY, _NAME, value)
     if spread > COMB_MOST_DB:
@@ -164,15 +171,15 @@ def _lines_of_heights(scene: Scene) -> Array:
 def _weighted_gain(scene: Scene, chain: Chain, frequency: Array) -> Array:
     """Return A-weighted power at the first listener per mean square of the approach."""
     force = chain.force(frequency, np.ones(len(frequency)))
-    plate = of_scene.rectangular_plate(scene)
+    plate = plate_of(scene.plate).with_edges
     if plate is None:
-        bodies: list[Body] = [of_scene.ground(scene)]
+        bodies: list[Body] = [plate_of(scene.plate).ground]
         if scene.sound.ball:
-            bodies.append(of_scene.ball(scene))
+            bodies.append(bodies_of(scene).ball)
         parts = [axis_transfer(frequency, body, scene.sound.distance_m) for body in bodies]
         transfer = np.sum(parts, axis=0)
     else:
-        (contact,) = of_scene.points_between(tuple(scene.plate.contact_ends_mm.values()), 1)
+        (contact,) = plate_of(scene.plate).points_between_ends(1)
         transfer = plate.pressure_transfer(frequency, contact, scene.listeners[0], 0.0)
     weight = 10 ** (a_weighting_db(frequency) / 10)
     return np.asarray(weight * np.square(np.abs(transfer * force)))

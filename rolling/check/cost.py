@@ -5,9 +5,9 @@ import os
 from collections.abc import Sequence
 
 from acoustics.numbers import clock
+from rolling.ball.bodies_of_scene import bodies_of, smooth_contact_of
 from rolling.contact import closed_forms
-from rolling.dynamics import drop, of_scene
-from rolling.dynamics.smooth_contact import equivalent_radius, semi_axes
+from rolling.dynamics import drop
 from rolling.scene import grid_error
 from rolling.scene.scene import Scene
 from rolling.surface import refined
@@ -104,7 +104,7 @@ def overlap_radius(scene: Scene, rq: float) -> float:
 
     It is sqrt(2 R (a^2/R + 1.5 rq)) with the radius R of the sphere and the Hertz radius a.
     """
-    radius = equivalent_radius(scene)
+    radius = smooth_contact_of(scene).equivalent_radius_m
     approach = closed_forms.hertz_approach(scene.load, radius, scene.contact_modulus)
     if math.isfinite(scene.hardness):
         # In rigid-plastic sinking the area of overlap times the hardness equals the load.
@@ -178,7 +178,7 @@ def bounce_hz(scene: Scene) -> float:
     The mass belongs to a free ball, and the stiffness 2 E* a to the smooth elastic contact with the
     Hertz radius a, whether the plate yields or not.
     """
-    return math.sqrt(of_scene.smooth_stiffness(scene) / scene.mass) / (2 * math.pi)
+    return math.sqrt(smooth_contact_of(scene).stiffness_n_m / scene.mass) / (2 * math.pi)
 
 
 def shortest_period(scene: Scene) -> float:
@@ -191,8 +191,8 @@ def fall_seconds(scene: Scene) -> tuple[int, float]:
     if scene.rolling.drop_mm is None:
         return 0, 0.0
     period = shortest_period(scene)
-    loads = [load for sign in (-1, 1) for load in drop.loads(scene, sign)]
-    held = [load for load in loads if 2 * max(semi_axes(scene, load)) <= period]
+    loads = [load for sign in (-1, 1) for load in drop.loads(bodies_of(scene), sign)]
+    held = [load for load in loads if 2 * max(smooth_contact_of(scene).semi_axes_m(load)) <= period]
     # Another load would roll out elsewhere.
     heavier = [scene.with_({"rolling.load_n": x, "rolling.resistance": None}) for x in held]
     return len(held), scene.track.solved_steps * sum(map(step_ms, heavier)) * 1e-3
@@ -305,7 +305,7 @@ def motion_rate(scene: Scene) -> float:
     """Estimate the time steps of a motion per second."""
     rate = max(TIME_STEPS * bounce_hz(scene), scene.motion.fastest(scene.duration) / scene.step)
     if scene.rolling.drop_mm is not None:
-        rate = max(rate, drop.IMPACT_STEPS / drop.impact_s(scene))
+        rate = max(rate, drop.IMPACT_STEPS / drop.impact_s(bodies_of(scene)))
     return rate
 
 

@@ -18,6 +18,7 @@ from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.numbers import byte_size, rounded, si
 from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.check import (
     comb,
     cost,
@@ -32,7 +33,6 @@ from rolling.check import (
     vibration,
 )
 from rolling.check.finding import Finding
-from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.identity import contact_keys, digest
 from rolling.scene.scene import Scene
@@ -445,7 +445,9 @@ def _memory(scene: Scene) -> Iterator[Finding | Doubt]:
 
 def _smooth_contact(scene: Scene) -> Iterator[Finding | Doubt]:
     """State the smooth elastic contact, its hardness, and the nodes that resolve it."""
-    (length, width), pressure = semi_axes(scene), maximum_pressure(scene)
+    contact = smooth_contact_of(scene)
+    length, width = contact.semi_axes_m()
+    pressure = contact.maximum_pressure_pa()
     radius = min(length, width)
     shape = si(length, "m")
     if length != width:

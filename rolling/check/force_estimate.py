@@ -11,9 +11,9 @@ import math
 import numpy as np
 
 from acoustics.arrays import Array
+from rolling.ball.bodies_of_scene import bodies_of, smooth_contact_of
 from rolling.check import cost
-from rolling.dynamics import of_scene
-from rolling.dynamics.smooth_contact import semi_axes
+from rolling.dynamics.comb import NEAR_SPEEDS
 from rolling.scene.laws import HeightLaw
 from rolling.scene.scene import Scene
 from rolling.surface import made
@@ -33,7 +33,7 @@ def force_rms(scene: Scene) -> float | None:
     """
     if not scene.laws:
         return 0.0 if scene.is_smooth else None
-    chain = of_scene.smooth_chain(scene)
+    chain = bodies_of(scene).smooth_chain
     speed = scene.motion.fastest(scene.duration)
     longest = scene.track.n_along * scene.spacing
     shortest = 2 * scene.step
@@ -51,7 +51,7 @@ def force_rms(scene: Scene) -> float | None:
 
     if scene.track.closed and scene.track.n_along <= 2 * LINES:
         lines = coarse[0] * np.arange(1, math.floor(coarse[-1] / coarse[0]) + 1)
-        ratios = np.linspace(1 - of_scene.NEAR_SPEEDS, 1 + of_scene.NEAR_SPEEDS, SPEEDS)
+        ratios = np.linspace(1 - NEAR_SPEEDS, 1 + NEAR_SPEEDS, SPEEDS)
         typical = np.median([power(lines, ratio).sum() for ratio in ratios])
         return float(np.sqrt(coarse[0] * typical))
     fine = np.geomspace(coarse[0], coarse[-1], LINES)
@@ -64,7 +64,7 @@ def contact_axes(scene: Scene) -> tuple[float, float]:
     The highest asperities carry where smooth surfaces would be an rms height apart.
     """
     whole = cost.roughness(scene)[0]
-    length, width = semi_axes(scene)
+    length, width = smooth_contact_of(scene).semi_axes_m()
     return math.sqrt(length**2 + scene.radius * whole), math.sqrt(
         width**2 + scene.radius_across * whole
     )

@@ -7,9 +7,9 @@ runs.
 
 from collections.abc import Sequence
 
+from rolling.ball.bodies_of_scene import bodies_of, plate_of
 from rolling.check import cost, error_cost
 from rolling.check.finding import Finding
-from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
 
 SHORT = 10.0  # [s] below which a forecast is a few seconds
@@ -60,11 +60,11 @@ def motion_seconds(scene: Scene) -> float:
     """Estimate the time [s] in which sphere and plate move and become sound; 0 without dynamics."""
     if scene.dynamics is None:
         return 0.0
-    plate = of_scene.rectangular_plate(scene)
+    plate = plate_of(scene.plate).with_edges
     modes = 0 if plate is None else plate.mode_count
     duration = moved = scene.duration
     if scene.track.closed and scene.motion.is_constant(duration) and scene.rolling.drop_mm is None:
-        decay = of_scene.smooth_chain(scene).own_decay_s
+        decay = bodies_of(scene).smooth_chain.own_decay_s
         moved += min(RUN_IN_DECAYS * decay, RUN_IN_LAPS * duration)
     moved = MOTIONS * moved + (scene.sound.listen_s or 0.0)
     steps = moved * cost.motion_rate(scene)

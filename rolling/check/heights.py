@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from acoustics.numbers import rounded, rounded_down, si
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.check import cost, resolution
 from rolling.check.finding import Finding
-from rolling.dynamics.smooth_contact import semi_axes
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.height_files import is_instrument
 from rolling.scene.height_grid import read
@@ -204,7 +204,7 @@ def _seam_across(scene: Scene, levelling: Levelling) -> Iterator[Finding | Doubt
     name = "track across"
     place = f"{si(from_edge, 'm')} from the edge of the surface"
     yield Finding("seam_across", name, place)
-    reach = semi_axes(scene)[1]
+    reach = smooth_contact_of(scene).semi_axes_m()[1]
     if from_edge < reach and levelling.seams[1].stands_out:
         farthest_um = 1e6 * (width / 2 - reach)
         yield Doubt(

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.check import cost
-from rolling.contact import closed_forms
-from rolling.dynamics.smooth_contact import equivalent_radius
 from rolling.scene.scene import Scene
 
 # Heights over their rms, above which no summit of a Gaussian or another law is expected.
@@ -31,4 +30,4 @@ def is_surely_wide_enough(scene: Scene) -> bool:
 
 def hertz_approach(scene: Scene) -> float:
     """Return the approach of the smooth elastic contact [m]."""
-    return closed_forms.hertz_approach(scene.load, equivalent_radius(scene), scene.contact_modulus)
+    return smooth_contact_of(scene).approach_m()

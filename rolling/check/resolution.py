@@ -12,8 +12,9 @@ import numpy as np
 
 from acoustics import bands
 from acoustics.numbers import micrometres, rounded, rounded_down, rounded_up, si
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.check.finding import Finding
-from rolling.dynamics.smooth_contact import semi_axes
+from rolling.contact.track import MIN_SHARE
 from rolling.numbers.doubt import Doubt, Severity, sized
 from rolling.numbers.quantity import SERIES
 from rolling.scene import grid_error
@@ -22,7 +23,6 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
 from rolling.scene.surfaces import MadeSurface
 from rolling.scene.sweep import run_name
-from rolling.scene.track import MIN_SHARE
 
 KEY = "resolution"  # of the error of the release
 LEVEL_KEY = "grid"  # of what it leaves of the level
@@ -248,7 +248,7 @@ def contact_radius(scene: Scene) -> float:
     """Return the larger of the elastic and the fully plastic reach [m] of a smooth contact."""
     plastic = math.sqrt(scene.load / (math.pi * scene.hardness))
     plastic *= math.sqrt(math.sqrt(scene.radius / scene.radius_across))
-    return max(semi_axes(scene)[0], plastic)
+    return max(smooth_contact_of(scene).semi_axes_m()[0], plastic)
 
 
 def lost_release(radii: float) -> float:

@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterator
 
 from acoustics.numbers import rounded, rounded_up, si
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.check import cost, resolution
 from rolling.check.finding import Finding
-from rolling.dynamics.smooth_contact import semi_axes
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene import library
 from rolling.scene.messages import plain_number
@@ -75,7 +75,7 @@ def _half_space(scene: Scene) -> Iterator[Finding | Doubt]:
             advice=_gentler(scene),
         )
     along = resolution.contact_radius(scene)
-    across = semi_axes(scene)[1]
+    across = smooth_contact_of(scene).semi_axes_m()[1]
     share = max(along / scene.radius, across / scene.radius_across)
     yield Finding("contact_radius", "contact radius / radius", rounded(share))
     if share > MAX_CONTACT:
@@ -142,7 +142,7 @@ def _bouncing(scene: Scene) -> Iterator[Finding | Doubt]:
     ball = "of steel" if density is None else f"of {density:g} kg/m3"
     if scene.laws:
         correlation = 1e-6 * min(law.lengths_um[0] for law in scene.laws)
-    wave = speed / frequency / (semi_axes(scene)[0] + correlation)
+    wave = speed / frequency / (smooth_contact_of(scene).semi_axes_m()[0] + correlation)
     if wave < FELT:
         part = "this part of the sound is some 30 dB or more below the release"
     elif wave < DOMINANT:

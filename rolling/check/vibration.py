@@ -5,12 +5,13 @@ from collections.abc import Iterator
 
 from acoustics.numbers import rounded, rounded_down, rounded_up, si
 from acoustics.rectangular_plate import MODES_HZ
+from rolling.ball.bodies_of_scene import bodies_of, plate_of, smooth_contact_of
 from rolling.check import cost, forecast, resolution
 from rolling.check.finding import Finding
 from rolling.check.force_estimate import force_rms
 from rolling.check.validity import MAX_CONTACT
-from rolling.dynamics import drop, of_scene
-from rolling.dynamics.smooth_contact import semi_axes
+from rolling.dynamics import drop
+from rolling.dynamics.ball_on_plate import BENT, MIN_THICKNESSES
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.quantities import STEEL_DENSITY, STEEL_GPA, STEEL_POISSON, plate_modes
 from rolling.scene.scene import Scene
@@ -32,7 +33,7 @@ def rules(scene: Scene) -> Iterator[Finding | Doubt]:
     yield _resonance(scene)
     yield from _force(scene)
     yield from _waves(scene)
-    if of_scene.plate(scene) is None:
+    if plate_of(scene.plate).bending is None:
         yield from _half_space_sound(scene)
     else:
         yield from _bending(scene)
@@ -59,7 +60,7 @@ def _half_space_sound(scene: Scene) -> Iterator[Finding | Doubt]:
 
 def _resonance(scene: Scene) -> Finding:
     """State resonance and damping of the sphere on contact and plate."""
-    chain = of_scene.smooth_chain(scene)
+    chain = bodies_of(scene).smooth_chain
     quality = "undamped" if math.isinf(chain.quality) else f"Q {rounded(chain.quality)}"
     return Finding("resonance", "contact resonance", f"{si(chain.resonance_hz, 'Hz')}, {quality}")
 
@@ -84,7 +85,7 @@ def _force(scene: Scene) -> Iterator[Finding | Doubt]:
     if scene.faults:
         value += "; faults are left out"
     wave = scene.motion.fastest(scene.duration) / cost.bounce_hz(scene)
-    if wave < 2 * semi_axes(scene)[0]:
+    if wave < 2 * smooth_contact_of(scene).semi_axes_m()[0]:
         value += "; short waves may multiply it"
     yield Finding(key, name, value)
     if low < 0:
@@ -131,11 +132,12 @@ def _waves(scene: Scene) -> Iterator[Finding | Doubt]:
 
 def _bending(scene: Scene) -> Iterator[Finding | Doubt]:
     """Judge thickness, bending theory and distance of the listener of a plate that bends."""
-    plate = of_scene.plate(scene)
+    body = plate_of(scene.plate)
+    plate = body.bending
     distance = scene.sound.distance_m
     assert plate is not None  # asked for by the caller
-    radius = max(semi_axes(scene))
-    thickness = of_scene.thickness_m(scene)
+    radius = max(smooth_contact_of(scene).semi_axes_m())
+    thickness = body.thickness_m
     yield Finding("air_load", "air loads the plate below", si(plate.lowest_hz, "Hz"))
     if plate.lowest_hz > LOADED_HZ:
         least_mm = 1e3 * thickness * plate.lowest_hz / LOADED_HZ
@@ -157,15 +159,14 @@ def _bending(scene: Scene) -> Iterator[Finding | Doubt]:
             Severity.DO_NOT_QUOTE,
             advice=f"choose a plate.thickness_mm of at least {rounded_up(1e3 * radius / THICK)}",
         )
-    limit = of_scene.bending_limit_hz(scene)
+    limit = body.bending_limit_hz
     name = "thin-plate theory up to"
     yield Finding("bending", name, si(limit, "Hz"))
     if limit < resolution.HEARING[1]:
         most_mm = 1e3 * thickness * limit / resolution.HEARING[1]
         yield Doubt(
             "bending",
-            f"{name}: bending waves above are shorter than {of_scene.MIN_THICKNESSES:g} "
-            "thicknesses",
+            f"{name}: bending waves above are shorter than {MIN_THICKNESSES:g} thicknesses",
             Severity.INDICATIVE,
             advice="do not trust the bands above, or choose a plate.thickness_mm of at most "
             f"{rounded_down(most_mm)}",
@@ -184,7 +185,7 @@ def _bending(scene: Scene) -> Iterator[Finding | Doubt]:
 
 def _edges(scene: Scene) -> Iterator[Finding | Doubt]:
     """State modes, contact point and limits of a plate with edges."""
-    plate = of_scene.rectangular_plate(scene)
+    plate = plate_of(scene.plate).with_edges
     if plate is None:
         return
     modes = "none up to 30 kHz"
@@ -204,15 +205,15 @@ def _edges(scene: Scene) -> Iterator[Finding | Doubt]:
             Severity.INDICATIVE,
             advice="choose a larger plate.length_mm and plate.width_mm, or no plate.thickness_mm",
         )
-    modal = of_scene.smooth_chain(scene).modes
+    modal = bodies_of(scene).smooth_chain.modes
     assert modal is not None  # as there is a plate with edges
     sag = scene.load * modal.compliance_m_n
     name = "plate sinks under the load by"
     yield Finding("plate_sag", name, si(sag, "m"))
-    if sag > of_scene.BENT * 1e-3 * (scene.plate.thickness_mm or 0.0):
+    if sag > BENT * 1e-3 * (scene.plate.thickness_mm or 0.0):
         yield Doubt(
             "plate_sag",
-            f"{name}: thin-plate theory wants at most {of_scene.BENT:g} of the thickness",
+            f"{name}: thin-plate theory wants at most {BENT:g} of the thickness",
             Severity.INDICATIVE,
             advice="choose a lower rolling.load_n, or a thicker or smaller plate",
         )
@@ -262,14 +263,15 @@ def _modes(scene: Scene) -> Iterator[Finding | Doubt]:
 
 def _fall(scene: Scene) -> Iterator[Finding | Doubt]:
     """State the first impact on a rigid plate, and compare it with surface, sphere and hardness."""
-    fall = drop.fall_s(scene)
+    bodies = bodies_of(scene)
+    fall = drop.fall_s(bodies)
     duration = scene.duration
-    force = drop.largest_force_n(scene)
-    contact_time = drop.impact_s(scene)
+    force = drop.largest_force_n(bodies)
+    contact_time = drop.impact_s(bodies)
     yield Finding(
         "drop",
         "first impact, by Hertz",
-        f"{si(drop.speed_m_s(scene), 'm/s')} after {si(fall, 's')}, up to {si(force, 'N')} for "
+        f"{si(drop.speed_m_s(bodies), 'm/s')} after {si(fall, 's')}, up to {si(force, 'N')} for "
         f"{si(contact_time, 's')}",
     )
     if fall >= duration:
@@ -280,11 +282,11 @@ def _fall(scene: Scene) -> Iterator[Finding | Doubt]:
             Severity.INDICATIVE,
             advice=f"choose a record of more than {rounded_up(fall)} s",
         )
-    yield from _impact_width(scene, max(semi_axes(scene, force)))
+    yield from _impact_width(scene, max(bodies.contact.semi_axes_m(force)))
     if math.isfinite(scene.hardness):
-        height_mm = 1e3 * drop.elastic_height_m(scene)
+        height_mm = 1e3 * drop.elastic_height_m(bodies.contact, scene.hardness)
         yield Finding("impacts_yield", "elastic drop", f"up to {rounded(height_mm)} mm")
-        if 1e3 * drop.height_m(scene) > height_mm:
+        if 1e3 * bodies.drop_height_m > height_mm:
             yield Doubt(
                 "impacts_yield",
                 "elastic drop: the impact would yield, and the force law gives its work back, so "

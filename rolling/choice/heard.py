@@ -19,9 +19,10 @@ from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, third_octave_mean_square
 from acoustics.spectrum import audible_lines
 from acoustics.weighting import a_weighting_db
+from rolling.ball.bodies_of_scene import bodies_of
 from rolling.choice.candidates import LOSS_KEY
-from rolling.dynamics import of_scene
 from rolling.dynamics.force_law import ForceLaw
+from rolling.dynamics.motion_of_ball import motion_of_ball
 from rolling.kinds.run_folder import FAILED, MAX_FAILURE, RunFolder
 from rolling.marches import force_law
 from rolling.marches.piece import contact_identity
@@ -260,7 +261,7 @@ class _Lines(NamedTuple):
 
 def _weighted_lines(scene: Scene, law: ForceLaw, result: Result) -> _Lines:
     """Return the A-weighted mean square of the vibration of a scene over a force law."""
-    motion = of_scene.motion(scene, law)
+    motion = motion_of_ball(bodies_of(scene), scene.travel, law)
     is_whole_laps = scene.track.closed and result.steps % result.solved_steps == 0
     constant = scene.motion.is_constant(scene.duration)
     closed = bool(is_whole_laps and constant and motion.settled)

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from acoustics.pairs import LOOKS, MOST_PAIRS
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.choice.candidates import Candidate
-from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene.scene import Scene
 from rolling.scene.seeds import seeds_of, with_seed
 
@@ -100,7 +100,7 @@ def _places(scene: Scene) -> Places | None:
     if scene.surface.kind != "file":
         return None
     track = scene.track
-    _, half_width = semi_axes(scene)
+    _, half_width = smooth_contact_of(scene).semi_axes_m()
     width = track.n_across * track.spacing
     rows = max(1, int(width / (2.0 * half_width)))
     columns = max(1, track.lap_steps // track.steps)

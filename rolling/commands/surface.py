@@ -13,12 +13,12 @@ from acoustics.arrays import Array
 from acoustics.texts import printable
 from rolling.check import refusals
 from rolling.commands.replaced import SOURCE, refuse_others, source_name
+from rolling.contact.track import MIN_NODES
 from rolling.scene import height_files
 from rolling.scene.file import read_as
 from rolling.scene.height_files import HeightFormatError, is_instrument
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Instrument
-from rolling.scene.track import MIN_NODES
 from rolling.surface import character, measured
 from rolling.surface.described_file import FileOptions, described_file, offer_of_file
 from rolling.surface.instrument import faded, sight

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ
 from rolling.dynamics.bodies import Chain
-from rolling.dynamics.of_scene import NEAR_SPEEDS
 
 BROAD = 4.0  # lines of a looped record in the bandwidth of a broad resonance
+NEAR_SPEEDS = 0.03  # relative change of the speed over which the levels of a looped record spread
 COMB_MOST_DB = 3.0  # spread from which on a level is the mean over the comb
 FEWEST_SPEEDS = 60
 MOST_SPEEDS = 1000

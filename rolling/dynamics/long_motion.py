@@ -13,11 +13,13 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.continued_rows import ContinuedRows
-from rolling.dynamics import drop, of_scene
+from rolling.contact.track import Motion
+from rolling.dynamics import drop
 from rolling.dynamics._motion_kernels import LawTable, State
+from rolling.dynamics.ball_on_plate import BallOnPlate
 from rolling.dynamics.force_law import SOFTEST, ForceLaw, law_table, slope_weights
 from rolling.dynamics.motion import DECAYS, advance, at_rest, longest_step_s, run_in
-from rolling.scene.scene import Scene
+from rolling.dynamics.motion_of_ball import contact_path
 
 STRETCH_STEPS = 2**17  # time steps at once: 5 MB
 _GUARD = 24  # positions beyond a stretch, after which a spline has forgotten its end
@@ -68,25 +70,39 @@ class LongLaw:
 
 
 class LongMotion:
-    """Motion of the sphere of a scene at the scene's speed, first over the solved track.
+    """Motion of a ball, first over the solved track.
 
     The counts belong to the steps taken so far.
     """
 
-    def __init__(self, scene: Scene, law: ForceLaw, seconds: float, rate: int, seed: int) -> None:
-        self._scene = scene
+    def __init__(
+        self,
+        bodies: BallOnPlate,
+        motion: Motion,
+        law: ForceLaw,
+        seconds: float,
+        rate: int,
+        seed: int,
+        turn_m: float | None = None,
+    ) -> None:
+        """Prepare a motion of some seconds, in whole steps of samples of a rate [Hz].
+
+        `turn_m` is the circumference [m] of a ball with a surface, after which rows repeat.
+        """
+        self._ball = bodies
+        self._motion = motion
         self._solved_law = law
-        self._chain = of_scene.chain_over(scene, law)
-        fastest = scene.motion.fastest(seconds)
+        self._chain = bodies.chain_over(law)
+        fastest = motion.fastest(seconds)
         longest = longest_step_s(law, self._chain, fastest)
-        if scene.rolling.drop_mm is not None:
-            longest = drop.time_step_s(scene, law, self._chain, fastest)
+        if bodies.falls:
+            longest = drop.time_step_s(bodies, law, self._chain, fastest)
         self.steps_per_sample = math.ceil(1 / (longest * rate))
         self.step = 1 / (rate * self.steps_per_sample)
         self._bodies = self._chain.steps(self.step)
-        self._path = of_scene.contact_path(scene)
+        self._path = contact_path(bodies.plate, motion)
         self._steps = round(seconds * rate) * self.steps_per_sample
-        self.law = LongLaw(law, scene.load, seed, turn_m(scene))
+        self.law = LongLaw(law, bodies.load_n, seed, turn_m)
         self.taken = 0
         self.apart = 0
         self.impacts = 0
@@ -100,11 +116,11 @@ class LongMotion:
         for first in range(0, self._steps, count):
             numbers = np.arange(first, min(first + count, self._steps), dtype=float)
             middles = np.asarray((numbers + 0.5) * self.step, dtype=float)
-            places = np.asarray(self._scene.motion.distance(middles), dtype=float)
+            places = np.asarray(self._motion.distance(middles), dtype=float)
             places += self._solved_law.position_m[0]
             table = self.law.table(float(places[0]), float(places[-1]))
             points = self._points(middles)
-            load = self._scene.load
+            load = self._ball.load_n
             steps = advance(table, self._bodies, load, state, places, points)
             state = steps.end
             force = steps.record[:, 0]
@@ -119,12 +135,12 @@ class LongMotion:
     def _start(self) -> State:
         """Return the state at the start: at rest in the air, or run in over a closed track."""
         law = self._solved_law
-        load = self._scene.load
+        load = self._ball.load_n
         points = self._points(np.zeros(1))
-        if self._scene.rolling.drop_mm is not None:
-            approach, velocity = drop.start(self._scene, law, self._chain)
+        if self._ball.falls:
+            approach, velocity = drop.start(self._ball, law, self._chain)
             return at_rest(self._bodies, points, approach, velocity, -load)
-        speed = float(self._scene.motion.speed(0.0))
+        speed = float(self._motion.speed(0.0))
         begin = float(law.position_m[0])
         if law.period_m is None or speed <= 0:
             return at_rest(self._bodies, points, float(law.approach(begin, load)), 0.0, 0.0)
@@ -137,10 +153,3 @@ class LongMotion:
         if self._path is None:
             return self._chain.point
         return self._path(times)
-
-
-def turn_m(scene: Scene) -> float | None:
-    """Return the circumference [m] of a sphere with a surface, after which rows repeat."""
-    if scene.sphere.surface is None:
-        return None
-    return 2 * math.pi * scene.radius

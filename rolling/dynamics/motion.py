@@ -25,7 +25,7 @@ Path = Callable[[Array], Array]  # contact points (n, 2) [m] at times [s]
 
 
 @dataclass(frozen=True)
-class Travel:
+class TabulatedTravel:
     """Position of the ball along the track as a function of time, by monotone cubics."""
 
     time_s: Array  # (m,) ascending from 0, at least two
@@ -85,7 +85,7 @@ def move(
     law: ForceLaw,
     chain: Chain,
     load_n: float,
-    speed: float | Travel,
+    speed: float | TabulatedTravel,
     duration_s: float | None = None,
     stepping: Stepping | None = None,
     path: Path | None = None,
@@ -107,11 +107,11 @@ def move(
         return run.record_from(at_rest(run.bodies, run.points(1), approach, velocity, force))
     if law.period_m is None:
         return run.record_from(run.equilibrium(), transient=FADE_DECAYS * run.decay_s)
-    if isinstance(speed, Travel):
+    if isinstance(speed, TabulatedTravel):
         return run.record_from(run.state_after_run_in(speed))
     if path is not None:
         return run.record_from(
-            run.state_after_run_in(Travel(np.array([0.0, 1.0]), np.array([0.0, speed])))
+            run.state_after_run_in(TabulatedTravel(np.array([0.0, 1.0]), np.array([0.0, speed])))
         )
     return run.run_in_and_record()
 
@@ -204,7 +204,7 @@ class _MotionOfSteps:
     law: ForceLaw
     chain: Chain
     load: float
-    speed: float | Travel
+    speed: float | TabulatedTravel
     duration: float | None
     choices: Stepping
     path: Path | None
@@ -215,7 +215,7 @@ class _MotionOfSteps:
         speed = self.speed
         choices = self.choices
         self.first = float(law.position_m[0])
-        fastest = speed.fastest_m_s if isinstance(speed, Travel) else speed
+        fastest = speed.fastest_m_s if isinstance(speed, TabulatedTravel) else speed
         self.decay_s = chain.decay_s
         self.slow_decay_s = 0.0
         modes = chain.modes
@@ -232,7 +232,7 @@ class _MotionOfSteps:
             raise ValueError("a motion that is no lap at constant speed needs a duration")
         # A lap at constant speed is a whole number of steps, so that laps can be compared.
         period = duration
-        if self.lap_s and not isinstance(speed, Travel):
+        if self.lap_s and not isinstance(speed, TabulatedTravel):
             period = self.lap_s
         self.lap_steps = ceil(period / longest * (1 - 1e-12))
         self.step = period / self.lap_steps
@@ -242,7 +242,7 @@ class _MotionOfSteps:
     def places(self, steps: int) -> Array:
         """Return the positions [m] at the middles of the steps from the start."""
         middle = np.asarray((np.arange(steps) + 0.5) * self.step)
-        if isinstance(self.speed, Travel):
+        if isinstance(self.speed, TabulatedTravel):
             return self.speed.at(np.minimum(middle, self.speed.time_s[-1]))
         return np.asarray(self.first + self.speed * middle)
 
@@ -283,7 +283,7 @@ class _MotionOfSteps:
             modes=modes,
         )
 
-    def state_after_run_in(self, travel: Travel) -> State:
+    def state_after_run_in(self, travel: TabulatedTravel) -> State:
         """Return the state at the start of a travel after a run-in at its first speed."""
         begin, after = travel.at(np.array([0.0, min(self.step, travel.time_s[-1])]))
         speed = (after - begin) / self.step

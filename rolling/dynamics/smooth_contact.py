@@ -1,24 +1,9 @@
-"""Contact of the smooth elastic sphere of a scene, elliptic where its radii differ."""
+"""Callers of the room of sound that still hand a scene to the smooth contact."""
 
-from rolling.contact import closed_forms
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.scene.scene import Scene
 
 
-def equivalent_radius(scene: Scene) -> float:
-    """Return the radius [m] of the sphere with the stiffness of the contact at any load."""
-    return closed_forms.hertz_ellipse(scene.radius, scene.radius_across)[0]
-
-
-def semi_axes(scene: Scene, load: float | None = None) -> tuple[float, float]:
+def semi_axes(scene: Scene) -> tuple[float, float]:
     """Return the semi-axes [m] of the contact along and across the track, at the scene's load."""
-    radius, along, across = closed_forms.hertz_ellipse(scene.radius, scene.radius_across)
-    load = scene.load if load is None else load
-    contact = closed_forms.hertz_radius(load, radius, scene.contact_modulus)
-    return contact * along, contact * across
-
-
-def maximum_pressure(scene: Scene, load: float | None = None) -> float:
-    """Return the maximum pressure [Pa] of the contact, at the scene's load."""
-    radius, along, across = closed_forms.hertz_ellipse(scene.radius, scene.radius_across)
-    load = scene.load if load is None else load
-    return closed_forms.hertz_pressure(load, radius, scene.contact_modulus) / (along * across)
+    return smooth_contact_of(scene).semi_axes_m()

@@ -12,7 +12,7 @@ from acoustics.arrays import Array
 from acoustics.numbers import micrometres, rounded
 from acoustics.plot_style import curve_style
 from acoustics.traps import ignoring_underflow
-from rolling.dynamics.smooth_contact import semi_axes
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.figures import picture
 from rolling.figures.picture import axes_of, compared, finish, level_of
 from rolling.results import labels
@@ -237,7 +237,7 @@ def _draw_heights(ax: Axes, runs: Sequence[Run]) -> None:
     image.set_clim(min(low, -_LEAST_UM), max(high, _LEAST_UM))
     beside = strip.inset_axes((1.02, 0.0, 0.03, 1.0))
     ax.figure.colorbar(image, cax=beside, label="height [µm]", extend="both")
-    reach_um = 1e6 * semi_axes(first.scene)[1]
+    reach_um = 1e6 * smooth_contact_of(first.scene).semi_axes_m()[1]
     lines_um = [-reach_um, reach_um]
     if len(runs) > 1:  # whose contacts may overlap
         lines_um = [_across_um(run) for run in runs]

@@ -14,7 +14,7 @@ from acoustics.numbers import rounded
 from acoustics.plot_style import unit_prefix
 from acoustics.plots import COLOURS, third_octaves
 from acoustics.traps import ignoring_underflow
-from rolling.dynamics.smooth_contact import semi_axes
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.figures.picture import axes_of, duration_text, finish, number
 from rolling.figures.sound import band_table
 from rolling.results.run_result import Run
@@ -268,7 +268,7 @@ def contact_filter(run: Run, ax: Axes | None = None) -> Axes:
     """
     instance("run", run, Run)
     table = contact_filter_table(run)
-    radius_um = 1e6 * semi_axes(run.scene)[0]
+    radius_um = 1e6 * smooth_contact_of(run.scene).semi_axes_m()[0]
     ax = axes_of(ax)
     labels = {
         "surface_level_db": "heights of the surface under the contact",
@@ -294,7 +294,7 @@ def contact_filter_table(run: Run) -> pd.DataFrame:
     result = run.result
     heights = scene_surface(scene).heights
     middle = heights.shape[1] // 2
-    half_width = max(1, round(semi_axes(scene)[1] / scene.spacing))
+    half_width = max(1, round(smooth_contact_of(scene).semi_axes_m()[1] / scene.spacing))
     under_contact = heights[:, max(0, middle - half_width) : middle + half_width]
     closed = scene.track.lap_steps <= result.solved_steps
     surface_wavelength, heights_db = wavelength_bands(under_contact, scene.spacing, closed)

@@ -16,12 +16,13 @@ from typing import TypeVar
 import numpy as np
 
 from acoustics.arrays import Array
+from rolling.ball.bodies_of_scene import bodies_of, smooth_contact_of
 from rolling.contact import closed_forms
 from rolling.contact.solver import ContactError
-from rolling.dynamics import drop, of_scene
+from rolling.dynamics import drop
 from rolling.dynamics.force_law import HIGHEST, LOWEST, MIN_SLOPE, ForceLaw
 from rolling.dynamics.motion import BodyMotion
-from rolling.dynamics.smooth_contact import equivalent_radius
+from rolling.dynamics.motion_of_ball import motion_of_ball
 from rolling.marches.piece import Piece
 from rolling.marches.result import (
     LoadMarches,
@@ -150,7 +151,7 @@ def _neighbouring_loads(scene: Scene, sign: int) -> Iterator[float]:
     """Yield loads [N] above (1) or below (-1) the scene's: by the span, and far from it wider."""
     assert scene.dynamics is not None
     if scene.rolling.drop_mm is not None:
-        yield from drop.loads(scene, sign)
+        yield from drop.loads(bodies_of(scene), sign)
         return
     span = scene.dynamics.span
     ratio = 1.0
@@ -179,7 +180,7 @@ def _motion_over(scene: Scene, result: Result, loads: Sequence[float]) -> BodyMo
     """Return the motion over a law, which the result keeps until the next."""
     key = vibration_key(scene), tuple(loads)
     if result.motion is None or result.motion.key != key:
-        motion = of_scene.motion(scene, law_over(scene, result, loads))
+        motion = motion_of_ball(bodies_of(scene), scene.travel, law_over(scene, result, loads))
         result.motion = MotionOverLaw(key, motion)
     return result.motion.motion
 
@@ -241,7 +242,7 @@ def law_over(
         count = result.solved_steps + 1
     rows = np.array([approaches[load] for load in loads])
     rising_loads, approach = _rising(scene, np.array(loads), rows[:, :count])
-    radius = equivalent_radius(scene)
+    radius = smooth_contact_of(scene).equivalent_radius_m
     try:
         return ForceLaw(
             np.arange(count, dtype=np.float64) * result.step,
@@ -265,7 +266,7 @@ def _rising(scene: Scene, loads: Array, approach: Array) -> tuple[Array, Array]:
         loads = loads * [1.0, 1.01]
         approach = np.stack([approach[0], approach[0]])
         slope = 1.0
-    radius = equivalent_radius(scene)
+    radius = smooth_contact_of(scene).equivalent_radius_m
     hertz = [closed_forms.hertz_approach(load, radius, scene.contact_modulus) for load in loads]
     least_rises = slope * np.diff(hertz)[:, None]
     rises = np.diff(approach, axis=0)

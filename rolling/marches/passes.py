@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.check import cost
 from rolling.contact.memory import sink
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
-from rolling.dynamics.smooth_contact import maximum_pressure
 from rolling.marches.piece import Piece
 from rolling.scene.scene import Scene
 
@@ -44,7 +44,7 @@ def _width_steps(scene: Scene) -> float:
 
 def _is_groove(scene: Scene) -> bool:
     """Return whether the smooth contact yields, so that the sphere rolls in a groove."""
-    return maximum_pressure(scene) > scene.hardness
+    return smooth_contact_of(scene).maximum_pressure_pa() > scene.hardness
 
 
 def run_in(scene: Scene, first: int) -> int:

@@ -12,13 +12,12 @@ from dataclasses import replace
 import numpy as np
 
 from acoustics.arrays import Array
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.contact import closed_forms
 from rolling.contact.march import march
 from rolling.contact.solver import ContactError
 from rolling.contact.subcells import half_space_of
-from rolling.dynamics import of_scene
 from rolling.dynamics.force_law import MIN_SLOPE
-from rolling.dynamics.smooth_contact import equivalent_radius
 from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 from rolling.surface.contact_of_scene import rolling_contact
@@ -51,8 +50,8 @@ def solved_stiffness(scene: Scene, result: Result) -> Array:
             (state,) = march(contact, place, place, half_space)
             falls.append(result.series["approach"][place] - state.approach)
     except ContactError:
-        return np.array([of_scene.smooth_stiffness(scene)])
-    radius = equivalent_radius(scene)
+        return np.array([smooth_contact_of(scene).stiffness_n_m])
+    radius = smooth_contact_of(scene).equivalent_radius_m
     upper = closed_forms.hertz_approach(scene.load, radius, scene.contact_modulus)
     lower = closed_forms.hertz_approach(contact.load, radius, scene.contact_modulus)
     secants = (1 - LOWER) * scene.load / np.maximum(falls, MIN_SLOPE * (upper - lower))

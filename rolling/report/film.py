@@ -12,7 +12,7 @@ from PIL import Image
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, unit_prefix
-from rolling.dynamics.smooth_contact import semi_axes
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.figures.picture import Caption, Picture, set_caption
 from rolling.figures.settings import own_settings
 from rolling.marches.observers import SlowMotion
@@ -71,7 +71,7 @@ def film_of(run: Run, max_gpa: float, ends_at_hardness: bool) -> dict[str, Any] 
             _sheet(glow(slow.release), LIT, bytes(range(256)), centres, cell_um),
         ],
         "size_um": [cells_along * cell_um, cells_across * cell_um],
-        "hertz_um": [1e6 * axis for axis in semi_axes(run.scene)],
+        "hertz_um": [1e6 * axis for axis in smooth_contact_of(run.scene).semi_axes_m()],
         "times": np.round(times, 8).tolist(),
         "said": _descriptions(run, slow, flight_times),
         "flight_s": np.round(flight_times, 9).tolist(),

@@ -13,11 +13,11 @@ from acoustics.loss_factors import LossFactor, loss_factor_at
 from acoustics.radiation import HalfSpaceBody
 from acoustics.ritz_plate import RitzPlate
 from acoustics.wav import PEAK, SAMPLE_RATE_HZ
-from rolling.dynamics import _motion_kernels, drop, of_scene
+from rolling.ball.bodies_of_scene import bodies_of, plate_of, smooth_contact_of
+from rolling.dynamics import _motion_kernels
 from rolling.dynamics._motion_kernels import LawTable
 from rolling.dynamics.bodies import half_space_mobility
 from rolling.dynamics.force_law import ForceLaw, law_table, slope_weights
-from rolling.dynamics.smooth_contact import equivalent_radius
 from rolling.marches.result import released_energy
 from rolling.report.live_modes import StoredModes, stored_modes
 from rolling.results.run_result import Run
@@ -68,7 +68,7 @@ def live_of(run: Run) -> Data | None:
         return None
     vibration = run.vibration_sound if run.sound.source == "vibration" else None
     ends = list[list[float]]()
-    plate = of_scene.rectangular_plate(scene) if vibration is not None else None
+    plate = plate_of(scene.plate).with_edges if vibration is not None else None
     modes = None
     if isinstance(plate, RitzPlate):
         modes = stored_modes(plate)
@@ -175,7 +175,7 @@ def _settings(run: Run) -> Data:
         "contactLossFactor": plate.contact_loss_factor or 0.0,
         "distance": scene.listener_distance_m,
         "q": scene.sound.q,
-        "dropHeight": drop.height_m(scene) or None,
+        "dropHeight": bodies_of(scene).drop_height_m or None,
     }
 
 
@@ -212,7 +212,7 @@ def _fixed(scene: Scene) -> Data:
     unit = half_space_mobility(0.5 / np.pi, 2 * (1 + poisson), poisson, 1.0)
     return {
         "radius": scene.radius,
-        "impactRadius": equivalent_radius(scene),
+        "impactRadius": smooth_contact_of(scene).equivalent_radius_m,
         "young": 1e9 * scene.plate.youngs_modulus_gpa,
         "poisson": poisson,
         "modulus": scene.contact_modulus,
@@ -271,12 +271,12 @@ def _add_vibration(data: Data, run: Run, vibration: Vibration) -> None:
     falling = scene.mass * FALL_M_S**2 / (2 * scene.load)
     data["limits"] |= {
         "speed": [0.0, max(fastest, data["settings"]["speed"])],
-        "dropHeight": [0.0, max(falling, drop.height_m(scene))],
+        "dropHeight": [0.0, max(falling, bodies_of(scene).drop_height_m)],
     }
     if scene.rolling.load_n != WEIGHT:
         data["limits"]["load"] = [float(law.load_n[0]), float(law.load_n[-1])]
     data["fixed"]["shortestWave"] = wave
-    body = of_scene.ground(scene)
+    body = plate_of(scene.plate).ground
     if isinstance(body, HalfSpaceBody):  # modulus of compression waves [Pa]
         data["fixed"]["compression"] = body.density_kg_m3 * body.compression_m_s**2
     closes = law.period_m is not None and not run.sound.has_seam

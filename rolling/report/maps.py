@@ -14,11 +14,11 @@ from PIL import Image
 
 from acoustics.arrays import Array
 from acoustics.numbers import si
-from rolling.dynamics.smooth_contact import semi_axes
+from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.contact.track import Motion
 from rolling.figures.contact import BELOW_YIELD, YIELDED
 from rolling.marches.observers import PressureMap
 from rolling.results.run_result import Run
-from rolling.scene.track import Motion
 
 COLOUR_MAP = "magma"  # a perceptually uniform map, black without pressure
 FAINTEST = 0.25  # of the colour map, for the lowest pressure: less looks as black as no pressure
@@ -116,7 +116,7 @@ def map_scale(runs: Sequence[Run]) -> dict[str, Any] | None:
     maxima = []
     reaches_um = []
     for run in mapped:
-        reaches_um.append(1e6 * max(semi_axes(run.scene)))
+        reaches_um.append(1e6 * max(smooth_contact_of(run.scene).semi_axes_m()))
         for shown in sounding_maps(run):
             maxima.append(float(shown.pressure.max()))
             box = _box(shown, run)
@@ -179,7 +179,7 @@ def run_maps(run: Run, max_gpa: float, ends_at_hardness: bool) -> dict[str, Any]
         "begins": np.round(begins, 7).tolist(),
         "order": order.tolist(),
         "instead": _instead(run, begins),
-        "hertz_um": [1e6 * axis for axis in semi_axes(run.scene)],
+        "hertz_um": [1e6 * axis for axis in smooth_contact_of(run.scene).semi_axes_m()],
         "position_mm": places_mm,
         "readings": {
             "number": [f"map {k + 1} of {len(maps)}" for k in range(len(maps))],

@@ -11,7 +11,7 @@ import numpy as np
 
 from acoustics.numbers import rounded
 from acoustics.texts import printable
-from rolling.dynamics.smooth_contact import semi_axes
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.results import description
 from rolling.results.level_words import NOTHING, level_name
 from rolling.results.quantities import heard_level_db
@@ -231,7 +231,7 @@ def _rates(run: Run) -> str:
     if run.sound.source == "vibration" or not scene.laws:
         return ""
     speed = mean_speed(scene, run.sound)
-    width = 2 * semi_axes(scene)[0]
+    width = 2 * smooth_contact_of(scene).semi_axes_m()[0]
     rougher = max(scene.laws, key=attrgetter("rq_m"))
     length = 1e-6 * rougher.lengths_um[0]
     frequency, _, power = weighted_lines(run.sound)

@@ -11,6 +11,7 @@ import numpy as np
 from acoustics.bands import BAND_NAMES, EDGES_HZ
 from acoustics.numbers import rounded
 from acoustics.texts import printable
+from rolling.ball.bodies_of_scene import bodies_of
 from rolling.dynamics import drop
 from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.ball_numbers import RunNumbers
@@ -428,7 +429,7 @@ def _fall(scene: Scene, numbers: RunNumbers) -> str:
     long = numbers.listening
     if long is None or not long.impacts:
         return f"{sentence}."
-    seconds = (long.seconds or 0.0) * (long.flight_share or 0.0) - drop.fall_s(scene)
+    seconds = (long.seconds or 0.0) * (long.flight_share or 0.0) - drop.fall_s(bodies_of(scene))
     return f"{sentence}. It bounces for about {rounded(seconds, 1)} s, and then rolls."
 
 

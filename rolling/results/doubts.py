@@ -13,8 +13,8 @@ import numpy as np
 from acoustics.bands import BAND_NAMES, MID_HZ, OFF_DB
 from acoustics.numbers import decibels_a, rounded, rounded_up, si
 from rolling.check import findings, resolution
-from rolling.dynamics.comb import COMB_MOST_DB
-from rolling.dynamics.of_scene import BENT, NEAR_SPEEDS
+from rolling.dynamics.ball_on_plate import BENT
+from rolling.dynamics.comb import COMB_MOST_DB, NEAR_SPEEDS
 from rolling.marches.result import MovingRelease
 from rolling.numbers.ball_numbers import RunNumbers, Source
 from rolling.numbers.doubt import Doubt, Severity, sized

@@ -9,10 +9,10 @@ import numpy as np
 
 from acoustics import level
 from acoustics.numbers import micrometres, rounded, rounded_up
+from rolling.contact.track import Motion
 from rolling.marches.result import Result, released_energy
 from rolling.numbers.ball_numbers import ListeningNumbers
 from rolling.scene.scene import Scene
-from rolling.scene.track import Motion
 from rolling.sound import long_listening
 from rolling.sound.contact_sound import FADE_S, ContactSound, contact_sound
 from rolling.sound.long_listening import Listening, with_speed

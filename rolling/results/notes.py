@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from acoustics.numbers import rounded
 from acoustics.plate_modes import FREE
 from rolling.check import level
-from rolling.dynamics.of_scene import NEAR_SPEEDS
+from rolling.dynamics.comb import NEAR_SPEEDS
 from rolling.marches.result import MovingRelease
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.doubt import Doubt, Severity

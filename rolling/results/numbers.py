@@ -17,9 +17,9 @@ from acoustics.arrays import Array
 from acoustics.level import crest_factor_db, is_single_event, lae_db, level_db
 from acoustics.modulation import MIN_PERIODS, envelope_spectrum, modulated_octave
 from acoustics.numbers import rounded
+from rolling.ball.bodies_of_scene import bodies_of, plate_of, smooth_contact_of
 from rolling.check import heights
-from rolling.dynamics import drop, of_scene
-from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
+from rolling.dynamics import drop
 from rolling.marches import effort, force_law
 from rolling.marches.passes import Passes
 from rolling.marches.result import Result, released_energy
@@ -195,7 +195,7 @@ def _levels(run: SolvedRun, release: ContactSound) -> LevelNumbers:
     at_listener = _shifted(release.levels.laeq_db, shift)
     difference, equal = _difference(scene, at_listener, of_vibration.laeq_db)
     mean = _shifted(compact_source_db(scene, vibration), _to_mean_db(vibration))
-    has_edges = of_scene.rectangular_plate(scene) is not None
+    has_edges = plate_of(scene.plate).with_edges is not None
     return LevelNumbers(
         vibration=of_vibration,
         released_power=of_release,
@@ -508,7 +508,7 @@ def _energy(run: SolvedRun, release: ContactSound) -> EnergyNumbers:
 
 def _contact(scene: Scene, result: Result) -> ContactNumbers:
     """Return areas and pressure over all positions."""
-    length, width = semi_axes(scene)
+    length, width = smooth_contact_of(scene).semi_axes_m()
     hertz_area = float(np.pi * (length * width))
     plastic = float(result.whole_series("plastic_area").mean())
     return ContactNumbers(
@@ -658,11 +658,13 @@ def _motion(run: SolvedRun, vibration: Vibration) -> MotionNumbers:
     chain = vibration.chain
     largest_n = float(motion.force_n.max())
     # A sphere that yields in an impact leaves a dent, and a contact without memory springs back.
+    contact = smooth_contact_of(scene)
+    body = plate_of(scene.plate)
     impacts_yield = False
     if motion.impacts and largest_n:
-        impacts_yield = bool(maximum_pressure(scene, largest_n) > scene.hardness)
-    edges = of_scene.rectangular_plate(scene)
-    plate = of_scene.plate(scene)
+        impacts_yield = bool(contact.maximum_pressure_pa(largest_n) > scene.hardness)
+    edges = body.with_edges
+    plate = body.bending
     falls = scene.rolling.drop_mm is not None
     numbers = MotionNumbers(
         force_rms_n=vibration.rms_ratio * vibration.load,
@@ -674,7 +676,7 @@ def _motion(run: SolvedRun, vibration: Vibration) -> MotionNumbers:
         impacts_yield=impacts_yield,
         flight_share=motion.flight_share,
         drop_mm=scene.rolling.drop_mm,
-        restitution=drop.restitution(scene, motion) if falls else None,
+        restitution=drop.restitution(bodies_of(scene), motion) if falls else None,
         force_outside_share=motion.outside_share,
         comb_spread_db=vibration.spreads.get("comb"),
         comb_mean_laeq_db=vibration.mean_laeq,
@@ -699,8 +701,8 @@ def _motion(run: SolvedRun, vibration: Vibration) -> MotionNumbers:
         numbers = replace(
             numbers,
             critical_hz=plate.critical_hz,
-            bending_limit_hz=of_scene.bending_limit_hz(scene),
-            contact_radius_over_thickness=max(semi_axes(scene)) / of_scene.thickness_m(scene),
+            bending_limit_hz=body.bending_limit_hz,
+            contact_radius_over_thickness=max(contact.semi_axes_m()) / body.thickness_m,
         )
     return _with_force_law(run, vibration, numbers)
 

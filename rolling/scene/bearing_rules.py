@@ -15,13 +15,13 @@ from rolling.bearing.limits import motion_faults
 from rolling.bearing.model import BearingModel
 from rolling.bearing.static_load import least_axial_load, static_balance
 from rolling.bearing.waves import hertz_pressure
+from rolling.contact.track import MAX_NODES, MIN_NODES
 from rolling.scene import height_files
 from rolling.scene.bearing_lengths import angle_of, clearance_of, groove_distance
 from rolling.scene.height_grid import faults_at
 from rolling.scene.laws import refuse_misplaced
 from rolling.scene.messages import Key, SceneError, fault, plain_number
 from rolling.scene.surfaces import WAVE_NODES, BallSurface
-from rolling.scene.track import MAX_NODES, MIN_NODES
 
 if TYPE_CHECKING:
     from rolling.scene.bearing_scene import BearingQuantities

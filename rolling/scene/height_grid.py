@@ -21,11 +21,11 @@ import numpy as np
 
 from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
+from rolling.contact.track import MAX_NODES, MIN_NODES, Track
 from rolling.scene import height_files
 from rolling.scene.height_files import MAX_BYTES, TRIPLES, UNITS, HeightFormatError, is_instrument
 from rolling.scene.messages import fault, first_line, plain_number, quoted, shortened
 from rolling.scene.surfaces import HeightFile, refuse_width
-from rolling.scene.track import MAX_NODES, MIN_NODES, Track
 
 _INSTALL = 'pip install "rolling-contact-noise[surfaces]"'
 _OFF_GRID = 0.05  # of a spacing that a point of a regular grid may lie off its node

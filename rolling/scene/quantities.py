@@ -9,6 +9,7 @@ from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import bracketed
+from rolling.contact.track import Motion, Track, Travel
 from rolling.scene import library, step_rule
 from rolling.scene.automatic_tolerance import automatic_tolerance
 from rolling.scene.height_grid import height_grid, refuse_turn
@@ -17,7 +18,7 @@ from rolling.scene.messages import SceneError, dotted
 from rolling.scene.sections import Dynamics, Numerics, Plate, Recovery, Rolling, Sound, Sphere
 from rolling.scene.surfaces import BallHeightFile, HeightFile, Surface, turn_nodes
 from rolling.scene.swept import DEFAULT_NAME, PATTERN, SceneName, SweptScene
-from rolling.scene.track import Motion, Track, file_track, made_track, wanted_distance
+from rolling.scene.track_length import file_track, made_track, wanted_distance
 
 STEEL_GPA = 210.0
 STEEL_POISSON = 0.3
@@ -118,10 +119,14 @@ class SceneQuantities(SweptScene):
         return motion_of(self.sphere, self.rolling)
 
     @property
+    def travel(self) -> Travel:
+        """Motion along the track."""
+        return Travel(motion=self.motion, track=self.track)
+
+    @property
     def duration(self) -> float:
         """Time [s] that the track takes."""
-        # A track round a file has at least one step, even for a sphere that rests before.
-        return self.motion.duration(min(self.track.distance, self.motion.final_distance))
+        return self.travel.duration_s
 
     @property
     def radius(self) -> float:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from acoustics.numbers import rounded
+from rolling.contact.track import ROUNDING
 from rolling.scene import quantities
 from rolling.scene.messages import fault, plain_number, quoted
 from rolling.scene.sections import (
@@ -19,7 +20,6 @@ from rolling.scene.sections import (
     refuse_free_factors,
 )
 from rolling.scene.surfaces import HeightFile, MadeSurface, refuse_ball
-from rolling.scene.track import ROUNDING
 
 EDGE_RADII = 10  # contact radii from the contact to the nearest edge of the plate, at least
 MAX_MODES = 20_000  # of a plate with edges; a second of sound takes them half a minute

@@ -12,12 +12,12 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from acoustics.numbers import rounded
+from rolling.contact.track import MAX_NODES, MIN_NODES
 from rolling.scene import library
 from rolling.scene.height_files import TRIPLES, is_instrument
 from rolling.scene.laws import Roughness, SelfAffineLaw, SurfaceFault, SurfaceKind
 from rolling.scene.messages import TABLES, fault, is_number, plain_number, quoted
 from rolling.scene.models import Section
-from rolling.scene.track import MAX_NODES, MIN_NODES
 
 
 class MadeSurface(SurfaceKind):

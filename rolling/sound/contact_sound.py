@@ -21,9 +21,9 @@ from acoustics.bands import AUDIBLE_HZ, NOMINAL_HZ
 from acoustics.laps import Lap, crossfaded_lap
 from acoustics.numbers import decibels_a, rounded
 from acoustics.traps import ignoring_underflow
+from rolling.contact.track import Motion
 from rolling.numbers.ball_numbers import Source
 from rolling.scene.scene import Scene
-from rolling.scene.track import Motion
 from rolling.terminal.files import write_bytes
 
 if TYPE_CHECKING:

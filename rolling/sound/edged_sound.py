@@ -179,7 +179,7 @@ def _power_table(
 
 def points_on_path(scene: Scene) -> Array:
     """Return the contact point, or points of its path at equal distances, (n, 2) [m]."""
-    return of_scene.points_between(tuple(scene.plate.contact_ends_mm.values()), _POINTS)
+    return of_scene.points_on_path(scene, _POINTS)
 
 
 def _reference_distance(scene: Scene) -> float:

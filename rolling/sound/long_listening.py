@@ -9,8 +9,9 @@ from acoustics.arrays import Array, short_repr
 from acoustics.continued_rows import ContinuedRows
 from acoustics.traps import ignoring_underflow
 from acoustics.uncertainty import kurtosis
+from rolling.ball.bodies_of_scene import bodies_of, circumference_of
 from rolling.dynamics.force_law import ForceLaw
-from rolling.dynamics.long_motion import LongMotion, turn_m
+from rolling.dynamics.long_motion import LongMotion
 from rolling.numbers.ball_numbers import ListeningNumbers
 from rolling.scene.scene import Scene
 from rolling.sound import contact_sound, vibration_sound
@@ -81,7 +82,15 @@ def listen_to_vibration(scene: Scene, law: ForceLaw, seconds: float, seed: int) 
     The scene's motion may go beyond the solved track.
     """
     rate = wav.SAMPLE_RATE_HZ
-    motion = LongMotion(scene, law, seconds, rate, seed)
+    motion = LongMotion(
+        bodies=bodies_of(scene),
+        motion=scene.motion,
+        law=law,
+        seconds=seconds,
+        rate=rate,
+        seed=seed,
+        turn_m=circumference_of(scene),
+    )
     decimator = resampling.Decimator(motion.steps_per_sample)
     samples = []
     falls = scene.rolling.drop_mm is not None  # its record begins in silence
@@ -123,7 +132,7 @@ def listen_to_release(
     ends = max(1, len(signal) // 100)
     signal = resampling.undo_step_mean(signal) if closed else resampling.fade(signal, ends)
     row = resampling.resample_closed(signal, finer * len(signal))[None]
-    circumference = turn_m(scene)
+    circumference = circumference_of(scene)
     spacing = step / finer
     turn = None if circumference is None else round(circumference / spacing)
     rows = ContinuedRows(row, closed, seed, turn)
@@ -163,7 +172,7 @@ def _numbers(
 ) -> ListeningNumbers:
     """Return facts and levels of a record; `rows` are `finer` to a step [m]."""
     motion = scene.motion
-    turn = turn_m(scene)
+    turn = circumference_of(scene)
     fastest = motion.fastest(seconds)
     rolled = float(motion.distance(seconds))
     solved = rows.solved / finer * step

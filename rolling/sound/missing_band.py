@@ -23,8 +23,8 @@ from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.radiation import P_REF_PA
 from acoustics.weighting import a_weighting_db
+from rolling.contact.track import Motion
 from rolling.scene.scene import Scene
-from rolling.scene.track import Motion
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.radiators import roughness_gain
 from rolling.sound.vibration_sound import Vibration

@@ -24,10 +24,11 @@ from acoustics.loudness import loudness
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S
 from acoustics.rectangular_plate import own_resistance
 from acoustics.wav import SAMPLE_RATE_HZ as RATE_HZ
+from rolling.ball.bodies_of_scene import bodies_of, plate_of
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.single_contact import solve_contact
 from rolling.contact.solver import ContactError
-from rolling.dynamics import drop, of_scene
+from rolling.dynamics import drop
 from rolling.recordings.comparison import THIRD_OCTAVE, compare
 from rolling.recordings.levels import TOTALS
 from rolling.report import synthetic_bench
@@ -276,8 +277,8 @@ def impact() -> PublishedValues:
     first = int(np.argmax(motion.force_n > 0))
     pulse = motion.force_n[first : first + int(np.argmin(motion.force_n[first:] > 0))]
     step = motion.time_step_s
-    impact_s = drop.impact_s(scene)
-    largest = drop.largest_force_n(scene)
+    impact_s = drop.impact_s(bodies_of(scene))
+    largest = drop.largest_force_n(bodies_of(scene))
     time_us = 1e6 * len(pulse) * step
     two_us = 2e6 * step
     yield PublishedValue(
@@ -285,7 +286,7 @@ def impact() -> PublishedValues:
     )  # rounded to 1 us
     yield PublishedValue("contact time, Hertz", "", 1e6 * impact_s, time_us, two_us)
     yield PublishedValue("largest force", "", largest, float(pulse.max()))
-    impulse = 2e6 * scene.mass * drop.speed_m_s(scene)
+    impulse = 2e6 * scene.mass * drop.speed_m_s(bodies_of(scene))
     yield PublishedValue("impulse 2 M v", "", impulse, 1e6 * float(pulse.sum()) * step)
     middles = np.arange(len(pulse)) + 0.5
     phase = np.pi * (middles - middles @ pulse / pulse.sum()) * step / impact_s
@@ -294,8 +295,10 @@ def impact() -> PublishedValues:
     for run in _runs(_scene("restitution")).values():
         scene = run.scene
         hertz = 4 / 3 * scene.contact_modulus * scene.radius**0.5
-        mobility = of_scene.smooth_chain(scene).mobility_s_kg
-        inelasticity = mobility * scene.mass**0.6 * hertz**0.4 * drop.speed_m_s(scene) ** 0.2
+        mobility = bodies_of(scene).smooth_chain.mobility_s_kg
+        inelasticity = (
+            mobility * scene.mass**0.6 * hertz**0.4 * drop.speed_m_s(bodies_of(scene)) ** 0.2
+        )
         plate = f"{scene.plate.thickness_mm:g} mm"
         zener = restitution(inelasticity)
         fallen = run.numbers.motion
@@ -334,7 +337,7 @@ def _plate_figures() -> dict[tuple[str, str], float]:
     """Return mobility, critical frequency and radiation efficiency of plates."""
     figures: dict[tuple[str, str], float] = {}
     for _, scene in _scene("plates").runs():
-        plate = of_scene.rectangular_plate(scene)
+        plate = plate_of(scene.plate).with_edges
         item = f"{scene.plate.thickness_mm:g} mm"
         assert plate is not None  # it has edges
         figures["mobility", item] = 1e3 * plate.mobility_s_kg

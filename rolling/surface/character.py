@@ -15,11 +15,11 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from rolling.contact.closed_forms import contact_modulus
+from rolling.contact.track import MIN_NODES
 from rolling.scene import library
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
-from rolling.scene.track import MIN_NODES
 from rolling.surface.heights import SurfaceError, turned_reach
 from rolling.surface.lay import E_FOLD, LAY, Ellipse, ellipse
 from rolling.surface.parameters import DECAY, about_mean, autocorrelation, roughness

@@ -19,11 +19,11 @@ import numpy as np
 from acoustics.arrays import Array, positive, with_nan
 from acoustics.numbers import rounded
 from acoustics.traps import ignoring_underflow
+from rolling.contact.track import MIN_NODES
 from rolling.scene import height_files, height_grid
 from rolling.scene.height_files import UNITS, HeightFormatError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
-from rolling.scene.track import MIN_NODES
 from rolling.surface import markers
 from rolling.surface.levelling import in_metres
 from rolling.terminal import files

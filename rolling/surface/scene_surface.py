@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
+from rolling.contact.track import Track
 from rolling.scene import height_files, surfaces
 from rolling.scene.height_files import reason_of
 from rolling.scene.height_grid import height_grid
 from rolling.scene.kept import Kept
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.scene.track import Track
 from rolling.surface import heights as surface
 from rolling.surface import levelling, made, markers, measured, preparation
 from rolling.surface.heights import Statistics, add_faults

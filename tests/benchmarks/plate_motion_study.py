@@ -13,7 +13,7 @@ import numpy as np
 
 import rolling as rc
 from acoustics.arrays import Array
-from rolling.dynamics import of_scene
+from rolling.ball.bodies_of_scene import bodies_of
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import BodyMotion, Stepping, move
@@ -34,7 +34,7 @@ def bodies(scene: Scene, law: ForceLaw, thickness_mm: float, loss_factor: float)
     """Return ball and plate with edges."""
     plate = {"thickness_mm": thickness_mm, "loss_factor": loss_factor}
     plate |= {"length_mm": EDGES_MM[0], "width_mm": EDGES_MM[1]}
-    return of_scene.chain_over(scene.with_({f"plate.{k}": v for k, v in plate.items()}), law)
+    return bodies_of(scene.with_({f"plate.{k}": v for k, v in plate.items()})).chain_over(law)
 
 
 def lines(motion: BodyMotion) -> tuple[Array, Array]:

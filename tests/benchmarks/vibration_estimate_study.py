@@ -18,7 +18,7 @@ import pandas as pd
 from small_scenes import small_scene
 
 import rolling as rc
-from rolling.dynamics import of_scene
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.marches.stiffness import solved_stiffness
 from rolling.results.run_errors import LINEAR
 from rolling.sound.radiators import vibration_estimate
@@ -38,7 +38,7 @@ def compare(seed: int) -> dict[str, float | str]:
     stiffness = {
         "two loads": float(1 / np.mean(1 / solved)),
         "area": float(1 / np.mean(1 / area)),
-        "smooth": of_scene.smooth_stiffness(scene),
+        "smooth": smooth_contact_of(scene).stiffness_n_m,
     }
     approach = result.series["approach"]
     step = result.step

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from checked import checked
 
-from rolling.dynamics import of_scene
+from rolling.ball.bodies_of_scene import plate_of
 from rolling.scene.file import loads, resound
 from rolling.scene.identity import contact_keys
 from rolling.scene.messages import SceneError
@@ -187,6 +187,6 @@ def test_the_contact_goes_to_and_fro_at_the_speed_of_the_sphere() -> None:
     """The ends are 50 mm apart, and the sphere rolls 0.1 m/s: every second it is back."""
     points = "plate.contact_mm=[10, 10]", "plate.contact_end_mm=[40, 50]"
     path = scene(*EDGES, "plate.contact_path=to-and-fro", *points)
-    places = of_scene.contact_points(path, np.array([0.0, 0.5, 0.75, 1.0, 7.25]))
+    places = plate_of(path.plate).contact_points(path.motion.distance([0.0, 0.5, 0.75, 1.0, 7.25]))
     expected = [[10, 10], [40, 50], [25, 30], [10, 10], [25, 30]]
     assert places == pytest.approx(1e-3 * np.array(expected))

@@ -14,10 +14,12 @@ from report_runs import runs_of
 
 from acoustics.arrays import Array
 from acoustics.bands import EDGES_HZ
-from rolling.dynamics import drop, of_scene
+from rolling.ball.bodies_of_scene import bodies_of
+from rolling.dynamics import drop
 from rolling.dynamics.bodies import Modes
 from rolling.dynamics.force_law import ForceLaw, law_table
 from rolling.dynamics.motion import BodyMotion, Stepping, move
+from rolling.dynamics.motion_of_ball import motion_of_ball
 from rolling.report import live, quantities
 from rolling.report.assumed import assumptions
 from rolling.scene.scene import Scene
@@ -109,7 +111,7 @@ def test_force_over_a_lap(name: str) -> None:
     begun = scene((changes | {"rolling.distance_mm": 2}) if "plate.length_mm" in changes else {})
     law = force_law(begun)
     changed = begun.with_(changes)
-    chain = of_scene.chain_over(changed, law)
+    chain = bodies_of(changed).chain_over(law)
     speed = changed.motion.fastest(1)
     reference = move(law, chain, changed.load, speed, stepping=Stepping(per_period=240))
     assert law.period_m is not None and reference.flight_share == 0
@@ -119,7 +121,9 @@ def test_force_over_a_lap(name: str) -> None:
     error, level, band = compare(reference, moved(begun, law, [case])[0])
     assert error < -45 and level < 0.1 and band < 0.3
     if name == "own":  # the record of a run takes 40 steps in a period
-        error, level, band = compare(of_scene.motion(changed, law), moved(begun, law, [case])[0])
+        error, level, band = compare(
+            motion_of_ball(bodies_of(changed), changed.travel, law), moved(begun, law, [case])[0]
+        )
         assert error < -40 and level < 0.1 and band < 0.3
 
 
@@ -139,9 +143,9 @@ def test_impacts_of_a_fall(changes: dict[str, Any]) -> None:
     fall = {"rolling.load_n": "weight", "rolling.drop_mm": 1, "rolling.speed_m_s": 0.02}
     begun = scene(changes | fall | {"rolling.distance_mm": 3, "plate.thickness_mm": 10})
     law = force_law(begun)
-    chain = of_scene.chain_over(begun, law)
-    step = drop.time_step_s(begun, law, chain, 0.02) / 3
-    reference = of_scene.motion(begun, law, step)
+    chain = bodies_of(begun).chain_over(law)
+    step = drop.time_step_s(bodies_of(begun), law, chain, 0.02) / 3
+    reference = motion_of_ball(bodies_of(begun), begun.travel, law, step)
     case = {"modes": modes_data(chain.modes), "samples": round(0.15 * 48000), "height": 1e-3}
     engine = moved(begun, law, [case])[0]
     own = impacts(reference.force_n, reference.time_step_s)[:5]
@@ -157,7 +161,7 @@ def test_statistics_of_a_ball_that_bounces() -> None:
     law = replace(
         rough, approach_m=rough.approach_m + 3 * (rough.approach_m[1] - rough.approach_m[1].mean())
     )
-    chain = of_scene.chain_over(begun, law)
+    chain = bodies_of(begun).chain_over(law)
     seconds = 1.0
     reference = move(law, chain, begun.load, 1.0, seconds)
     engine = moved(begun, law, [{"samples": round(48000 * seconds)}])[0]

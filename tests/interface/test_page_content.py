@@ -18,6 +18,7 @@ from report_runs import HOSTILE, runs_of, solved
 from ruamel.yaml import YAML
 
 from acoustics.wav import PEAK
+from rolling.contact.track import Motion
 from rolling.numbers import ball_numbers
 from rolling.numbers.doubt import sized
 from rolling.numbers.fields import said_of
@@ -30,7 +31,6 @@ from rolling.results import verdict
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
-from rolling.scene.track import Motion
 
 TARGET = re.compile(r"<(?P<tag>[a-z]+)[^>]*?(?:src|href)=\"(?P<target>[^\"]*)\"", re.S)
 

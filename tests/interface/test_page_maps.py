@@ -7,7 +7,7 @@ import pytest
 from report_browser import PIXELS, data_of, hear, map_of, play, seek, time_of, until
 from report_runs import runs_of
 
-from rolling.dynamics.smooth_contact import semi_axes
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.report.film import still as gallery_still
 from rolling.report.maps import lens, palette
 from rolling.results.run_result import Run
@@ -89,13 +89,14 @@ def test_the_map_follows_the_playhead_and_shows_the_stored_pressure(pages, opene
             assert pressure == pytest.approx(shown.pressure.max() * 1e-9, rel=1e-3)
             width = canvas.evaluate("c => c.width")
             per_m = width / (2e-6 * view["half_um"])
+            circle = smooth_contact_of(run.scene).semi_axes_m()[0] * per_m
             cells = []
             places = []
             for i, j in np.argwhere(shown.pressure > 0)[::20]:
                 x = width / 2 + (shown.along + (i + 0.5) * shown.cell - shown.distance) * per_m
                 y = width / 2 - (shown.across + (j + 0.5) * shown.cell - middle) * per_m
                 radius = np.hypot(x - width / 2, y - width / 2)
-                if abs(radius - semi_axes(run.scene)[0] * per_m) > 4:  # not under the dashed circle
+                if abs(radius - circle) > 4:  # not under the dashed circle
                     cells.append((i, j))
                     places.append((x, y))
             assert len(cells) > 5

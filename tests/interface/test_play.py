@@ -16,6 +16,7 @@ from report_runs import folder, runs_of, solved
 from ruamel.yaml import YAML
 
 from acoustics import level as sound_level
+from rolling.ball.bodies_of_scene import bodies_of
 from rolling.dynamics import drop
 from rolling.scene import file
 from rolling.scene.scene import Scene
@@ -237,8 +238,8 @@ def test_a_copied_fall_lasts_until_its_second_impact(playing) -> None:
         copied = made(keys(page))
         set_slider(page, "speed", 0)
         assert keys(page) is None  # which a scene refuses
-    assert drop.fall_s(copied) > own.duration
-    assert copied.duration >= 2.99 * drop.fall_s(copied)
+    assert drop.fall_s(bodies_of(copied)) > own.duration
+    assert copied.duration >= 2.99 * drop.fall_s(bodies_of(copied))
 
 
 @pytest.mark.slow
@@ -276,7 +277,7 @@ def test_an_unchanged_fall_is_copied_as_it_was_run(playing) -> None:
         assert made(keys(page)).track == scene.track
         set_slider(page, "dropHeight", 1)
         page.click("#play-drop")
-        assert made(keys(page)).duration >= 2.99 * drop.fall_s(made(keys(page)))
+        assert made(keys(page)).duration >= 2.99 * drop.fall_s(bodies_of(made(keys(page))))
 
 
 @pytest.mark.slow

@@ -14,8 +14,9 @@ from scipy import ndimage
 from acoustics.bands import BAND_NAMES
 from acoustics.level import a_weighted, level_db
 from acoustics.radiation import P_REF_PA
+from rolling.ball.bodies_of_scene import bodies_of
 from rolling.check import comb, error_cost, force_estimate
-from rolling.dynamics import of_scene
+from rolling.dynamics.motion_of_ball import motion_of_ball
 from rolling.figures.catalogue import single_picture
 from rolling.kinds.run_folder import RunFolder
 from rolling.marches.force_law import force_law
@@ -222,7 +223,9 @@ def test_the_check_knows_that_a_sharp_resonance_misses_the_lines_of_a_lap() -> N
     for thickness, speed in [(20, 0.6), (40, 0.8), (40, 1.2)]:
         scene = run.scene.with_({"plate.thickness_mm": thickness, "rolling.speed_m_s": speed})
         speeds = [scene.with_({"rolling.speed_m_s": speed * near}) for near in (0.97, 1, 1.03)]
-        forces = [np.std(of_scene.motion(near, law).force_n) for near in speeds]
+        forces = [
+            np.std(motion_of_ball(bodies_of(near), near.travel, law).force_n) for near in speeds
+        ]
         assert 0.5 < force_estimate.force_rms(scene) / np.median(forces) < 2
 
 
@@ -407,7 +410,7 @@ def test_the_check_foresees_the_comb(undamped: Run) -> None:
     assert found.warning and "plate.contact_loss_factor" in found.warning
     assert "plate.thickness_mm" in found.warning and "rolling.distance_mm" in found.warning
     scene = undamped.scene
-    chain = of_scene.smooth_chain(undamped.scene)
+    chain = bodies_of(undamped.scene).smooth_chain
     lap = scene.track.lap_steps * scene.track.step
     spread = comb.comb_spread_db(scene, chain, lap, scene.motion.fastest(scene.duration))
     assert spread is not None and 0.5 < spread / undamped.numbers.motion.comb_spread_db < 2

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from acoustics.radiation import ThinPlate
 from rolling.dynamics.bodies import Chain, contact_stiffness
 from rolling.dynamics.force_law import ForceLaw
-from rolling.dynamics.motion import BodyMotion, Stepping, Travel, move
+from rolling.dynamics.motion import BodyMotion, Stepping, TabulatedTravel, move
 
 RADIUS = 5e-3
 LOAD = 20.0
@@ -312,7 +312,7 @@ def test_travel_at_constant_speed() -> None:
     speed = 0.7
     steady = move(law, bodies(law, plate(5)), LOAD, speed)
     time = np.linspace(0, 2.0 * 5e-3 / speed, 40)
-    travel = move(law, bodies(law, plate(5)), LOAD, Travel(time, speed * time), time[-1])
+    travel = move(law, bodies(law, plate(5)), LOAD, TabulatedTravel(time, speed * time), time[-1])
     assert np.abs(travel.force_n.reshape(2, -1) - steady.force_n).max() < 1e-5
 
 

@@ -13,7 +13,7 @@ from acoustics import vibration_levels
 from acoustics.arrays import Array
 from acoustics.radiation import ThinPlate
 from acoustics.resampling import band_limit, resample_closed
-from rolling.dynamics import of_scene
+from rolling.ball.bodies_of_scene import plate_of
 from rolling.sound.channel_signals import channel_signals, transfer_mobility
 
 RATE = 48000
@@ -78,7 +78,7 @@ def modal_acceleration(force: Array, scene: rolling.Scene, place: tuple[float, f
     laps = np.tile(resample_closed(force, fine * len(force)), 6)
     mass = 7850 * 4e-3 * 0.2 * 0.15 / 4
     ratio = np.sqrt(210e9 * 4e-3**2 / (12 * (1 - 0.3**2) * 7850))
-    plate = of_scene.rectangular_plate(scene)
+    plate = plate_of(scene.plate).with_edges
     assert plate is not None
     radiating = dict(zip(plate.angular_frequency.round(3), plate.loss_factors, strict=True))
     total = np.zeros(fine * len(force))

@@ -14,13 +14,13 @@ import rolling as rc
 from acoustics.bands import BAND_NAMES
 from acoustics.pairs import FIRST_PAIRS, LOOKS, looks, paired_mean, pairs_needed, student_factor
 from acoustics.unbaffled import SHARED_PART
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.choice.candidates import LOSS_FACTORS, candidate, candidates_of
 from rolling.choice.difference import difference
 from rolling.choice.doubts import left_out_text
 from rolling.choice.heard import Heard, LevelError
 from rolling.choice.specimens import Specimens
 from rolling.choice.words import frequencies_of_difference
-from rolling.dynamics.smooth_contact import semi_axes
 from rolling.numbers.quantity import PART_WORDS
 from rolling.surface import scene_surface
 
@@ -269,7 +269,7 @@ def test_places_of_a_scan_are_a_contact_width_apart(tmp_path: Path) -> None:
     across = sorted(
         specimens.scene(one, number).rolling.across_um for number in range(specimens.count)
     )
-    width_um = 2e6 * semi_axes(one.scene)[1]
+    width_um = 2e6 * smooth_contact_of(one.scene).semi_axes_m()[1]
     assert np.diff(across).min() >= width_um * (1 - 1e-9)
 
 

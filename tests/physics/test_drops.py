@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from helpers import hertz_law
 
-from rolling.dynamics import drop, of_scene
+from rolling.ball.bodies_of_scene import bodies_of
+from rolling.dynamics import drop
 from rolling.dynamics.motion import BodyMotion
+from rolling.dynamics.motion_of_ball import motion_of_ball
 from rolling.scene.file import loads
 from rolling.scene.quantities import GRAVITY
 from rolling.scene.scene import Scene
@@ -41,7 +43,9 @@ def scene(*changes: str) -> Scene:
 
 def fallen(given: Scene) -> BodyMotion:
     """Return the motion of a scene over the exact law of its smooth contact."""
-    return of_scene.motion(given, hertz_law(given.load, given.radius, given.contact_modulus))
+    return motion_of_ball(
+        bodies_of(given), given.travel, hertz_law(given.load, given.radius, given.contact_modulus)
+    )
 
 
 def contacts(motion: BodyMotion) -> list[tuple[int, int]]:
@@ -58,12 +62,14 @@ def contacts(motion: BodyMotion) -> list[tuple[int, int]]:
 def test_restitution(thickness: float, zener: float) -> None:
     """The speed is 0.1 m/s; 40 steps in the impact and the weight leave 0.001 (0.015 is asked)."""
     given = scene(f"plate.thickness_mm={thickness}")
-    assert drop.speed_m_s(given) == pytest.approx(0.1, rel=1e-4)
+    assert drop.speed_m_s(bodies_of(given)) == pytest.approx(0.1, rel=1e-4)
     motion = fallen(given)
-    assert drop.restitution(given, motion) == pytest.approx(zener, abs=0.002)
+    assert drop.restitution(bodies_of(given), motion) == pytest.approx(zener, abs=0.002)
     assert motion.energy_error < 1e-10
     first = contacts(motion)[0][0] * motion.time_step_s
-    assert first == pytest.approx(drop.fall_s(given), rel=0.002)  # at g, for the mass of the steps
+    assert first == pytest.approx(
+        drop.fall_s(bodies_of(given)), rel=0.002
+    )  # at g, for the mass of the steps
 
 
 STEEL_BODY = (7850.0, 206.0, 0.3)
@@ -101,8 +107,8 @@ def fallen_on_all_modes(given: Scene) -> float:
     modal_mass = area_mass * sides.prod() / 4
     beyond = 1 / (8 * np.sqrt(bending * area_mass)) / (np.pi**2 * HIGHEST_MODE_HZ)
     hertz = 4 / 3 * given.contact_modulus * given.radius**0.5
-    step = drop.impact_s(given) / 2000
-    speed = drop.speed_m_s(given)
+    step = drop.impact_s(bodies_of(given)) / 2000
+    speed = drop.speed_m_s(bodies_of(given))
     depth = 0.0
     velocity = speed
     force = 0.0
@@ -164,7 +170,9 @@ def test_restitution_on_a_plate_with_edges(
     )
     motion = fallen(given)
     assert motion.energy_error < 1e-9
-    assert drop.restitution(given, motion) == pytest.approx(fallen_on_all_modes(given), abs=0.0012)
+    assert drop.restitution(bodies_of(given), motion) == pytest.approx(
+        fallen_on_all_modes(given), abs=0.0012
+    )
 
 
 @pytest.mark.law("Impact: the force pulse of a small steel ball is Hertz's, 5.5 us at 1 m/s.")
@@ -180,17 +188,21 @@ def test_pulse() -> None:
     motion = fallen(given)
     begin, end = contacts(motion)[0]
     lasted = (end - begin) * motion.time_step_s
-    assert drop.impact_s(given) == pytest.approx(5.5e-6, rel=0.02)
-    assert lasted == pytest.approx(drop.impact_s(given), abs=2 * motion.time_step_s)
+    assert drop.impact_s(bodies_of(given)) == pytest.approx(5.5e-6, rel=0.02)
+    assert lasted == pytest.approx(drop.impact_s(bodies_of(given)), abs=2 * motion.time_step_s)
     pulse = motion.force_n[begin:end]
     # The discrete gradient averages over a step, which lowers the crest by up to 0.3 %.
-    assert pulse.max() == pytest.approx(drop.largest_force_n(given), rel=0.004)
+    assert pulse.max() == pytest.approx(drop.largest_force_n(bodies_of(given)), rel=0.004)
     impulse = pulse.sum() * motion.time_step_s
-    assert impulse == pytest.approx(2 * given.mass * drop.speed_m_s(given), rel=0.005)
+    assert impulse == pytest.approx(2 * given.mass * drop.speed_m_s(bodies_of(given)), rel=0.005)
     centre = ((np.arange(begin, end) + 0.5) @ pulse) / pulse.sum()
-    share = (np.arange(begin, end) + 0.5 - centre) * motion.time_step_s / drop.impact_s(given)
+    share = (
+        (np.arange(begin, end) + 0.5 - centre)
+        * motion.time_step_s
+        / drop.impact_s(bodies_of(given))
+    )
     sine = np.maximum(np.cos(np.pi * share), 0.0) ** 1.5
-    assert np.abs(pulse / drop.largest_force_n(given) - sine).max() < 0.03
+    assert np.abs(pulse / drop.largest_force_n(bodies_of(given)) - sine).max() < 0.03
 
 
 @pytest.mark.law("Impact: flights get shorter by the restitution, until the sphere rolls.")
@@ -200,10 +212,10 @@ def test_bouncing_marble() -> None:
     motion = fallen(given)
     touches = contacts(motion)
     flights = [(b - a) * motion.time_step_s for (_, a), (b, _) in pairwise(touches)]
-    speeds = [drop.speed_m_s(given), *(GRAVITY * flight / 2 for flight in flights)]
+    speeds = [drop.speed_m_s(bodies_of(given)), *(GRAVITY * flight / 2 for flight in flights)]
     ratios = [after / before for before, after in pairwise(speeds[:9])]
     hertz = 4 / 3 * given.contact_modulus * given.radius**0.5
-    inelasticity = of_scene.smooth_chain(given).mobility_s_kg * given.mass**0.6 * hertz**0.4
+    inelasticity = bodies_of(given).smooth_chain.mobility_s_kg * given.mass**0.6 * hertz**0.4
     # Zener's restitution is exp(-1.719 l) within 0.002 for such l; slow impacts feel the weight.
     zener = [np.exp(-1.719 * inelasticity * speed**0.2) for speed in speeds[:8]]
     assert ratios == pytest.approx(zener, abs=0.006)
@@ -228,7 +240,7 @@ def test_spheres_of_all_sizes(radius: float, height: float, thickness: str) -> N
     motion = fallen(given)
     assert np.all(np.isfinite(motion.force_n)) and motion.impacts > 0
     assert motion.energy_error < 1e-8
-    kept = drop.restitution(given, motion)
+    kept = drop.restitution(bodies_of(given), motion)
     # The steps keep the resonance by a mass of up to 0.4 % less, which falls faster.
     assert kept is None or 0 < kept < 1.001
-    assert motion.force_n.max() < 1.02 * drop.largest_force_n(given) + 2 * given.load
+    assert motion.force_n.max() < 1.02 * drop.largest_force_n(bodies_of(given)) + 2 * given.load

@@ -10,7 +10,7 @@ from finished import VIBRATING, doubt_lines, heard_again, marched
 
 from acoustics import wav
 from acoustics.arrays import Array
-from rolling.dynamics import of_scene
+from rolling.ball.bodies_of_scene import plate_of
 from rolling.results.level_words import number_rows
 from rolling.results.listening import listen_wav
 from rolling.results.run_lines import other_listeners
@@ -25,7 +25,7 @@ EDGES = ("plate.length_mm=200", "plate.width_mm=150", "plate.thickness_mm=2")
 def heard(force: Array, closed: bool, *changes: str) -> Array:
     """Return the pressures of a force at the listeners of a scene."""
     scene = loads(VIBRATING, (*EDGES, *changes))
-    plate = of_scene.rectangular_plate(scene)
+    plate = plate_of(scene.plate).with_edges
     assert plate is not None
     return edged_sound.pressures(scene, plate, force, closed)
 
@@ -61,7 +61,8 @@ def test_a_moving_contact_is_a_fixed_one_during_a_pulse() -> None:
     times = (0.03, 0.11, 0.17)
     samples = 12_000
     moving = heard(pulses(samples, *times), False, *path, "sound.listener_mm=[90, 20, 400]")[0]
-    points = 1e3 * of_scene.contact_points(loads(VIBRATING, (*EDGES, *path)), np.array(times))
+    scene = loads(VIBRATING, (*EDGES, *path))
+    points = 1e3 * plate_of(scene.plate).contact_points(scene.motion.distance(times))
     fixed = np.zeros(samples)
     first = np.hypot(np.hypot(60, 20), 400)  # the distance whose delay the moving record leaves out
     for at, (x, y) in zip(times, points, strict=True):

@@ -9,9 +9,10 @@ import pytest
 from helpers import STEEL, assert_solved, make_track, roll, step_energies
 from scipy.special import ellipe, ellipk
 
+from rolling.ball.bodies_of_scene import bodies_of, smooth_contact_of
 from rolling.contact import closed_forms
 from rolling.contact.state import RollingContact
-from rolling.dynamics import drop, smooth_contact
+from rolling.dynamics import drop
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 
@@ -121,7 +122,7 @@ def test_dynamics_have_the_mass_of_the_radius_and_the_stiffness_of_both() -> Non
     """The stiffness 2 E* a of the equivalent sphere is dW / d(approach), here over 1e-4 of W."""
     scene = scene_of(radius_across_mm=5e3 * RADIUS)
     assert scene.mass == scene_of().mass
-    radius = smooth_contact.equivalent_radius(scene)
+    radius = smooth_contact_of(scene).equivalent_radius_m
     step = 1e-4
     modulus = scene.contact_modulus
     rise = [closed_forms.hertz_approach(LOAD * (1 + x), radius, modulus) for x in (-step, step)]
@@ -129,7 +130,7 @@ def test_dynamics_have_the_mass_of_the_radius_and_the_stiffness_of_both() -> Non
     assert 2 * step * LOAD / (rise[1] - rise[0]) == pytest.approx(stiffness, rel=1e-6)
     energy = closed_forms.hertz_approach(LOAD, radius, modulus) * 0.4 * LOAD  # of F ~ d^1.5
     assert closed_forms.hertz_force(energy, radius, modulus) == pytest.approx(LOAD, rel=1e-9)
-    assert drop.impact_s(scene) < drop.impact_s(scene_of())
+    assert drop.impact_s(bodies_of(scene)) < drop.impact_s(bodies_of(scene_of()))
 
 
 @pytest.mark.parametrize("radius", [-1, 0, 4e-6, 1e9, math.nan, "wide"])

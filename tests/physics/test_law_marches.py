@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from helpers import march_all
 
-from rolling.dynamics import of_scene
+from rolling.ball.bodies_of_scene import bodies_of
+from rolling.dynamics.motion_of_ball import motion_of_ball
 from rolling.marches import force_law as laws
 from rolling.marches.force_law import force_law, law_error, law_loads, law_pieces, load_along
 from rolling.marches.march_piece import march_piece
@@ -64,7 +65,7 @@ def test_loads_are_added_until_the_force_lies_inside() -> None:
     result = march_all(given)
     needed = law_loads(given, result)
     assert len(needed.marched) > 3 and not needed.lacking
-    force = of_scene.motion(given, force_law(given, result)).force_n
+    force = motion_of_ball(bodies_of(given), given.travel, force_law(given, result)).force_n
     assert needed.marched[0] <= force.min() < force.max() <= needed.marched[-1]
     assert result.load_marches is not None
     assert len(result.load_marches.judging) == len(needed.marched) - 1
@@ -109,7 +110,7 @@ def test_a_sphere_that_gets_faster_passes_each_place_under_one_load() -> None:
     moving = result.moving
     assert moving is not None and not moving.repeats and not moving.fault
     assert moving.law_error < 0.05 * np.std(moving.approach)
-    motion = of_scene.motion(given, force_law(given, result))
+    motion = motion_of_ball(bodies_of(given), given.travel, force_law(given, result))
     positions = np.arange(1, len(moving.force) - 1) * result.step
     between = np.interp(positions, motion.position_m, motion.force_n)
     assert np.allclose(moving.force[1:-1], between, rtol=0, atol=0.01)

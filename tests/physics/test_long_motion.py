@@ -12,7 +12,9 @@ from long_listening_study import compare
 
 from acoustics import resampling
 from acoustics.uncertainty import kurtosis
+from rolling.ball.bodies_of_scene import bodies_of, circumference_of
 from rolling.dynamics import long_motion
+from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.long_motion import LongLaw, LongMotion
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
@@ -26,11 +28,21 @@ def run() -> Run:
     return marched(VIBRATING, ["surface.width_um=128", "rolling.distance_mm=2.4"])
 
 
+def long_motion_of(scene: Scene, law: ForceLaw, seconds: float, seed: int) -> LongMotion:
+    return LongMotion(
+        bodies=bodies_of(scene),
+        motion=scene.motion,
+        law=law,
+        seconds=seconds,
+        rate=RATE,
+        seed=seed,
+        turn_m=circumference_of(scene),
+    )
+
+
 def forces(run: Run, scene: Scene, seconds: float, seed: int = 0) -> np.ndarray:
     assert run.vibration_sound is not None
-    return np.concatenate(
-        [*LongMotion(scene, run.vibration_sound.law, seconds, RATE, seed).forces()]
-    )
+    return np.concatenate([*long_motion_of(scene, run.vibration_sound.law, seconds, seed).forces()])
 
 
 def test_the_solved_track_comes_first(run: Run) -> None:
@@ -98,7 +110,7 @@ def test_impacts_go_on(run: Run) -> None:
     solved = 0.0024 / 3
     counts = []
     for seconds in (solved, 100 * solved):
-        motion = LongMotion(scene, law, seconds, RATE, 0)
+        motion = long_motion_of(scene, law, seconds, 0)
         force = np.concatenate([*motion.forces()])
         assert motion.apart == np.sum(force == 0) and motion.taken == len(force)
         assert motion.impacts == np.sum((force[:-1] == 0) & (force[1:] > 0))

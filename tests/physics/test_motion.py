@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from rolling.scene.track import Motion
+from rolling.contact.track import Motion
 
 
 @st.composite

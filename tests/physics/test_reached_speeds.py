@@ -9,9 +9,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scene_text import PLAIN
 
+from rolling.contact.track import Motion
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
-from rolling.scene.track import Motion
 from rolling.sound.contact_sound import ContactSound, contact_sound, oversampling
 
 STEP = 2e-6

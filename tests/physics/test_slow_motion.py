@@ -7,8 +7,9 @@ import pytest
 from helpers import march_all
 from scene_text import BODIES, NARROW
 
+from rolling.ball.bodies_of_scene import bodies_of
 from rolling.check.error_cost import COLD_STEPS
-from rolling.dynamics import of_scene
+from rolling.dynamics.motion_of_ball import motion_of_ball
 from rolling.marches.force_law import force_law
 from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import MIN_MAPS, film_stretch, loudest, next_pieces
@@ -105,7 +106,7 @@ def test_a_vibration_is_filmed_where_its_force_departs_most() -> None:
         "s.yaml",
     )
     result = march_all(vibrating, film=True)
-    motion = of_scene.motion(vibrating, force_law(vibrating, result))
+    motion = motion_of_ball(bodies_of(vibrating), vibrating.travel, force_law(vibrating, result))
     place = motion.position_m[np.argmax(np.abs(motion.force_n / vibrating.load - 1))]
     assert result.slow_motion is not None
     positions = result.slow_motion.positions * result.step

@@ -12,7 +12,7 @@ from acoustics.level import laeq_db
 from acoustics.radiation import RHO_C
 from acoustics.uncertainty import record_scatter_db
 from acoustics.weighting import a_weighting_db
-from rolling.dynamics import of_scene
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.marches.stiffness import solved_stiffness
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results.level_words import number_rows
@@ -95,7 +95,7 @@ def test_the_stiffness_of_a_rough_contact_is_that_of_its_force_law(rough: Run) -
     The study found 7 % rms on 38 scenes.
     """
     law = rough.numbers.motion.contact_stiffness_n_m
-    smooth = of_scene.smooth_stiffness(rough.scene)
+    smooth = smooth_contact_of(rough.scene).stiffness_n_m
     assert smooth > 1.2 * law
     stiffness = solved_stiffness(rough.scene, rough.result)
     assert 1 / np.mean(1 / stiffness) == pytest.approx(law, rel=0.12)

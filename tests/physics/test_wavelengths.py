@@ -11,7 +11,7 @@ import pytest
 from scipy.signal import fftconvolve
 
 from rolling import Scene, read_scene, simulate
-from rolling.dynamics.smooth_contact import semi_axes
+from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.figures.origins import reading
 from rolling.sound import wavelengths
 from rolling.sound.contact_sound import contact_sound
@@ -45,7 +45,7 @@ def test_the_share_that_follows_is_one_for_the_mean_under_hertz_pressure_and_non
     scene = small()
     rng = np.random.default_rng(1)
     heights = rng.normal(size=(STEPS, 32))
-    radius = semi_axes(scene)[0] / scene.spacing
+    radius = smooth_contact_of(scene).semi_axes_m()[0] / scene.spacing
     x, y = np.meshgrid(np.arange(-6, 7), np.arange(-6, 7), indexing="ij")
     pressure = np.sqrt(np.clip(1 - (x**2 + y**2) / radius**2, 0, None))
     wrapped = np.pad(heights, ((6, 6), (0, 0)), mode="wrap")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -168,13 +169,13 @@ def test_a_softer_plate_is_beyond_the_contacts_of_other_solvers(
 @pytest.mark.slow
 def test_a_wrong_plate_is_beyond_its_bound(monkeypatch: pytest.MonkeyPatch) -> None:
     """A plate that is 1 % thicker has a mobility that is 2 % lower."""
-    right = validate.of_scene.rectangular_plate
+    right = validate.plate_of
 
-    def thicker(scene: Any) -> Any:
-        thickness = 1.01 * scene.plate.thickness_mm
-        return right(scene.with_({"plate.thickness_mm": thickness}))
+    def thicker(plate: Any) -> Any:
+        body = right(plate)
+        return replace(body, thickness_m=1.01 * body.thickness_m)
 
-    monkeypatch.setattr(validate.of_scene, "rectangular_plate", thicker)
+    monkeypatch.setattr(validate, "plate_of", thicker)
     monkeypatch.setattr(validate, "_sound_figures", dict)
     rows = validate.rows_of(TABLE["phonometry"], validate.phonometry())
     beyond = {*rows["quantity"][~rows["holds"]].str.partition(",")[0]}
