@@ -45,6 +45,7 @@ def bodies_of(scene: Scene) -> BallOnPlate:
         plate=plate_of(scene.plate),
         contact_loss_factor=scene.plate.contact_loss_factor,
         drop_height_m=1e-3 * (scene.rolling.drop_mm or 0.0),
+        is_smooth=scene.is_smooth,
     )
 
 

@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from rolling.ball.assumed_bodies import bodies_text, with_bodies
 from rolling.kinds.run_folder import RunFolder
 from rolling.results import labels
 from rolling.results.labels import SEED
 from rolling.scene import step_rule
 from rolling.scene.messages import SceneError, plain_number, quoted
 from rolling.scene.scene import Scene
-from rolling.sound import radiators
 
 MAX_CANDIDATES = 24
 LONGEST_NAME = 80  # letters of the name of a folder
@@ -136,8 +136,8 @@ def candidate(label: str, scene: Scene) -> Candidate:
         "sound.loudness": False,
     }
     if scene.dynamics is None:
-        added = radiators.bodies_text(scene)
-        scene = radiators.with_bodies(scene)
+        added = bodies_text(scene)
+        scene = with_bodies(scene)
     elif scene.dynamics.release is None:
         changes["dynamics.release"] = False  # the release under the constant load tells enough
     loss_factors: tuple[float, ...] = LOSS_FACTORS

@@ -14,6 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from acoustics.arrays import Array
+from rolling.ball.bodies_of_scene import bodies_of
+from rolling.ball.records import listener_of
 from rolling.choice.candidates import LOSS_KEY
 from rolling.choice.heard import Specimen
 from rolling.kinds.run_folder import RESULT
@@ -86,8 +88,15 @@ def _computed_level(specimen: Specimen) -> float | None:
         approach = result.series["approach"]
     levels = []
     for loss_factor in specimen.loss_factors:
+        with_loss = _with_loss(scene, loss_factor)
         estimate = radiators.vibration_estimate(
-            _with_loss(scene, loss_factor), approach, result.step, closed, stiffness
+            bodies_of(with_loss),
+            listener_of(with_loss),
+            with_loss.motion,
+            approach=approach,
+            step=result.step,
+            closed=closed,
+            stiffness_n_m=stiffness,
         )
         if estimate.laeq_db is None:
             return None

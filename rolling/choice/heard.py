@@ -20,6 +20,7 @@ from acoustics.bands import BAND_NAMES, third_octave_mean_square
 from acoustics.spectrum import audible_lines
 from acoustics.weighting import a_weighting_db
 from rolling.ball.bodies_of_scene import bodies_of
+from rolling.ball.records import listener_of
 from rolling.choice.candidates import LOSS_KEY
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion_of_ball import motion_of_ball
@@ -261,11 +262,14 @@ class _Lines(NamedTuple):
 
 def _weighted_lines(scene: Scene, law: ForceLaw, result: Result) -> _Lines:
     """Return the A-weighted mean square of the vibration of a scene over a force law."""
-    motion = motion_of_ball(bodies_of(scene), scene.travel, law)
+    bodies = bodies_of(scene)
+    motion = motion_of_ball(bodies, scene.travel, law)
     is_whole_laps = scene.track.closed and result.steps % result.solved_steps == 0
     constant = scene.motion.is_constant(scene.duration)
     closed = bool(is_whole_laps and constant and motion.settled)
-    _, pressures = radiated_by_motion(scene, motion, closed, listeners=1)
+    _, pressures = radiated_by_motion(
+        bodies, listener_of(scene), scene.motion, motion, closed, count=1
+    )
     frequency, square = audible_lines(pressures[0], wav.SAMPLE_RATE_HZ)
     weighted = square * 10.0 ** (a_weighting_db(frequency) / 10.0)
     if scene.rolling.drop_mm is not None:  # the exposure in one second, as LAE

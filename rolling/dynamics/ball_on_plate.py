@@ -161,6 +161,9 @@ class BallOnPlate:
         Loss factor of the contact stiffness at the resonance. None: none is stated, and none acts.
     drop_height_m : float, m
         Height above the surface from which the ball is let go. 0: it rolls.
+    is_smooth : bool
+        Whether plate and ball are perfectly smooth, so that what fluctuates while the ball rolls is
+        the error of the solver.
     """
 
     mass_kg: float
@@ -169,6 +172,7 @@ class BallOnPlate:
     plate: PlateBody
     contact_loss_factor: float | None = None
     drop_height_m: float = 0.0
+    is_smooth: bool = False
 
     @property
     def load_n(self) -> float:

@@ -16,6 +16,8 @@ from dataclasses import replace
 import numpy as np
 
 from acoustics.arrays import Array
+from rolling.ball.bodies_of_scene import bodies_of
+from rolling.ball.records import listener_of
 from rolling.check import error_cost
 from rolling.check.error_cost import DETAIL, MEASURED, WITH_LAW
 from rolling.marches.piece import Piece
@@ -192,7 +194,8 @@ def _band_powers(
     """Compute the band powers of stretches from their signals on each level."""
     gain = None
     if scene.sound.source == "vibration":
-        gain = roughness_gain(scene)
+        bodies = bodies_of(scene)
+        gain = roughness_gain(bodies, listener_of(scene), bodies.smooth_chain)
     signals = StretchSignals(
         own=own,
         tight=tight,

@@ -230,7 +230,7 @@ def _rates(run: Run) -> str:
     scene = run.scene
     if run.sound.source == "vibration" or not scene.laws:
         return ""
-    speed = mean_speed(scene, run.sound)
+    speed = mean_speed(scene.motion, run.sound)
     width = 2 * smooth_contact_of(scene).semi_axes_m()[0]
     rougher = max(scene.laws, key=attrgetter("rq_m"))
     length = 1e-6 * rougher.lengths_um[0]

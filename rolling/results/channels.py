@@ -16,11 +16,13 @@ from acoustics.numbers import si
 from acoustics.spectrum import Psd, welch
 from acoustics.traps import ignoring_underflow
 from acoustics.vibration_level import REFERENCES, VibrationLevels, vibration_levels
+from rolling.ball.bodies_of_scene import bodies_of
+from rolling.ball.records import transducers_of
 from rolling.numbers.ball_numbers import ChannelNumbers
 from rolling.numbers.files import ChannelFile
 from rolling.numbers.quantity import BandQuantity
 from rolling.scene.scene import Scene
-from rolling.sound.channel_signals import channel_signals, contact_place_m
+from rolling.sound.channel_signals import channel_signals
 from rolling.sound.vibration_sound import Vibration
 
 if TYPE_CHECKING:
@@ -154,15 +156,16 @@ def channels_of(scene: Scene, vibration: Vibration | None) -> tuple[Channel, ...
     asked = scene.sound.channels
     if not asked or vibration is None:
         return ()
-    signals = channel_signals(scene, vibration, asked)
+    transducers = transducers_of(scene)
+    signals = channel_signals(bodies_of(scene), scene.travel, vibration, transducers)
     channels = []
-    for channel, signal in zip(asked, signals, strict=True):
+    for channel, transducer, signal in zip(asked, transducers, signals, strict=True):
         made = Channel(
             name=channel.label,
             of=channel.of,
             quantity=channel.quantity,
             unit=REFERENCES[channel.quantity].unit,
-            place_m=contact_place_m(scene, channel),
+            place_m=transducer.place_m,
             samples=signal.samples,
             closed=signal.closed,
             highest_hz=vibration.highest,

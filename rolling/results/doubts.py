@@ -229,8 +229,8 @@ def _comb_mean(sound: ContactSound, vibration: Vibration | None) -> Iterator[Dou
 
 def _solver(scene: Scene, sound: ContactSound) -> Iterator[Doubt]:
     """Warn of a fluctuation of the release that the tolerance of the solver hides."""
-    if sound.source == "release":
-        hidden = solver_doubt(scene, sound.audible_rms, sound.resolved_rms)
+    if sound.source == "release" and not scene.is_smooth:
+        hidden = solver_doubt(scene.tolerance, sound.audible_rms, sound.resolved_rms)
         if hidden:
             yield Doubt("solver", f"solver: {hidden}", Severity.INDICATIVE)
 

@@ -13,6 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from acoustics.arrays import Array
+from rolling.ball.assumed_bodies import with_bodies
+from rolling.ball.bodies_of_scene import bodies_of
+from rolling.ball.records import listener_of
 from rolling.check import error_cost
 from rolling.marches import error_stretches
 from rolling.marches.result import Result
@@ -27,7 +30,7 @@ from rolling.results.run_errors import known, known_bands, not_linear
 from rolling.results.solved_run import SolvedRun
 from rolling.scene.scene import Scene
 from rolling.sound.error_estimate import refinement_factor, replaced_errors
-from rolling.sound.radiators import roughness_gain, with_bodies
+from rolling.sound.radiators import roughness_gain
 from rolling.surface.scene_surface import scene_surface
 
 # Order by which missing detail converges on finer grids, as in `error_estimate.detail_errors`.
@@ -109,7 +112,9 @@ def _level_spread(
     factor = refinement_factor(ORDER) if error_cost.needs_finer_grid(scene) else 1.0
     gain = None
     if source == "vibration":
-        gain = roughness_gain(scene if scene.dynamics is not None else with_bodies(scene))
+        described = scene if scene.dynamics is not None else with_bodies(scene)
+        bodies = bodies_of(described)
+        gain = roughness_gain(bodies, listener_of(described), bodies.smooth_chain)
     error, spread = replaced_errors(powers, own_factor, factor, gain)
     if not math.isfinite(error[-1]):
         return None

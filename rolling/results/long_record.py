@@ -9,15 +9,18 @@ import numpy as np
 
 from acoustics import level
 from acoustics.numbers import micrometres, rounded, rounded_up
+from rolling.ball.bodies_of_scene import bodies_of, circumference_of
+from rolling.ball.records import listener_of
 from rolling.contact.track import Motion
 from rolling.marches.result import Result, released_energy
 from rolling.numbers.ball_numbers import ListeningNumbers
+from rolling.scene import quantities
 from rolling.scene.scene import Scene
 from rolling.sound import long_listening
 from rolling.sound.contact_sound import FADE_S, ContactSound, contact_sound
-from rolling.sound.long_listening import Listening, with_speed
+from rolling.sound.long_listening import Listening, LongTravel
 from rolling.sound.vibration_sound import Vibration
-from rolling.terminal import defaults
+from rolling.terminal import defaults, progress
 
 Speed = float | tuple[float, float]  # [m/s], constant or from start to end
 
@@ -41,12 +44,36 @@ def reason_against_long_record(scene: Scene, result: Result, sound: ContactSound
     if sound.source == "vibration":
         return ""
     if not sound.constant_speed:
-        steady = with_speed(scene, scene.motion.fastest(sound.duration), sound.duration)
+        fastest = scene.motion.fastest(sound.duration)
         energy, is_closed = released_energy(scene, result)
-        sound = contact_sound(steady, energy, result.step, is_closed, steps, sound.has_seam)
+        sound = contact_sound(
+            energy,
+            step=result.step,
+            motion=motion_at_speed(scene, fastest, sound.duration),
+            listener=listener_of(scene),
+            tolerance=scene.tolerance,
+            closed=is_closed,
+            lap_steps=steps,
+            has_seam=sound.has_seam,
+        )
     if not sound.unlike_noise:
         return ""
     return f"{sound.unlike_noise}: a random continuation would not sound like it"
+
+
+def motion_at_speed(scene: Scene, speed: Speed, seconds: float) -> Motion:
+    """Return the motion of a scene at another speed [m/s].
+
+    A pair of speeds changes evenly from the start to the end of a record.
+    """
+    speeds: float | tuple[tuple[float, float], ...]
+    if isinstance(speed, float | int):
+        speeds = speed
+    else:
+        start, end = speed
+        speeds = ((0.0, start), (seconds, end))
+    rolling = scene.rolling.model_copy(update={"speed_m_s": speeds})
+    return quantities.motion_of(scene.sphere, rolling)
 
 
 def make_long_record(
@@ -65,25 +92,29 @@ def make_long_record(
     ------
     ListeningError : the sphere passes too many positions, or its steps are too long for the speed.
     """
-    moved = scene if speed is None else with_speed(scene, speed, seconds)
-    _refuse_slow(scene, moved.motion.fastest(seconds))
-    positions = float(moved.motion.distance(seconds)) / result.step
+    motion = scene.motion if speed is None else motion_at_speed(scene, speed, seconds)
+    _refuse_slow(scene, motion.fastest(seconds))
+    positions = float(motion.distance(seconds)) / result.step
     most = defaults.MAX_LISTENED_POSITIONS
     if positions > most:
         raise ListeningError(
             f"speed: the sphere passes {positions:.2g} positions, allowed is up to {most:.2g}, "
             "which take ten minutes"
         )
-    if vibration is not None and sound.source == "vibration":
-        record = long_listening.listen_to_vibration(moved, vibration.law, seconds, seed)
-    else:
-        lap = result.solved_steps
-        energy, _ = released_energy(scene, result)
-        is_closed = scene.track.lap_steps <= lap and not sound.has_seam
-        record = long_listening.listen_to_release(
-            moved, energy[:lap], result.step, is_closed, seconds, seed
-        )
-    ends = ends_within(sound, moved.motion, seconds)
+    travel = LongTravel(motion=motion, seconds=seconds, seed=seed, turn_m=circumference_of(scene))
+    with progress.Bar(seconds, "listening") as bar:
+        if vibration is not None and sound.source == "vibration":
+            record = long_listening.listen_to_vibration(
+                bodies_of(scene), listener_of(scene), vibration.law, travel, bar.update
+            )
+        else:
+            lap = result.solved_steps
+            energy, _ = released_energy(scene, result)
+            is_closed = scene.track.lap_steps <= lap and not sound.has_seam
+            record = long_listening.listen_to_release(
+                energy[:lap], result.step, is_closed, listener_of(scene), travel, bar.update
+            )
+    ends = ends_within(sound, motion, seconds)
     numbers = replace(record.numbers, seed=seed, ends=ends)
     if ends:
         levels = level.sound_levels(record.pressure, record.sample_rate)

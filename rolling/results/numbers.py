@@ -17,7 +17,9 @@ from acoustics.arrays import Array
 from acoustics.level import crest_factor_db, is_single_event, lae_db, level_db
 from acoustics.modulation import MIN_PERIODS, envelope_spectrum, modulated_octave
 from acoustics.numbers import rounded
+from rolling.ball.assumed_bodies import bodies_text, with_bodies
 from rolling.ball.bodies_of_scene import bodies_of, plate_of, smooth_contact_of
+from rolling.ball.records import listener_of
 from rolling.check import heights
 from rolling.dynamics import drop
 from rolling.marches import effort, force_law
@@ -65,7 +67,7 @@ from rolling.results.uncertainty_parts import played_parts, vibration_parts, wit
 from rolling.scene.scene import Scene
 from rolling.sound import radiators
 from rolling.sound.contact_sound import ContactSound
-from rolling.sound.missing_band import MissingBand, missing_band
+from rolling.sound.missing_band import MissingBand, VibrationSource, missing_band
 from rolling.sound.vibration_sound import P_REF_W, Vibration, by_band, compact_source_db
 from rolling.surface import levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
@@ -98,7 +100,7 @@ def run_numbers(run: SolvedRun, release: ContactSound) -> RunNumbers:
         estimate = EstimateNumbers(
             laeq_db=found.laeq_db,
             force_ratio=found.force_ratio,
-            bodies=radiators.bodies_text(scene),
+            bodies=bodies_text(scene),
         )
     elif vibration is not None:
         contact_loss_db = vibration.contact_loss_db
@@ -194,7 +196,8 @@ def _levels(run: SolvedRun, release: ContactSound) -> LevelNumbers:
     shift = _shift_to_listener_db(scene)
     at_listener = _shifted(release.levels.laeq_db, shift)
     difference, equal = _difference(scene, at_listener, of_vibration.laeq_db)
-    mean = _shifted(compact_source_db(scene, vibration), _to_mean_db(vibration))
+    compact_db = compact_source_db(bodies_of(scene), listener_of(scene), vibration)
+    mean = _shifted(compact_db, _to_mean_db(vibration))
     has_edges = plate_of(scene.plate).with_edges is not None
     return LevelNumbers(
         vibration=of_vibration,
@@ -368,15 +371,26 @@ def record_scatter(pressure: Array, laps: float = 1.0) -> float | None:
 
 def _missing_band(run: SolvedRun) -> MissingBand | None:
     """Return the part of the sound that the Nyquist frequency of the steps cuts off."""
+    scene = run.scene
     result = run.result
+    listener = listener_of(scene)
+    source = None
     if run.sound.source == "vibration":
         series = result.series["approach"]
-        vibration = run.vibration_sound
+        if run.vibration_sound is not None:
+            chain = run.vibration_sound.chain
+            gain = radiators.roughness_gain(bodies_of(scene), listener, chain)
+            source = VibrationSource(run.vibration_sound, gain)
     else:
-        series, _ = released_energy(run.scene, result)
-        vibration = None
-    lap = series[: result.solved_steps]
-    return missing_band(run.scene, run.sound, lap, result.step, vibration)
+        series, _ = released_energy(scene, result)
+    return missing_band(
+        run.sound,
+        lap=series[: result.solved_steps],
+        step=result.step,
+        motion=scene.motion,
+        own_factor=listener.has_own_factor,
+        source=source,
+    )
 
 
 # ---- ears and turns
@@ -632,9 +646,7 @@ def _passes(run: SolvedRun, passes: Passes, stiffness: Array | None) -> tuple[Pa
         vibration_db = None
         if scene.dynamics is None:
             approach = passes.series["approach"][k, places]
-            estimate = radiators.vibration_estimate(
-                scene, approach, result.step, sound.closed, stiffness
-            )
+            estimate = _linear_estimate(scene, approach, result.step, sound.closed, stiffness)
             vibration_db = estimate.laeq_db
         row = PassNumbers(
             laeq_db=sound.levels.laeq_db,
@@ -740,4 +752,25 @@ def _estimate(
     result = run.result
     is_looped = release.closed and release.constant_speed
     approach = result.series["approach"] if is_looped else result.whole_series("approach")
-    return radiators.vibration_estimate(run.scene, approach, result.step, release.closed, stiffness)
+    return _linear_estimate(run.scene, approach, result.step, release.closed, stiffness)
+
+
+def _linear_estimate(
+    scene: Scene, approach: Array, step: float, closed: bool, stiffness: Array | None
+) -> radiators.VibrationEstimate:
+    """Return the estimate of a vibration of a scene without dynamics, by a linear chain.
+
+    The stiffness [N/m] is that of the contact along the track, by default of a smooth contact.
+    """
+    described = with_bodies(scene)
+    if stiffness is None:
+        stiffness = np.array([smooth_contact_of(scene).stiffness_n_m])
+    return radiators.vibration_estimate(
+        bodies_of(described),
+        listener_of(described),
+        scene.motion,
+        approach=approach,
+        step=step,
+        closed=closed,
+        stiffness_n_m=stiffness,
+    )

@@ -14,6 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from acoustics.traps import ignoring_underflow
+from rolling.ball.bodies_of_scene import bodies_of
+from rolling.ball.records import listener_of
 from rolling.contact.processor_time import ProcessorTime
 from rolling.kinds.run_folder import RESULT, RunFolder
 from rolling.marches import effort, force_law
@@ -108,6 +110,29 @@ class Run(NumberedRun):
         """
         return listening.play(self)
 
+    def write_wav(self, path: Path | str, comment: str = "", title: str = "") -> Path:
+        """Write the record of the sound as a 32-bit float WAV in which 1.0 is 1 Pa.
+
+        Parameters
+        ----------
+        path : Path or str
+            File to write; an earlier file is replaced.
+        comment, title : str
+            Metadata of the file. Default: the meaning of its samples alone.
+
+        Returns
+        -------
+        path : Path
+            The file.
+
+        Raises
+        ------
+        OSError
+            The file cannot be written. An earlier file is kept.
+        """
+        write_bytes(Path(path), self.sound.wav(comment, title))
+        return Path(path)
+
     def to_dataframe(self) -> pd.DataFrame:
         """Tabulate the series along the track, one row per position.
 
@@ -177,7 +202,16 @@ def make_run(
     scene = place.scene
     energy, is_closed = released_energy(scene, result)
     has_seam = scene_surface(scene).has_seam
-    release = contact_sound(scene, energy, result.step, is_closed, result.solved_steps, has_seam)
+    release = contact_sound(
+        energy,
+        step=result.step,
+        motion=scene.motion,
+        listener=listener_of(scene),
+        tolerance=scene.tolerance,
+        closed=is_closed,
+        lap_steps=result.solved_steps,
+        has_seam=has_seam,
+    )
     vibration = _vibration(scene, result, release)
     sound = release
     if vibration is not None and scene.sound.source == "vibration":
@@ -221,7 +255,16 @@ def _vibration(scene: Scene, result: Result, release: ContactSound) -> Vibration
     law = force_law.force_law(scene, result)
     motion = force_law.law_motion(scene, result)
     repeats = is_whole_laps and release.constant_speed
-    vibration = vibrate(scene, law, release.highest, repeats, laps, motion)
+    vibration = vibrate(
+        bodies_of(scene),
+        listener_of(scene),
+        scene.travel,
+        law,
+        highest=release.highest,
+        whole_laps=repeats,
+        laps=laps,
+        motion=motion,
+    )
     if not vibration.motion.flight_share or vibration.once:
         return vibration
     # A record with impacts is no Gaussian noise.
@@ -247,7 +290,7 @@ def write_run(run: Run) -> None:
     contents |= channel_wavs(run, listening.wav_title(run, run.label))
     make_below(run.home, run.folder)
     title = f"{listening.wav_title(run, run.label)}, sound pressure in pascals"
-    run.sound.write_wav(run.folder / SIGNAL, listening.wav_comment(run), title)
+    run.write_wav(run.folder / SIGNAL, listening.wav_comment(run), title)
     for name, content in contents.items():
         write_bytes(run.folder / name, content)
     groups = by_quantity(run.channels)

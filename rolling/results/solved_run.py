@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from acoustics.traps import ignoring_underflow
+from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.records import listener_of
 from rolling.contact.recovery import EventStatistics, event_statistics
 from rolling.kinds.run_folder import RunFolder
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
@@ -28,7 +30,12 @@ from rolling.sound.contact_sound import ContactSound, contact_sound, middle_spee
 from rolling.sound.long_listening import Listening
 from rolling.sound.places import SoundByPlace, sound_by_place
 from rolling.sound.vibration_sound import Vibration
-from rolling.sound.wavelengths import WavelengthOctave, wavelength_octaves
+from rolling.sound.wavelengths import (
+    WavelengthOctave,
+    linear_shares,
+    mean_speed,
+    wavelength_octaves,
+)
 from rolling.surface.scene_surface import scene_surface
 
 
@@ -73,7 +80,14 @@ class SolvedRun(RunFolder):
         sounds = []
         for lap in result.passes.series["release_energy"]:
             sound = contact_sound(
-                self.scene, lap[steps], result.step, is_closed, result.solved_steps, has_seam
+                lap[steps],
+                step=result.step,
+                motion=self.scene.motion,
+                listener=listener_of(self.scene),
+                tolerance=self.scene.tolerance,
+                closed=is_closed,
+                lap_steps=result.solved_steps,
+                has_seam=has_seam,
             )
             sounds.append(sound)
         return sounds
@@ -93,12 +107,34 @@ class SolvedRun(RunFolder):
 
     @cached_property
     def wavelength_octaves(self) -> list[WavelengthOctave]:
-        """Octaves of roughness wavelength with their parts of the sound; none for a silent run."""
-        heights = None
-        if self.vibration_sound:
-            heights = self.result.heights_after_passes(scene_surface(self.scene).heights)
-        approach = self.result.series["approach"]
-        return wavelength_octaves(self.scene, self.sound, heights, approach)
+        """Octaves of roughness wavelength with their parts of the sound.
+
+        A run that is silent and a fall have none.
+        """
+        if self.scene.rolling.drop_mm is not None:
+            return []
+        linear = None
+        if self.vibration_sound is not None and self.sound.source == "vibration":
+            linear = self._linear_shares
+        return wavelength_octaves(
+            self.sound,
+            speed=mean_speed(self.scene.motion, self.sound),
+            own_factor=listener_of(self.scene).has_own_factor,
+            linear=linear,
+        )
+
+    @property
+    def _linear_shares(self) -> dict[int, float]:
+        """Coherence of surface and approach by octave of wavelength."""
+        scene = self.scene
+        return linear_shares(
+            heights=self.result.heights_after_passes(scene_surface(scene).heights),
+            approach=self.result.series["approach"],
+            track=scene.track,
+            spacing=scene.spacing,
+            start=scene.start,
+            semi_axes=smooth_contact_of(scene).semi_axes_m(),
+        )
 
     @cached_property
     def sound_by_place(self) -> SoundByPlace | None:
@@ -107,7 +143,16 @@ class SolvedRun(RunFolder):
         Its `position` [m] counts along the surface, and its `level_db` is LAeq while the ball
         crosses a patch. By energy the levels add up to LAeq of the record.
         """
-        return sound_by_place(self.scene, self.sound, self.vibration_sound)
+        scene = self.scene
+        if scene.rolling.drop_mm is not None:
+            return None
+        return sound_by_place(
+            scene.travel,
+            start=scene.start,
+            contact_length=2 * smooth_contact_of(scene).semi_axes_m()[0],
+            sound=self.sound,
+            vibration=self.vibration_sound,
+        )
 
     @property
     def laps(self) -> float:

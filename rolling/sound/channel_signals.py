@@ -1,12 +1,13 @@
-"""Signals of channels: the contact force in, motion of plate and ball or the blocked force out.
+"""Signals of transducers: the contact force in, motion of plate, ball or the blocked force out.
 
 All signals are fluctuations about the rest under the load, within hearing, at the samples of the
 sound. Plate and ball count their motion in the direction in which the ball presses the plate.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +17,10 @@ from acoustics.arrays import Array, short_repr
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.radiation import ThinPlate
 from acoustics.rectangular_plate import MODES_HZ, RectangularPlate
-from rolling.dynamics import of_scene
+from rolling.contact.track import Motion, Travel
+from rolling.dynamics.ball_on_plate import BallOnPlate
 from rolling.dynamics.motion import BodyMotion
-from rolling.scene.channels import SoundChannel
-from rolling.scene.scene import Scene
+from rolling.dynamics.motion_of_ball import contact_path, motion_on_rigid_plate
 from rolling.sound.contact_sound import faded_out
 from rolling.sound.edged_sound import WRAPPED
 from rolling.sound.vibration_sound import Vibration, force_fluctuation
@@ -45,47 +46,53 @@ class ChannelSignal(NamedTuple):
     note: str = ""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Transducer:
+    """Accelerometer or force transducer: what it measures, and where.
+
+    Attributes
+    ----------
+    of : str
+        What moves or presses: plate, ball or contact.
+    quantity : str
+        acceleration, velocity or displacement of plate or ball, force or blocked_force of the
+        contact.
+    place_m : pair of float, m, or None
+        Place on the plate: from the corner of a plate with edges, from the contact along the track
+        on an infinite one. None for ball and contact.
+    """
+
+    of: Literal["plate", "ball", "contact"]
+    quantity: Literal["acceleration", "velocity", "displacement", "force", "blocked_force"]
+    place_m: tuple[float, float] | None = None
+
+
 def channel_signals(
-    scene: Scene, vibration: Vibration, channels: list[SoundChannel]
+    bodies: BallOnPlate, travel: Travel, vibration: Vibration, transducers: Sequence[Transducer]
 ) -> list[ChannelSignal]:
-    """Return the signal of each channel of a run."""
+    """Return the signal of each transducer on bodies that vibrate."""
     signals = []
     driving = None
     blocked = None
-    for channel in channels:
-        if channel.quantity == "force":
+    for transducer in transducers:
+        if transducer.quantity == "force":
             signals.append(ChannelSignal(vibration.force, vibration.closed))
             continue
-        if channel.quantity == "blocked_force":
+        if transducer.quantity == "blocked_force":
             if blocked is None:
-                blocked = _blocked_force(scene, vibration)
+                blocked = _blocked_force(bodies, travel, vibration)
             signals.append(blocked)
             continue
         if driving is None:
-            driving = _Driving.of_motion(scene, vibration)
-        if channel.of == "ball":
-            displacement = _ball_displacement(scene, driving)
+            driving = _Driving.of_motion(bodies, vibration)
+        if transducer.of == "ball":
+            displacement = _ball_displacement(bodies, driving)
         else:
-            displacement = _plate_displacement(scene, driving, channel)
-        samples = driving.in_time(displacement, _DERIVATIVES[channel.quantity])
+            assert transducer.place_m is not None  # the transducer is on the plate
+            displacement = _plate_displacement(bodies, travel.motion, driving, transducer.place_m)
+        samples = driving.in_time(displacement, _DERIVATIVES[transducer.quantity])
         signals.append(ChannelSignal(samples, vibration.closed))
     return signals
-
-
-def contact_place_m(scene: Scene, channel: SoundChannel) -> tuple[float, float] | None:
-    """Return the place of a channel [m] on the plate; None for ball and contact.
-
-    It counts from the corner of a plate with edges, and from the contact on an infinite plate.
-    """
-    if channel.of != "plate":
-        return None
-    if channel.place_mm is not None:
-        x, y = channel.place_mm
-        return 1e-3 * x, 1e-3 * y
-    if scene.plate.edges_mm is None:
-        return 0.0, 0.0
-    x, y = scene.plate.contact_ends_mm["contact_mm"]
-    return 1e-3 * x, 1e-3 * y
 
 
 # ---- the force that drives
@@ -109,9 +116,9 @@ class _Driving:
     numbers: NDArray[np.int64]  # of these lines
 
     @classmethod
-    def of_motion(cls, scene: Scene, vibration: Vibration) -> "_Driving":
+    def of_motion(cls, bodies: BallOnPlate, vibration: Vibration) -> "_Driving":
         """Return the force of the motion of a run."""
-        fluctuation = force_fluctuation(scene, vibration.motion, vibration.closed)
+        fluctuation = force_fluctuation(bodies, vibration.motion, vibration.closed)
         samples = len(vibration.force)
         force = resampling.resample_closed(fluctuation, samples)
         rate = wav.SAMPLE_RATE_HZ
@@ -158,21 +165,21 @@ class _Driving:
 # ---- ball and plate
 
 
-def _ball_displacement(scene: Scene, driving: _Driving) -> Complex:
+def _ball_displacement(bodies: BallOnPlate, driving: _Driving) -> Complex:
     """Return the displacement of the ball [m] at the lines: M z.. = W - F."""
     square = np.square(2j * np.pi * driving.frequency)
-    return np.asarray(-driving.spectrum() / (scene.mass * square))
+    return np.asarray(-driving.spectrum() / (bodies.mass_kg * square))
 
 
-def _plate_displacement(scene: Scene, driving: _Driving, channel: SoundChannel) -> Complex:
-    """Return the displacement of the plate [m] at the place of a channel, at the lines."""
-    place = contact_place_m(scene, channel)
-    assert place is not None  # the channel is of the plate
-    rectangle = of_scene.rectangular_plate(scene)
+def _plate_displacement(
+    bodies: BallOnPlate, motion: Motion, driving: _Driving, place: tuple[float, float]
+) -> Complex:
+    """Return the displacement of the plate [m] at a place [m], at the lines."""
+    rectangle = bodies.plate.with_edges
     if rectangle is not None:
-        return _on_edged_plate(scene, rectangle, driving, np.array([place]))
-    infinite = of_scene.plate(scene)
-    assert infinite is not None  # a scene with this channel has a plate that bends
+        return _on_edged_plate(bodies, rectangle, motion, driving, np.array([place]))
+    infinite = bodies.plate.bending
+    assert infinite is not None  # a plate with a transducer bends
     mobility = transfer_mobility(infinite, driving.frequency, math.hypot(*place))
     return np.asarray(mobility * driving.spectrum() / (2j * np.pi * driving.frequency))
 
@@ -198,10 +205,10 @@ def transfer_mobility(plate: ThinPlate, frequency_hz: Complex, distance_m: float
 
 
 def _on_edged_plate(
-    scene: Scene, plate: RectangularPlate, driving: _Driving, place: Array
+    bodies: BallOnPlate, plate: RectangularPlate, motion: Motion, driving: _Driving, place: Array
 ) -> Complex:
     """Return the displacement [m] of a plate with edges at a place (1, 2) [m], at the lines."""
-    path = of_scene.contact_path(scene)
+    path = contact_path(bodies.plate, motion)
     frequency = driving.frequency
     at_place = plate.shapes(place)[0]
     total = np.zeros(len(frequency), dtype=complex)
@@ -210,7 +217,7 @@ def _on_edged_plate(
     blocks = [slice(first, min(first + count, modes)) for first in range(0, modes, count)]
     whole = driving.spectrum()
     if path is None:
-        contact = 1e-3 * np.array([scene.plate.contact_ends_mm["contact_mm"]])
+        contact = bodies.plate.points_between_ends(1)
         at_contact = plate.shapes(contact)[0]
         for block in blocks:
             total += plate.mode_receptance(frequency, block) @ (at_contact * at_place)[block]
@@ -252,19 +259,19 @@ def remainder(
 # ---- blocked force
 
 
-def _blocked_force(scene: Scene, vibration: Vibration) -> ChannelSignal:
+def _blocked_force(bodies: BallOnPlate, travel: Travel, vibration: Vibration) -> ChannelSignal:
     """Return the fluctuation of the contact force on a rigid plate."""
-    motion = of_scene.motion_on_rigid_plate(scene, vibration.law)
+    motion = motion_on_rigid_plate(bodies, travel, vibration.law)
     closed = vibration.closed and bool(motion.settled)
-    fluctuation = force_fluctuation(scene, motion, closed)
+    fluctuation = force_fluctuation(bodies, motion, closed)
     whole = resampling.resample_closed(fluctuation, len(vibration.force))
     samples = resampling.band_limit(whole, wav.SAMPLE_RATE_HZ)
-    return ChannelSignal(samples, closed, _note_on_blocked_force(scene, vibration, motion))
+    return ChannelSignal(samples, closed, _note_on_blocked_force(bodies, vibration, motion))
 
 
-def _note_on_blocked_force(scene: Scene, vibration: Vibration, motion: BodyMotion) -> str:
+def _note_on_blocked_force(bodies: BallOnPlate, vibration: Vibration, motion: BodyMotion) -> str:
     """Say what is arbitrary in a blocked force that nothing damps; empty with a loss."""
-    if scene.plate.contact_loss_factor or scene.rolling.drop_mm is not None:
+    if bodies.contact_loss_factor or bodies.falls:
         return ""
     resonance = vibration.chain.resonance_hz
     note = (

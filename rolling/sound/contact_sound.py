@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,8 +22,7 @@ from acoustics.numbers import decibels_a, rounded
 from acoustics.traps import ignoring_underflow
 from rolling.contact.track import Motion
 from rolling.numbers.ball_numbers import Source
-from rolling.scene.scene import Scene
-from rolling.terminal.files import write_bytes
+from rolling.sound.listener import Listener
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -93,8 +91,8 @@ class ContactSound:
     ContactSound(0.005 s at 48000 Hz, ... dB(A), loops)
     >>> sound.third_octaves().loc[8000.0].index.to_list()
     ['third_octave_db', 'third_octave_a_db', 'third_octave_uncertainty_db']
-    >>> sound.write_wav("sound.wav").name
-    'sound.wav'
+    >>> sound.wav()[:4]
+    b'RIFF'
     """
 
     def __repr__(self) -> str:
@@ -122,29 +120,21 @@ class ContactSound:
     right: Array | None = None
     once: bool = False
 
-    def write_wav(self, path: Path | str, comment: str = "", title: str = "") -> Path:
-        """Write the record as a 32-bit float WAV in which 1.0 is 1 Pa.
+    def wav(self, comment: str = "", title: str = "") -> bytes:
+        """Return the record as a 32-bit float WAV in which 1.0 is 1 Pa.
 
         Parameters
         ----------
-        path : Path or str
-            File to write; an earlier file is replaced.
         comment, title : str
             Metadata of the file. Default: the meaning of its samples alone.
 
         Returns
         -------
-        path : Path
-            The file.
-
-        Raises
-        ------
-        OSError
-            The file cannot be written. An earlier file is kept.
+        content : bytes
+            Content of the file.
         """
         comment = "; ".join(filter(None, ("1.0 = 1 Pa", comment)))
-        write_bytes(Path(path), wav.calibrated(self.channels, comment, title, self.loops))
-        return Path(path)
+        return wav.calibrated(self.channels, comment, title, self.loops)
 
     def third_octaves(self) -> pd.DataFrame:
         """Tabulate the third octaves by their nominal mid frequency [Hz].
@@ -242,9 +232,11 @@ def middle_speeds(motion: Motion, steps: int, step: float) -> tuple[Array, Array
 
 
 def contact_sound(
-    scene: Scene,
     release_energy: Array,
     step: float,
+    motion: Motion,
+    listener: Listener,
+    tolerance: float,
     closed: bool,
     lap_steps: int | None = None,
     has_seam: bool = False,
@@ -256,12 +248,16 @@ def contact_sound(
 
     Parameters
     ----------
-    scene : Scene
-        Scene with the motion, the sound, and the numerics that the energy was solved with.
     release_energy : (steps,) array, J
         Energy of each step.
     step : float, m
         Length of a step.
+    motion : Motion
+        Distance and speed over time.
+    listener : Listener
+        Listener of the released power.
+    tolerance : float
+        Tolerance of the solver that the energy was solved with.
     closed : bool
         If true, the steps are whole laps of the track.
     lap_steps : int, optional
@@ -269,7 +265,6 @@ def contact_sound(
     has_seam : bool
         If true, the step from the end of the surface to its beginning stands out. Default: false.
     """
-    motion = scene.motion
     steps = len(release_energy)
     per_metre = release_energy / step
     duration = motion.duration(steps * step)
@@ -289,17 +284,19 @@ def contact_sound(
     else:
         fluctuation = _at_changing_speed(motion, per_metre, step, closed, samples)
 
-    audible = resampling.band_limit(_intensity(scene, fluctuation), rate)
-    audible_rms = float(np.sqrt(np.mean(np.square(audible))) / _intensity(scene, np.ones(1))[0])
-    resolved_rms = resolved_fluctuation(scene) * _white_rms(per_metre, step, speed, step_duration)
+    audible = resampling.band_limit(_intensity(listener, fluctuation), rate)
+    audible_rms = float(np.sqrt(np.mean(np.square(audible))) / _intensity(listener, np.ones(1))[0])
+    white_rms = _white_rms(per_metre, step, speed, step_duration)
+    resolved_rms = resolved_fluctuation(tolerance) * white_rms
     if audible_rms <= resolved_rms:
         audible = np.zeros_like(audible)
-    pressure, factor = radiation.sound_pressure(audible, scene.sound.gain_pa_per_w_m2)
+    pressure, factor = radiation.sound_pressure(audible, listener.gain_pa_per_w_m2)
     levels = level.sound_levels(pressure, rate, highest, looped)
     lap = per_metre[:lap_steps]
-    own_factor = scene.sound.gain_pa_per_w_m2 is None
-    spread = uncertainty.level_uncertainty(pressure, rate, levels, own_factor, steps / len(lap))
-    mean_intensity = float(_intensity(scene, np.array([mean_power]))[0])
+    spread = uncertainty.level_uncertainty(
+        pressure, rate, levels, listener.has_own_factor, steps / len(lap)
+    )
+    mean_intensity = float(_intensity(listener, np.array([mean_power]))[0])
     steady_level = level.level_db(mean_intensity, radiation.I_REF_W_M2)
     steady_spread = uncertainty.steady_uncertainty_db(lap, steps / duration)
     return ContactSound(
@@ -343,9 +340,9 @@ def _white_rms(per_metre: Array, step: float, speed: Array, step_duration: Array
     return float(per_metre.mean() * np.sqrt(np.average(audible_square, weights=step_duration)))
 
 
-def _intensity(scene: Scene, power: Array) -> Array:
+def _intensity(listener: Listener, power: Array) -> Array:
     """Return the intensity [W/m2] that a release power [W] makes at the listener."""
-    return radiation.intensity(power, scene.sound.distance_m, scene.sound.q)
+    return radiation.intensity(power, listener.distance_m, listener.q)
 
 
 def _at_changing_speed(
@@ -396,25 +393,25 @@ SOLVER_ERROR = 20.0
 DOUBTFUL_DB = 10.0  # above the solver's error, where levels are off by up to 1.5 dB
 
 
-def resolved_fluctuation(scene: Scene) -> float:
+def resolved_fluctuation(tolerance: float) -> float:
     """Return the rms fluctuation of the release, over its mean, below which it is error.
 
-    It counts at all frequencies. The error is white along the track: a band holds its share of the
-    mean square.
+    It counts at all frequencies, for a tolerance of the solver. The error is white along the track:
+    a band holds its share of the mean square.
     """
-    return SOLVER_ERROR * scene.tolerance
+    return SOLVER_ERROR * tolerance
 
 
-def solver_doubt(scene: Scene, audible_rms: float, resolved_rms: float) -> str | None:
+def solver_doubt(tolerance: float, audible_rms: float, resolved_rms: float) -> str | None:
     """Return a text that the solver's error hides a record or nearly does; otherwise None.
 
     The rms values [W] are the fluctuation of the release power within hearing, and the part of it
-    that may be the solver's error.
+    that may be the solver's error at a tolerance.
     """
-    if scene.is_smooth or not resolved_rms:  # no sound could be hidden
+    if not resolved_rms:  # no sound could be hidden
         return None
     error = f"the solver's error of up to {rounded(resolved_rms)} W rms"
-    advice = f"lower numerics.tolerance, {rounded(scene.tolerance, 6)} here"
+    advice = f"lower numerics.tolerance, {rounded(tolerance, 6)} here"
     if audible_rms <= resolved_rms:
         return f"the release fluctuates no more than {error}: the record counts as silent; {advice}"
     above = 20 * math.log10(audible_rms / resolved_rms)

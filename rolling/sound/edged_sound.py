@@ -7,7 +7,7 @@ sphere is heard from the middle of its path, and above the plate only: the baffl
 
 import math
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +16,12 @@ from acoustics import resampling, wav
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.radiation import SOUND_M_S, axis_transfer
-from acoustics.rectangular_plate import Complex, Listener, RectangularPlate
-from rolling.dynamics import of_scene
-from rolling.scene.scene import Scene
+from acoustics.rectangular_plate import Complex, RectangularPlate
+from rolling.contact.track import Motion
+from rolling.dynamics.ball_on_plate import BallOnPlate, PlateBody
+from rolling.dynamics.motion_of_ball import contact_path
 from rolling.sound.contact_sound import faded_out
+from rolling.sound.listener import Listener, Place
 
 WRAPPED = 1e-4  # part of the ringing of an open record that is left of it at its beginning
 _MIN_S = 0.25  # [s] of an open record with silence, at least twice
@@ -32,12 +34,28 @@ _TABLE_SIZES = (2000, 40_000)  # limits of the number of frequencies of such a t
 
 
 def pressures(
-    scene: Scene, plate: RectangularPlate, force: Array, closed: bool, listeners: int | None = None
+    bodies: BallOnPlate,
+    listener: Listener,
+    motion: Motion,
+    force: Array,
+    closed: bool,
+    count: int | None = None,
 ) -> Array:
-    """Return the sound pressure [Pa] of a force [N] at first listeners, (listeners, samples).
+    """Return the sound pressure [Pa] of a force [N] at first places, (places, samples).
 
     An open record begins in silence and ends with its duration: the ringing beyond fades out.
+
+    Parameters
+    ----------
+    bodies : BallOnPlate. Ball, and plate with edges.
+    listener : Listener. Listener with places beside the plate.
+    motion : Motion. Distance and speed over time, for a contact that moves on the plate.
+    force : (samples,) array, N. Force at the rate of the sound.
+    closed : bool. If true, the record repeats without a click.
+    count : int. Number of the first places. Default: all.
     """
+    plate = bodies.plate.with_edges
+    assert plate is not None  # asked for plates with edges alone
     n = len(force)
     rate = wav.SAMPLE_RATE_HZ
     growth = 0.0
@@ -48,7 +66,7 @@ def pressures(
         # Waves that fall with time by this rate do not wrap round; the record is raised again.
         growth = -math.log(WRAPPED) * rate / n
     times = np.arange(len(force)) / rate
-    places = scene.listeners[:listeners]
+    places = listener.places_m[:count]
     fallen = force * np.exp(-growth * times)
     frequency = np.asarray(np.fft.rfftfreq(n, 1 / rate) - 0.5j * growth / np.pi, dtype=complex)
     lines = np.arange(len(frequency))
@@ -56,19 +74,21 @@ def pressures(
         lines = lines[(frequency.real >= AUDIBLE_HZ[0]) & (frequency.real < AUDIBLE_HZ[1])]
     audible = frequency[lines]
     spectrum = np.fft.rfft(fallen, n)[lines]
-    path = of_scene.contact_path(scene)
+    reference = _reference_distance(bodies.plate, listener)
+    of_ball = [_ball_transfer(bodies, listener, audible, place) for place in places]
+    path = contact_path(bodies.plate, motion)
     if path is None:
         points = None
-        point = points_on_path(scene)[0]
-        transfers = [_transfer(scene, plate, audible, place, point) for place in places]
-        total = np.array(transfers) * spectrum
+        point = points_on_path(bodies.plate)[0]
+        of_plate = [plate.pressure_transfer(audible, point, place, reference) for place in places]
+        total = (np.array(of_plate) + np.array(of_ball)) * spectrum
     else:
         points = path(times)
-        total = np.array([_ball_transfer(scene, audible, place) for place in places]) * spectrum
+        total = np.array(of_ball) * spectrum
         for modes in _mode_blocks(0, _lasting_modes(plate, fallen), n):
             forces = np.fft.rfft(fallen[:, None] * plate.shapes(points, modes), n, axis=0)[lines]
             for pressure, place in zip(total, places, strict=True):
-                transfer = plate.mode_transfer(audible, place, _reference_distance(scene), modes)
+                transfer = plate.mode_transfer(audible, place, reference, modes)
                 pressure += np.einsum("nm,nm->n", transfer, forces)
     records = np.zeros((len(places), len(frequency)), dtype=complex)
     records[:, lines] = total
@@ -76,7 +96,8 @@ def pressures(
     if closed:
         return np.asarray(in_time)
     if points is not None:
-        in_time += _pressure_of_fading_modes(scene, plate, force, places, points)
+        stations = _stations(bodies.plate, plate, points)
+        in_time += _pressure_of_fading_modes(plate, force, places, stations, reference)
     ending = [faded_out(record, len(force) / rate) for record in in_time]
     return np.array([resampling.band_limit(record, rate) for record in ending])
 
@@ -96,12 +117,28 @@ def _mode_blocks(first: int, last: int, values: int) -> list[slice]:
     return [slice(k, min(k + count, last)) for k in range(first, last, count)]
 
 
+class _Stations(NamedTuple):
+    """Stations on the path of a contact, between which a transfer is linear.
+
+    points : (stations, 2) array, m. Stations from a corner of the plate.
+    places : (samples,) array. Place of the contact among the stations at each sample.
+    """
+
+    points: Array
+    places: Array
+
+
 def _pressure_of_fading_modes(
-    scene: Scene, plate: RectangularPlate, force: Array, listeners: list[Listener], points: Array
+    plate: RectangularPlate,
+    force: Array,
+    listeners: tuple[Place, ...],
+    stations: _Stations,
+    reference: float,
 ) -> Array:
     """Return the pressure [Pa] at listeners of the modes that fade within a stretch of a record.
 
     The force is divided among stations of the path, between which the transfer is linear.
+    `reference` [m] is the distance from which delays count.
     """
     rate = wav.SAMPLE_RATE_HZ
     modes = len(plate.angular_frequency)
@@ -111,17 +148,16 @@ def _pressure_of_fading_modes(
     n = 2 * hop + lead
     records = np.zeros((len(listeners), len(force) + 2 * (hop + lead)))
     if first_mode < modes:
-        stations, places = _stations(scene, plate, points)
         frequency = np.asarray(np.fft.rfftfreq(n, 1 / rate), dtype=float)
-        path = _reference_distance(scene)
-        transfers = np.zeros((len(listeners), len(frequency), len(stations)), dtype=complex)
+        count = len(stations.points)
+        transfers = np.zeros((len(listeners), len(frequency), count), dtype=complex)
         for part in _mode_blocks(first_mode, modes, n):
-            shapes = plate.shapes(stations, part).T
+            shapes = plate.shapes(stations.points, part).T
             for transfer, listener in zip(transfers, listeners, strict=True):
-                transfer += plate.mode_transfer(frequency, listener, path, part) @ shapes
+                transfer += plate.mode_transfer(frequency, listener, reference, part) @ shapes
         for first in range(0, len(force), hop):
-            place = places[first : first + hop]
-            near = np.arange(int(place.min()), min(int(place.max()) + 2, len(stations)))
+            place = stations.places[first : first + hop]
+            near = np.arange(int(place.min()), min(int(place.max()) + 2, count))
             shares = np.maximum(0, 1 - np.abs(place[:, None] - near))
             lines = np.fft.rfft(force[first : first + hop, None] * shares, n, axis=0)
             for record, transfer in zip(records, transfers, strict=True):
@@ -131,32 +167,42 @@ def _pressure_of_fading_modes(
     return records[:, lead : lead + len(force)]
 
 
-def _stations(scene: Scene, plate: RectangularPlate, points: Array) -> tuple[Array, Array]:
-    """Return stations on the path (k, 2) [m], and the place among them of contact points."""
-    begin, end = points_on_path(scene)[[0, -1]]
+def _stations(body: PlateBody, plate: RectangularPlate, points: Array) -> _Stations:
+    """Return stations on the path of a plate, and the places among them of contact points."""
+    begin, end = points_on_path(body)[[0, -1]]
     way = math.dist(begin, end)
     spaces = math.ceil(_PER_WAVE * way / plate.bending_wavelength_m(AUDIBLE_HZ[1]))
     places = spaces * np.linalg.norm(points - begin, axis=1) / way
-    return begin + np.linspace(0, 1, spaces + 1)[:, None] * (end - begin), places
+    return _Stations(
+        points=begin + np.linspace(0, 1, spaces + 1)[:, None] * (end - begin),
+        places=places,
+    )
 
 
-def square_transfer(scene: Scene, plate: RectangularPlate, frequency: Array) -> Array:
-    """Return the mean square pressure per mean square force [Pa2/N2] at the first listener.
+def square_transfer(
+    bodies: BallOnPlate, listener: Listener, plate: RectangularPlate, frequency: Array
+) -> Array:
+    """Return the mean square pressure per mean square force [Pa2/N2] at the first place.
 
-    It is the mean over the path of the contact.
+    It is the mean over the path of the contact. `plate` is that of the bodies, whose modes are
+    kept from call to call.
     """
-    listener = scene.listeners[0]
-    points = points_on_path(scene)
-    transfers = [_transfer(scene, plate, frequency, listener, point) for point in points]
+    place = listener.places_m[0]
+    reference = _reference_distance(bodies.plate, listener)
+    of_ball = _ball_transfer(bodies, listener, frequency, place)
+    transfers = [
+        plate.pressure_transfer(frequency, point, place, reference) + of_ball
+        for point in points_on_path(bodies.plate)
+    ]
     return np.asarray(np.mean(np.square(np.abs(transfers)), axis=0))
 
 
-def power_per_force(scene: Scene, plate: RectangularPlate, frequency: Array) -> Array:
-    """Return the sound power of the plate per mean square force [W/N2] at ascending frequencies.
+def power_per_force(plate: RectangularPlate, points: Array, frequency: Array) -> Array:
+    """Return the sound power of a plate per mean square force [W/N2] at ascending frequencies.
 
-    Between the frequencies of a grid that resolves each mode it is interpolated.
+    It is the mean over contact points (n, 2) [m]. Between the frequencies of a grid that resolves
+    each mode it is interpolated.
     """
-    points = points_on_path(scene)
     octaves = math.log(AUDIBLE_HZ[1] / AUDIBLE_HZ[0])
     least, most = _TABLE_SIZES
     count = int(np.clip(_PER_WIDTH * octaves / plate.least_loss_factor, least, most))
@@ -177,31 +223,28 @@ def _power_table(
     return grid, np.asarray(np.log(np.maximum(power, np.finfo(float).tiny)))
 
 
-def points_on_path(scene: Scene) -> Array:
+def points_on_path(plate: PlateBody) -> Array:
     """Return the contact point, or points of its path at equal distances, (n, 2) [m]."""
-    return of_scene.points_on_path(scene, _POINTS)
+    return plate.points_between_ends(_POINTS)
 
 
-def _reference_distance(scene: Scene) -> float:
-    """Return the distance [m] from the first contact point to the first listener."""
-    x, y = points_on_path(scene)[0]
-    return math.dist((x, y, 0.0), scene.listeners[0])
+def _reference_distance(plate: PlateBody, listener: Listener) -> float:
+    """Return the distance [m] from the first contact point to the first place of a listener."""
+    x, y = points_on_path(plate)[0]
+    return math.dist((x, y, 0.0), listener.places_m[0])
 
 
-def _transfer(
-    scene: Scene, plate: RectangularPlate, frequency: NDArray[Any], listener: Listener, point: Array
+def _ball_transfer(
+    bodies: BallOnPlate, listener: Listener, frequency: NDArray[Any], place: Place
 ) -> Complex:
-    """Return the pressure of plate and sphere per force [Pa/N] from a contact point."""
-    pressure = plate.pressure_transfer(frequency, point, listener, _reference_distance(scene))
-    return np.asarray(pressure + _ball_transfer(scene, frequency, listener))
+    """Return the pressure of the sphere per force [Pa/N] at a place, from the middle of its path.
 
-
-def _ball_transfer(scene: Scene, frequency: NDArray[Any], listener: Listener) -> Complex:
-    """Return the pressure of the sphere per force [Pa/N] from the middle of its path."""
-    if not scene.sound.ball or listener[2] < 0:
+    A listener does not hear the sphere from below the plate.
+    """
+    if not listener.hears_ball or place[2] < 0:
         return np.zeros(len(frequency), dtype=complex)
-    x, y = points_on_path(scene)[[0, -1]].mean(axis=0)
-    distance = math.dist((x, y, 0.0), listener)
-    pressure = axis_transfer(frequency, of_scene.ball(scene), distance, listener[2] / distance)
-    further = distance - _reference_distance(scene)
+    x, y = points_on_path(bodies.plate)[[0, -1]].mean(axis=0)
+    distance = math.dist((x, y, 0.0), place)
+    pressure = axis_transfer(frequency, bodies.ball, distance, place[2] / distance)
+    further = distance - _reference_distance(bodies.plate, listener)
     return np.asarray(pressure * np.exp(-2j * np.pi * frequency * further / SOUND_M_S))

@@ -1,5 +1,6 @@
 """Sound of a run that goes on beyond its solved track."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,13 +10,13 @@ from acoustics.arrays import Array, short_repr
 from acoustics.continued_rows import ContinuedRows
 from acoustics.traps import ignoring_underflow
 from acoustics.uncertainty import kurtosis
-from rolling.ball.bodies_of_scene import bodies_of, circumference_of
+from rolling.contact.track import Motion
+from rolling.dynamics.ball_on_plate import BallOnPlate
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.long_motion import LongMotion
 from rolling.numbers.ball_numbers import ListeningNumbers
-from rolling.scene.scene import Scene
 from rolling.sound import contact_sound, vibration_sound
-from rolling.terminal import progress
+from rolling.sound.listener import Listener
 
 _FINER = 4  # points of a release per sample of sound, so that a spline between them is exact
 _MAX_POINTS = 2**18  # at once
@@ -61,48 +62,68 @@ class Listening:
         return np.stack((self.pressure, self.right), 1)
 
 
-def with_speed(scene: Scene, speed: float | tuple[float, float], seconds: float) -> Scene:
-    """Return a scene at another speed [m/s], or one that changes evenly from start to end.
+Advance = Callable[[float], object]  # called with the seconds of the record that became known
 
-    Only its motion is meant: its track and duration stay.
+
+@dataclass(frozen=True, kw_only=True)
+class LongTravel:
+    """Travel of a ball that goes on beyond its solved track, at random.
+
+    Attributes
+    ----------
+    motion : Motion
+        Distance and speed over time.
+    seconds : float, s
+        Length of the record.
+    seed : int
+        Seed of the random continuation.
+    turn_m : float or None, m
+        Circumference of a ball with a surface, after which the solved track is put in again. None
+        for a smooth ball.
     """
-    speeds: float | tuple[tuple[float, float], ...]
-    if isinstance(speed, float | int):
-        speeds = speed
-    else:
-        start, end = speed
-        speeds = ((0.0, start), (seconds, end))
-    rolling = scene.rolling.model_copy(update={"speed_m_s": speeds})
-    return scene.model_copy(update={"rolling": rolling})
+
+    motion: Motion
+    seconds: float
+    seed: int = 0
+    turn_m: float | None = None
 
 
-def listen_to_vibration(scene: Scene, law: ForceLaw, seconds: float, seed: int) -> Listening:
-    """Let ball and plate of a scene move on over a continued force law, and radiate.
+def listen_to_vibration(
+    bodies: BallOnPlate,
+    listener: Listener,
+    law: ForceLaw,
+    travel: LongTravel,
+    advance: Advance | None = None,
+) -> Listening:
+    """Let ball and plate move on over a continued force law, and radiate.
 
-    The scene's motion may go beyond the solved track.
+    The travel may go beyond the solved track.
     """
     rate = wav.SAMPLE_RATE_HZ
+    seconds = travel.seconds
     motion = LongMotion(
-        bodies=bodies_of(scene),
-        motion=scene.motion,
-        law=law,
+        bodies,
+        travel.motion,
+        law,
         seconds=seconds,
         rate=rate,
-        seed=seed,
-        turn_m=circumference_of(scene),
+        seed=travel.seed,
+        turn_m=travel.turn_m,
     )
     decimator = resampling.Decimator(motion.steps_per_sample)
     samples = []
-    falls = scene.rolling.drop_mm is not None  # its record begins in silence
-    with progress.Bar(seconds, "listening") as bar:
-        for force in motion.forces():
-            samples.append(decimator.add(force if falls else force - scene.load))
-            bar.update(len(force) * motion.step)
+    falls = bodies.falls  # its record begins in silence
+    for force in motion.forces():
+        samples.append(decimator.add(force if falls else force - bodies.load_n))
+        if advance is not None:
+            advance(len(force) * motion.step)
     samples.append(decimator.end())
     fade = contact_sound.faded_out if falls else contact_sound.faded
     fluctuation = fade(np.concatenate(samples), seconds)
-    _, pressures = vibration_sound.radiated(scene, fluctuation, rate, closed=False, listeners=2)
-    numbers = _numbers(scene, pressures[0], seconds, law.spacing_m, motion.law.rows)
+    _, pressures = vibration_sound.radiated(
+        bodies, listener, travel.motion, fluctuation, rate, closed=False, count=2
+    )
+    numbers = _numbers(travel, pressures[0], law.spacing_m, motion.law.rows)
     numbers = replace(
         numbers,
         impacts=motion.impacts,
@@ -117,62 +138,69 @@ def listen_to_vibration(scene: Scene, law: ForceLaw, seconds: float, seed: int) 
 
 
 def listen_to_release(
-    scene: Scene, release_energy: Array, step: float, closed: bool, seconds: float, seed: int
+    release_energy: Array,
+    step: float,
+    closed: bool,
+    listener: Listener,
+    travel: LongTravel,
+    advance: Advance | None = None,
 ) -> Listening:
-    """Turn a continued release along the track into sound at the scene's speed.
+    """Turn a continued release along the track into sound at the speed of a travel.
 
     `release_energy` [J] is the energy of each solved step of `step` [m].
     """
     rate = wav.SAMPLE_RATE_HZ
-    motion = scene.motion
-    fastest = motion.fastest(seconds)
+    seconds = travel.seconds
+    fastest = travel.motion.fastest(seconds)
     finer = int(np.clip(np.ceil(_FINER * rate * step / fastest), 1, 2 * _FINER))
     signal = release_energy / step
     signal = signal - signal.mean()
     ends = max(1, len(signal) // 100)
     signal = resampling.undo_step_mean(signal) if closed else resampling.fade(signal, ends)
     row = resampling.resample_closed(signal, finer * len(signal))[None]
-    circumference = circumference_of(scene)
     spacing = step / finer
-    turn = None if circumference is None else round(circumference / spacing)
-    rows = ContinuedRows(row, closed, seed, turn)
-    faded = contact_sound.faded(_in_time(scene, rows, spacing, seconds), seconds)
-    intensity = radiation.intensity(faded, scene.sound.distance_m, scene.sound.q)
+    turn = None if travel.turn_m is None else round(travel.turn_m / spacing)
+    rows = ContinuedRows(row, closed, travel.seed, turn)
+    faded = contact_sound.faded(_in_time(travel, rows, spacing, advance), seconds)
+    intensity = radiation.intensity(faded, listener.distance_m, listener.q)
     audible = resampling.band_limit(intensity, rate)
-    pressure, _ = radiation.sound_pressure(audible, scene.sound.gain_pa_per_w_m2)
-    numbers = _numbers(scene, pressure, seconds, step, rows, finer)
+    pressure, _ = radiation.sound_pressure(audible, listener.gain_pa_per_w_m2)
+    numbers = _numbers(travel, pressure, step, rows, finer)
     return Listening(pressure=pressure, sample_rate=rate, numbers=numbers)
 
 
-def _in_time(scene: Scene, rows: ContinuedRows, spacing: float, seconds: float) -> Array:
+def _in_time(
+    travel: LongTravel, rows: ContinuedRows, spacing: float, advance: Advance | None
+) -> Array:
     """Return the release power [W] at the samples, from a release per metre at a spacing [m]."""
     from scipy.interpolate import CubicSpline  # slow to import, for long records only
 
     rate = wav.SAMPLE_RATE_HZ
-    motion = scene.motion
+    motion = travel.motion
+    seconds = travel.seconds
     factor = contact_sound.oversampling(motion, seconds, spacing)
     decimator = resampling.Decimator(factor)
     samples = []
     count = _MAX_POINTS // factor * factor
     total = round(seconds * rate) * factor
-    with progress.Bar(seconds, "listening") as bar:
-        for begin in range(0, total, count):
-            times = np.arange(begin, min(begin + count, total)) / (rate * factor)
-            places = np.asarray(motion.distance(times)) / spacing
-            first = max(int(places[0]) - 24, 0)
-            last = int(places[-1]) + 26
-            spline = CubicSpline(np.arange(first, last), rows.between(first, last)[0])
-            samples.append(decimator.add(spline(places) * motion.speed(times)))
-            bar.update(len(times) / (rate * factor))
+    for begin in range(0, total, count):
+        times = np.arange(begin, min(begin + count, total)) / (rate * factor)
+        places = np.asarray(motion.distance(times)) / spacing
+        first = max(int(places[0]) - 24, 0)
+        last = int(places[-1]) + 26
+        spline = CubicSpline(np.arange(first, last), rows.between(first, last)[0])
+        samples.append(decimator.add(spline(places) * motion.speed(times)))
+        if advance is not None:
+            advance(len(times) / (rate * factor))
     return np.concatenate([*samples, decimator.end()])
 
 
 def _numbers(
-    scene: Scene, pressure: Array, seconds: float, step: float, rows: ContinuedRows, finer: int = 1
+    travel: LongTravel, pressure: Array, step: float, rows: ContinuedRows, finer: int = 1
 ) -> ListeningNumbers:
     """Return facts and levels of a record; `rows` are `finer` to a step [m]."""
-    motion = scene.motion
-    turn = circumference_of(scene)
+    motion = travel.motion
+    seconds = travel.seconds
     fastest = motion.fastest(seconds)
     rolled = float(motion.distance(seconds))
     solved = rows.solved / finer * step
@@ -186,7 +214,7 @@ def _numbers(
         solved_share=solved_s / seconds,
         kurtosis=kurtosis(pressure) if pressure.any() else None,
         stretches=rows.inserted,
-        turn_mm=turn and 1e3 * turn,
+        turn_mm=None if travel.turn_m is None else 1e3 * travel.turn_m,
         highest_frequency_hz=fastest / (2 * step),
         lowest_frequency_hz=fastest / solved,
     )

@@ -13,8 +13,8 @@ tests/benchmarks/missing_band_study.py compares the estimate with shorter steps.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,9 +24,8 @@ from acoustics.bands import AUDIBLE_HZ
 from acoustics.radiation import P_REF_PA
 from acoustics.weighting import a_weighting_db
 from rolling.contact.track import Motion
-from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound
-from rolling.sound.radiators import roughness_gain
+from rolling.sound.error_estimate import Gain
 from rolling.sound.vibration_sound import Vibration
 
 APPROACH_POWER = -5.0  # of the wavenumber, with which the spectrum of an approach falls
@@ -58,19 +57,32 @@ class MissingBand:
     uncertainty_db: float
 
 
+class VibrationSource(NamedTuple):
+    """Vibration that is the source of a sound, and how an approach becomes its pressure."""
+
+    vibration: Vibration
+    gain: Gain  # power gain [Pa2/m2] from an approach under the constant load to the pressure
+
+
 def missing_band(
-    scene: Scene, sound: ContactSound, lap: Array, step: float, vibration: Vibration | None = None
+    sound: ContactSound,
+    lap: Array,
+    step: float,
+    motion: Motion,
+    own_factor: bool,
+    source: VibrationSource | None = None,
 ) -> MissingBand | None:
     """Estimate the part of a sound above the Nyquist frequency of its steps.
 
     Parameters
     ----------
-    scene : Scene. A scene without a sweep.
     sound : ContactSound. The sound of the run.
     lap : (steps,) array, m or J. Approach at each position of the solved track for a vibration,
         released energy of each step for a release.
     step : float, m. Length of a step.
-    vibration : Vibration. The vibration that is heard. Default: the release is heard.
+    motion : Motion. Distance and speed over time.
+    own_factor : bool. Whether the fluctuation of a release sets its factor to sound pressure.
+    source : VibrationSource. The vibration that is heard. Default: the release is heard.
 
     Returns
     -------
@@ -78,7 +90,7 @@ def missing_band(
         None where the steps resolve hearing, where nothing sounds, where contact is lost, and where
         the track is too short to tell.
     """
-    motion = scene.motion
+    vibration = None if source is None else source.vibration
     duration = sound.duration
     lowest = motion.slowest(duration) / (2 * step)
     if lowest >= AUDIBLE_HZ[1] or sound.once or sound.levels.laeq_db is None:
@@ -88,11 +100,12 @@ def missing_band(
     waves = _waves(lap, step, sound.closed, vibration is not None)
     if waves is None:
         return None
-    gain: Callable[[Array], Array] = _gain_of_release
+    gain: Gain = _gain_of_release
     resonance = None
-    if vibration is not None:
-        gain = roughness_gain(scene, vibration.chain)
-        resonance = vibration.chain.resonance_hz, vibration.chain.quality
+    if source is not None:
+        gain = source.gain
+        chain = source.vibration.chain
+        resonance = chain.resonance_hz, chain.quality
     # Mean squares, A-weighted and unweighted.
     solved = np.zeros(2)
     missing = np.zeros(2)
@@ -114,7 +127,7 @@ def missing_band(
         return MissingBand(highest_hz=lowest, error_db=-MAX_DB, uncertainty_db=DOUBT * MAX_DB)
     error = 10 * np.log10((solved + np.array([spurious, 0.0])) / (solved + missing))
     whole = float(error[0])
-    if vibration is None and scene.sound.gain_pa_per_w_m2 is None:
+    if vibration is None and own_factor:
         whole -= 0.5 * float(error[1])  # the record's own fluctuation sets its factor
     whole = max(whole, -MAX_DB)
     lacking = 10 * math.log10(1 + missing[0] / solved[0])
@@ -143,7 +156,7 @@ class _Waves:
     power: float
     shortest: float
 
-    def solved(self, speed: float, gain: Callable[[Array], Array]) -> Array:
+    def solved(self, speed: float, gain: Gain) -> Array:
         """Return the A-weighted and the unweighted mean square of the lines at a speed [m/s]."""
         frequency = speed * self.wavenumber
         audible = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
@@ -153,7 +166,7 @@ class _Waves:
     def missing(
         self,
         speed: float,
-        gain: Callable[[Array], Array],
+        gain: Gain,
         resonance: tuple[float, float] | None,
     ) -> Array:
         """Return the A-weighted and the unweighted mean square beyond the steps at a speed."""

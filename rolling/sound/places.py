@@ -22,8 +22,7 @@ from acoustics.bands import AUDIBLE_HZ, MID_HZ
 from acoustics.radiation import P_REF_PA
 from acoustics.spectrum import audible_lines
 from acoustics.weighting import a_weighting_db
-from rolling.dynamics.smooth_contact import semi_axes
-from rolling.scene.scene import Scene
+from rolling.contact.track import Travel
 from rolling.sound.contact_sound import ContactSound, fade_length, faded
 from rolling.sound.vibration_sound import Vibration
 
@@ -97,14 +96,22 @@ class _Patches:
 
 
 def sound_by_place(
-    scene: Scene, sound: ContactSound, vibration: Vibration | None = None
+    travel: Travel,
+    start: float,
+    contact_length: float,
+    sound: ContactSound,
+    vibration: Vibration | None = None,
 ) -> SoundByPlace | None:
-    """Return the level of each patch of the track of a run.
+    """Return the level of each patch of the track of a ball that rolls.
 
     Parameters
     ----------
-    scene : Scene
-        Scene of the run.
+    travel : Travel
+        Travel of the ball along its track.
+    start : float, m
+        First position along the surface of the plate.
+    contact_length : float, m
+        Length of the smooth contact along the track.
     sound : ContactSound
         Record of the run.
     vibration : Vibration, optional
@@ -113,9 +120,9 @@ def sound_by_place(
     Returns
     -------
     places : SoundByPlace or None
-        None for a record that is silent, and for a ball that falls.
+        None for a record that is silent.
     """
-    if scene.rolling.drop_mm is not None or not np.any(sound.pressure):
+    if not np.any(sound.pressure):
         return None
     if vibration is not None and sound.source == "vibration":
         located = _as_loud_as(_push(vibration, sound.duration), sound)
@@ -124,10 +131,10 @@ def sound_by_place(
         located = resampling.band_limit(located, sound.sample_rate)
     count = _FINE * len(located)
     square = np.square(resampling.resample_closed(located, count))
-    share = np.square(_fade(scene, sound, count))
+    share = np.square(_fade(travel, sound, count))
     time = (np.arange(count) + 0.5) * (sound.duration / count)
-    place = scene.start + np.asarray(scene.motion.distance(time), dtype=float)
-    patches = _patches(scene, sound)
+    place = start + np.asarray(travel.motion.distance(time), dtype=float)
+    patches = _patches(travel, start, contact_length, sound)
     number = patches.of(place)
     step_s = sound.duration / count
     energy = step_s * np.bincount(number, square, patches.count)
@@ -143,18 +150,18 @@ def sound_by_place(
         level_db=level_db,
         seconds=weight,
         first_s=entered,
-        left_s=_left_s(scene, sound, entered, patches.length),
+        left_s=_left_s(travel, sound, entered, patches.length),
         length=patches.length,
         reason=patches.reason,
         source=sound.source,
     )
 
 
-def _left_s(scene: Scene, sound: ContactSound, entered_s: Array, length: float) -> Array:
+def _left_s(travel: Travel, sound: ContactSound, entered_s: Array, length: float) -> Array:
     """Return the times [s] at which the ball has rolled a length [m] from times, or the end."""
-    rolled = np.asarray(scene.motion.distance(np.nan_to_num(entered_s)), dtype=float) + length
-    reached = np.minimum(rolled, scene.track.distance * (1 - 1e-9))
-    left = np.minimum(np.asarray(scene.motion.time(reached), dtype=float), sound.duration)
+    rolled = np.asarray(travel.motion.distance(np.nan_to_num(entered_s)), dtype=float) + length
+    reached = np.minimum(rolled, travel.track.distance * (1 - 1e-9))
+    left = np.minimum(np.asarray(travel.motion.time(reached), dtype=float), sound.duration)
     return np.where(np.isfinite(entered_s), left, np.nan)
 
 
@@ -239,7 +246,7 @@ def _spread_s(sound: ContactSound) -> float:
     return 2 * steps / (_FINE * sound.sample_rate)
 
 
-def _fade(scene: Scene, sound: ContactSound, count: int) -> Array:
+def _fade(travel: Travel, sound: ContactSound, count: int) -> Array:
     """Return the factor of the fades of a record at a number of times, of mean square 1.
 
     A release at a changing speed is faded along the distance, all else in time.
@@ -248,29 +255,30 @@ def _fade(scene: Scene, sound: ContactSound, count: int) -> Array:
         return np.ones(count)
     ends = fade_length(count, sound.duration)
     share = resampling.fade(np.ones(count), ends)
-    in_distance = sound.source == "release" and not sound.constant_speed and not scene.track.closed
+    is_open = not travel.track.closed
+    in_distance = sound.source == "release" and not sound.constant_speed and is_open
     if in_distance:
         time = (np.arange(count) + 0.5) * (sound.duration / count)
-        rolled = np.asarray(scene.motion.distance(time), dtype=float) / scene.track.distance
+        rolled = np.asarray(travel.motion.distance(time), dtype=float) / travel.track.distance
         share = np.interp(rolled * count, np.arange(count), share)
     return np.asarray(share / np.sqrt(np.mean(np.square(share))))
 
 
-def _patches(scene: Scene, sound: ContactSound) -> _Patches:
+def _patches(travel: Travel, start: float, contact_length: float, sound: ContactSound) -> _Patches:
     """Divide a track into patches, as long as the longest of three lengths.
 
     They are a hundredth of the lap, the length of the contact, within which places sound together,
     and the way that the ball rolls while a single push lasts.
     """
-    track = scene.track
+    track = travel.track
     period = track.plate_nodes * track.spacing
     is_lap = track.distance >= period * (1 - 1e-9)
     length = period if is_lap else track.distance
-    begin = 0.0 if is_lap else scene.start
-    fastest = float(scene.motion.fastest(sound.duration))
+    begin = 0.0 if is_lap else start
+    fastest = float(travel.motion.fastest(sound.duration))
     lengths = {
         "a hundredth of the track": length / PATCHES,
-        "the length of the contact": 2 * semi_axes(scene)[0],
+        "the length of the contact": contact_length,
         "the way of a single push": fastest * _spread_s(sound),
     }
     reason = max(lengths, key=lambda name: lengths[name])

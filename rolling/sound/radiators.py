@@ -2,13 +2,12 @@
 
 Sphere, contact and plate are a chain of linear bodies that the approach under the constant load
 moves. It gives the comb of a looped record, in which a sharp resonance falls on a line or between
-two, and the level of the vibration that a run without dynamics leaves out. Its scene need not
-describe the bodies: a steel sphere on a steel plate of 10 mm replaces missing ones.
+two, and the level of the vibration that a run without dynamics leaves out.
 """
 
 import math
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,47 +15,47 @@ from acoustics import level, wav
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, EDGES_HZ, MID_HZ, third_octave_mean_square
 from acoustics.loss_factors import least_loss_factor
-from acoustics.numbers import rounded
 from acoustics.plate_modes import FREE
 from acoustics.radiation import Body, ThinPlate, axis_transfer
 from acoustics.sound_power import band_power
 from acoustics.spectrum import audible_lines
 from acoustics.unbaffled import baffle_uncertainty_db
 from acoustics.weighting import a_weighting_db
-from rolling.dynamics import of_scene
+from rolling.contact.track import Motion
+from rolling.dynamics.ball_on_plate import BallOnPlate, PlateBody
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.comb import Comb, speeds_of_comb, spread_db
 from rolling.dynamics.force_law import ForceLaw
-from rolling.scene.library import NONE
-from rolling.scene.quantities import STEEL_DENSITY, STEEL_GPA, STEEL_POISSON
-from rolling.scene.scene import Scene
 from rolling.sound import edged_sound
 from rolling.sound.contact_sound import faded
 from rolling.sound.error_estimate import Gain
+from rolling.sound.listener import Listener
 
 
-def sources(scene: Scene) -> list[Body]:
-    """Return the bodies that are heard."""
-    bodies: list[Body] = [of_scene.ground(scene)]
-    if scene.sound.ball:
-        bodies.append(of_scene.ball(scene))
-    return bodies
+def sources(bodies: BallOnPlate, listener: Listener) -> list[Body]:
+    """Return the bodies that a listener hears."""
+    radiating: list[Body] = [bodies.plate.ground]
+    if listener.hears_ball:
+        radiating.append(bodies.ball)
+    return radiating
 
 
-def powers(scene: Scene, force: Array, highest: float) -> tuple[Array, Array]:
+def powers(bodies: BallOnPlate, force: Array, highest: float) -> tuple[Array, Array]:
     """Return the sound power [W] of plate and sphere in third octaves."""
-    body = of_scene.ground(scene)
+    ground = bodies.plate.ground
     rate = wav.SAMPLE_RATE_HZ
-    of_ball = band_power(force, rate, of_scene.ball(scene))
+    of_ball = band_power(force, rate, bodies.ball)
     plate = np.full(len(of_ball), np.nan)
-    if (rectangle := of_scene.rectangular_plate(scene)) is not None:
+    rectangle = bodies.plate.with_edges
+    if rectangle is not None:
         frequency, square = audible_lines(force, rate)
-        power = edged_sound.power_per_force(scene, rectangle, frequency)
+        points = edged_sound.points_on_path(bodies.plate)
+        power = edged_sound.power_per_force(rectangle, points, frequency)
         plate = third_octave_mean_square(frequency, square * power)
-    elif isinstance(body, ThinPlate):
-        plate = band_power(force, rate, body)
-        if not body.loss_factor:  # it decides the power above coincidence
-            plate[EDGES_HZ[1:] > body.critical_hz] = np.nan
+    elif isinstance(ground, ThinPlate):
+        plate = band_power(force, rate, ground)
+        if not ground.loss_factor:  # it decides the power above coincidence
+            plate[EDGES_HZ[1:] > ground.critical_hz] = np.nan
     known = known_bands(highest)
     return np.where(known, plate, np.nan), np.where(known, of_ball, np.nan)
 
@@ -66,34 +65,35 @@ def known_bands(highest: float) -> Array:
     return np.asarray(EDGES_HZ[1:] <= min(highest, wav.SAMPLE_RATE_HZ / 2))
 
 
-def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
+def roughness_gain(bodies: BallOnPlate, listener: Listener, chain: Chain) -> Gain:
     """Return the power gain [Pa2/m2] from an approach under the constant load to the pressure.
 
-    Sphere, contact and plate are a linear chain with the stiffness of a smooth contact. It serves
+    Sphere, contact and plate are a linear chain. With the stiffness of a smooth contact it serves
     for ratios of powers, in which an error of the stiffness cancels.
     """
-    if chain is None:
-        chain = of_scene.smooth_chain(scene)
-    plate = of_scene.rectangular_plate(scene)
-    bodies = sources(scene)
+    rectangle = bodies.plate.with_edges
+    radiating = sources(bodies, listener)
 
     def gain(frequency: Array) -> Array:
         force = chain.force(frequency, np.ones(len(frequency)))
-        if plate is not None:
-            return edged_sound.square_transfer(scene, plate, frequency) * np.square(np.abs(force))
-        transfer = sum(axis_transfer(frequency, body, scene.sound.distance_m) for body in bodies)
+        if rectangle is not None:
+            square = edged_sound.square_transfer(bodies, listener, rectangle, frequency)
+            return square * np.square(np.abs(force))
+        transfer = sum(axis_transfer(frequency, body, listener.distance_m) for body in radiating)
         return np.square(np.abs(transfer * force))
 
     return gain
 
 
-def comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
-    """Return the levels over other speeds; None where a resonance holds several lines."""
+def comb(law: ForceLaw, chain: Chain, bodies: BallOnPlate, gain: Gain, speed: float) -> Comb | None:
+    """Return the levels over other speeds; None where a resonance holds several lines.
+
+    `gain` is that of `roughness_gain`, and `speed` [m/s] the maximum along the track.
+    """
     if law.period_m is None:
         return None
-    approach = law.approach(law.position_m, scene.load)
+    approach = law.approach(law.position_m, bodies.load_n)
     lines: Array = 2 * np.square(np.abs(np.fft.rfft(approach)[1:] / len(approach)))
-    gain = roughness_gain(scene, chain)
 
     def weighted(frequency: Array) -> Array:
         """Return the A-weighted gain of lines."""
@@ -102,8 +102,8 @@ def comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
     speeds = speeds_of_comb(
         chain=chain,
         lines=lines,
-        line_hz=scene.motion.fastest(scene.duration) / law.period_m,
-        loss_factor=least_loss_factor(scene.plate.loss_factor or 0.0),
+        line_hz=speed / law.period_m,
+        loss_factor=least_loss_factor(bodies.plate.loss_factor or 0.0),
         gain=weighted,
     )
     if speeds is None:
@@ -121,15 +121,6 @@ def comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
     )
 
 
-THICKNESS_MM = 10.0
-STEEL = {"plate.youngs_modulus_gpa": STEEL_GPA, "plate.poissons_ratio": STEEL_POISSON}
-# Limits of another plate may be too high for steel, and the solved contact has them already.
-ELASTIC = {"plate.density_kg_m3": STEEL_DENSITY, "plate.hardness_gpa": NONE}
-UNLIMITED: dict[str, None] = {
-    "plate.yield_strength_gpa": None,
-    "plate.plasticity": None,
-    "rolling.passes": None,
-}
 PLACES = 8  # usual number of places between two lines of a record at which a resonance may lie
 MAX_PLACES = 512  # maximum number of these places
 MAX_GAINS = 400_000  # maximum number of places of all lines together
@@ -156,34 +147,35 @@ class ContactLoss(NamedTuple):
     third_octave_db: Array
 
 
-def contact_loss(scene: Scene, law: ForceLaw, chain: Chain) -> ContactLoss | None:
-    """Return how a loss of the contact would change the levels of a scene, by the linear chain.
+def contact_loss(
+    law: ForceLaw, chain: Chain, bodies: BallOnPlate, gain: Gain, motion: Motion
+) -> ContactLoss | None:
+    """Return how a loss of the contact would change the levels, by the linear chain.
 
-    None where it is not in doubt: the scene states a loss factor, the sphere falls, or nothing is
-    heard.
+    `gain` is that of `roughness_gain`. None where the loss is not in doubt: a loss factor is
+    stated, the sphere falls, or nothing is heard.
     """
-    stated = scene.plate.contact_loss_factor is not None
-    if stated or scene.rolling.drop_mm is not None or scene.is_smooth:
+    if bodies.contact_loss_factor is not None or bodies.falls or bodies.is_smooth:
         return None
     closed = law.period_m is not None
-    approach = law.approach(law.position_m, scene.load)
+    approach = law.approach(law.position_m, bodies.load_n)
     if closed:
         approach = np.append(approach, approach[0])
     step = law.spacing_m
-    duration = scene.motion.duration((len(approach) - 1) * step)
-    looped = closed and scene.motion.is_constant(duration)
-    signal = approach_in_time(scene, approach, step, looped)
+    duration = motion.duration((len(approach) - 1) * step)
+    looped = closed and motion.is_constant(duration)
+    signal = approach_in_time(motion, approach, step, looped)
     if not looped:
         signal = faded(signal, duration)
     frequency, mean_square = audible_lines(signal - signal.mean(), len(signal) / duration)
     if not mean_square.sum() > 0:
         return None
     points = _places_of_resonance(chain, frequency, 1 / duration)
-    gain = roughness_gain(scene, chain)(points.ravel()).reshape(points.shape)
-    without = mean_square * gain.mean(axis=1)
+    gains = gain(points.ravel()).reshape(points.shape)
+    without = mean_square * gains.mean(axis=1)
     ratio = force_gain(replace(chain, contact_loss_factor=UNKNOWN_LOSS), points)
     ratio /= force_gain(chain, points)
-    with_loss = mean_square * (gain * ratio).mean(axis=1)
+    with_loss = mean_square * (gains * ratio).mean(axis=1)
     weights = 10 ** (a_weighting_db(frequency) / 10)
     bands = third_octave_mean_square(frequency, without)
     damped_bands = third_octave_mean_square(frequency, with_loss)
@@ -207,13 +199,13 @@ class BaffleSpread(NamedTuple):
     third_octave_db: Array
 
 
-def baffle_spread(scene: Scene, weighted_square: Array) -> BaffleSpread | None:
+def baffle_spread(plate: PlateBody, weighted_square: Array) -> BaffleSpread | None:
     """Return what the missing baffle leaves on the levels of a free plate; None for others.
 
     The third octaves change in the same sense, so their spreads are added by their share of the
     A-weighted mean squares (31,).
     """
-    bands = baffle_bands_db(scene)
+    bands = baffle_bands_db(plate)
     whole = float(weighted_square.sum())
     if bands is None or not whole > 0:
         return None
@@ -223,12 +215,13 @@ def baffle_spread(scene: Scene, weighted_square: Array) -> BaffleSpread | None:
     )
 
 
-def baffle_bands_db(scene: Scene) -> Array | None:
+def baffle_bands_db(plate: PlateBody) -> Array | None:
     """Return the uncertainty of third octaves of a free plate (31,) [dB]; None for others."""
-    plate = of_scene.rectangular_plate(scene)
-    if plate is None or set(scene.plate.edge_pair) != {FREE}:
+    rectangle = plate.with_edges
+    if rectangle is None or set(plate.edges) != {FREE}:
         return None
-    return baffle_uncertainty_db(MID_HZ, plate.length_m * plate.width_m, plate.critical_hz)
+    area = rectangle.length_m * rectangle.width_m
+    return baffle_uncertainty_db(MID_HZ, area, rectangle.critical_hz)
 
 
 def _places_of_resonance(chain: Chain, frequency: Array, width: float) -> Array:
@@ -243,35 +236,6 @@ def _spread_over_intervals(frequency: Array, count: int, width: float) -> Array:
     """Return `count` frequencies in the interval [Hz] of each line, (lines, count)."""
     offsets = ((np.arange(count) + 0.5) / count - 0.5) * width
     return np.asarray(np.maximum(frequency[:, None] + offsets, 1.0))
-
-
-def with_bodies(scene: Scene) -> Scene:
-    """Return a scene that describes sphere and plate; one without a density is of steel."""
-    plate = scene.plate
-    bodies: dict[str, Any] = {"dynamics": {}, "sound.source": "release"}
-    if plate.density_kg_m3 is None:
-        bodies |= STEEL | ELASTIC | UNLIMITED
-    bodies["plate.thickness_mm"] = plate.thickness_mm or THICKNESS_MM
-    if scene.sphere.density_kg_m3 is None:
-        bodies["sphere.density_kg_m3"] = STEEL_DENSITY
-    return scene.with_(bodies)
-
-
-def bodies_text(scene: Scene) -> str:
-    """Write the bodies of an estimate: a ball of steel on a 10 mm plate of steel."""
-    ball = _material_text(scene.sphere.material, scene.sphere.density_kg_m3)
-    plate = _material_text(scene.plate.material, scene.plate.density_kg_m3)
-    thickness = scene.plate.thickness_mm or THICKNESS_MM
-    return f"a ball of {ball} on a {rounded(thickness, 4)} mm plate of {plate}"
-
-
-def _material_text(material: str | None, density: float | None) -> str:
-    """Write the material of a body, its density [kg/m3], or the steel in place of both."""
-    if material is not None:
-        return material
-    if density is None:
-        return "steel"
-    return f"{rounded(density, 4)} kg/m³"
 
 
 class VibrationEstimate(NamedTuple):
@@ -296,11 +260,13 @@ class VibrationEstimate(NamedTuple):
 
 
 def vibration_estimate(
-    scene: Scene,
+    bodies: BallOnPlate,
+    listener: Listener,
+    motion: Motion,
     approach: Array,
     step: float,
     closed: bool,
-    stiffness_n_m: Array | float | None = None,
+    stiffness_n_m: Array | float,
 ) -> VibrationEstimate:
     """Estimate the LAeq of the vibration, its uncertainty, and the fluctuation of the force.
 
@@ -309,21 +275,22 @@ def vibration_estimate(
 
     Parameters
     ----------
-    scene : Scene. A scene; without dynamics it gets the bodies of `with_bodies`.
+    bodies : BallOnPlate. Ball and plate.
+    listener : Listener. Listener of the vibration.
+    motion : Motion. Distance and speed over time.
     approach : (steps + 1,) array, m. Approach under the constant load at the ends of the steps.
     step : float, m. Length of a step.
     closed : bool. If true, the steps are whole laps of the track.
     stiffness_n_m : (positions,) array or float, N/m. Stiffness of the contact at positions along
-        the track. Default: that of a smooth contact.
+        the track.
     """
-    motion = scene.motion
     steps = len(approach) - 1
     duration = motion.duration(steps * step)
     silence = VibrationEstimate(laeq_db=None, parts_db={}, force_ratio=0.0, contact_loss_db=0.0)
-    if scene.is_smooth or steps < 4:
+    if bodies.is_smooth or steps < 4:
         return silence
     looped = closed and motion.is_constant(duration)
-    signal = approach_in_time(scene, approach, step, looped)
+    signal = approach_in_time(motion, approach, step, looped)
     if not looped:
         signal = faded(signal, duration)
     rate = len(signal) / duration
@@ -331,22 +298,19 @@ def vibration_estimate(
     frequency, mean_square = audible_lines(signal - signal.mean(), rate)
     if not mean_square.sum() > 0:
         return silence
-    bodies = scene if scene.dynamics is not None else with_bodies(scene)
-    stiffness = np.atleast_1d(of_scene.smooth_stiffness(scene))
-    if stiffness_n_m is not None:
-        stiffness = np.atleast_1d(stiffness_n_m)
+    stiffness = np.atleast_1d(stiffness_n_m)
     mean_stiffness = float(1 / np.mean(1 / stiffness))
-    chain = of_scene.chain(bodies, mean_stiffness)
-    points = places_of_lines(bodies, chain, frequency, 1 / duration)
+    chain = bodies.chain(mean_stiffness)
+    points = places_of_lines(bodies.plate, chain, frequency, 1 / duration)
     forces = force_gain(chain, points)
-    gain = roughness_gain(bodies, chain)(points.ravel()).reshape(points.shape)
+    gain = roughness_gain(bodies, listener, chain)(points.ravel()).reshape(points.shape)
     gain *= mean_square[:, None] * 10 ** (a_weighting_db(points) / 10) / forces
 
     def weighted_squares(stiffnesses: Array) -> Array:
         """Return A-weighted mean squares of the lines at their places, as a mean over chains."""
         forces = np.zeros_like(points)
         for value in stiffnesses:
-            forces += force_gain(of_scene.chain(bodies, float(value)), points)
+            forces += force_gain(bodies.chain(float(value)), points)
         return np.asarray(gain * forces / len(stiffnesses))
 
     def squares_at(factor: float) -> Array:
@@ -366,7 +330,7 @@ def vibration_estimate(
     of_softer = _apart_db(float(softer.mean()), mean)
     of_stiffer = _apart_db(float(stiffer.mean()), mean)
     contact_loss_db = 0.0
-    if bodies.plate.contact_loss_factor is None:
+    if bodies.contact_loss_factor is None:
         damped = replace(chain, contact_loss_factor=UNKNOWN_LOSS)
         with_loss = (gain * force_gain(damped, points)).sum(axis=0).mean()
         contact_loss_db = 10 * math.log10(float(with_loss) / mean)
@@ -382,7 +346,7 @@ def vibration_estimate(
     return VibrationEstimate(
         laeq_db=level.level_db(square),
         parts_db=parts_db,
-        force_ratio=math.sqrt(float(mean_square @ forces.mean(axis=1))) / scene.load,
+        force_ratio=math.sqrt(float(mean_square @ forces.mean(axis=1))) / bodies.load_n,
         contact_loss_db=contact_loss_db,
     )
 
@@ -398,14 +362,13 @@ def _apart_db(square: float, other: float) -> float:
     return abs(10 * math.log10(max(square, 1e-12 * other) / other))
 
 
-def approach_in_time(scene: Scene, approach: Array, step: float, looped: bool) -> Array:
+def approach_in_time(motion: Motion, approach: Array, step: float, looped: bool) -> Array:
     """Return the approach [m] at even times, dense enough for hearing, by splines along the track.
 
     The force law of a run joins its positions in the same way.
     """
     from scipy.interpolate import CubicSpline  # slow to import
 
-    motion = scene.motion
     steps = len(approach) - 1
     duration = motion.duration(steps * step)
     count = max(steps, math.ceil(DENSE * AUDIBLE_HZ[1] * duration))
@@ -419,14 +382,14 @@ def approach_in_time(scene: Scene, approach: Array, step: float, looped: bool) -
     return np.asarray(joined(np.minimum(distances / step, steps)))
 
 
-def places_of_lines(scene: Scene, chain: Chain, frequency: Array, width: float) -> Array:
+def places_of_lines(plate: PlateBody, chain: Chain, frequency: Array, width: float) -> Array:
     """Return frequencies [Hz] around each line, within the width of an interval, (lines, places).
 
     A resonance that is narrower than the distance of two lines falls on a line or between them.
     """
     sharp = chain.resonance_hz / chain.quality
     if chain.modes is not None:
-        sharp = min(sharp, float(frequency[0]) * least_loss_factor(scene.plate.loss_factor or 1.0))
+        sharp = min(sharp, float(frequency[0]) * least_loss_factor(plate.loss_factor or 1.0))
     wanted = math.ceil(PLACES * width / sharp) if sharp > 0 else MAX_PLACES
     most = min(MAX_PLACES, MAX_GAINS // len(frequency))  # a long record has dense lines
     return _spread_over_intervals(frequency, max(1, min(max(PLACES, wanted), most)), width)

@@ -19,14 +19,16 @@ from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import RHO_C, pressure_on_axis
 from acoustics.traps import ignoring_underflow
 from acoustics.uncertainty import ExcessVariance
-from rolling.dynamics import of_scene
+from rolling.contact.track import Motion, Travel
+from rolling.dynamics.ball_on_plate import BallOnPlate
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.comb import COMB_MOST_DB, Comb
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import MAX_STEPS, BodyMotion
-from rolling.scene.scene import Scene
+from rolling.dynamics.motion_of_ball import motion_of_ball
 from rolling.sound import edged_sound, radiators
 from rolling.sound.contact_sound import ContactSound, faded, faded_out
+from rolling.sound.listener import Listener
 from rolling.sound.radiators import (
     HALF,
     BaffleSpread,
@@ -200,7 +202,9 @@ def by_band(power: Array) -> dict[str, float | None]:
 
 
 def vibrate(
-    scene: Scene,
+    bodies: BallOnPlate,
+    listener: Listener,
+    travel: Travel,
     law: ForceLaw,
     highest: float,
     whole_laps: bool,
@@ -212,19 +216,20 @@ def vibrate(
     `highest` is the Nyquist frequency [Hz] of the steps at the maximum speed. The record holds
     `laps` laps of the track, whole laps of a closed track if `whole_laps`.
     """
-    once = scene.rolling.drop_mm is not None
+    once = bodies.falls
     if once:  # the time steps resolve an impact, whatever the steps of the track
         highest = max(highest, wav.SAMPLE_RATE_HZ / 2)
     if motion is None:
-        motion = of_scene.motion(scene, law)
-    chain = of_scene.chain_over(scene, law)
+        motion = motion_of_ball(bodies, travel, law)
+    chain = bodies.chain_over(law)
     closed = whole_laps and bool(motion.settled)
-    force, pressures = radiated_by_motion(scene, motion, closed)
+    force, pressures = radiated_by_motion(bodies, listener, travel.motion, motion, closed)
     pressure = pressures[0]
     levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
+    gain = radiators.roughness_gain(bodies, listener, chain)
     combed = None
     if motion.settled and levels.laeq_db is not None:
-        combed = comb(scene, law, chain)
+        combed = comb(law, chain, bodies, gain, travel.fastest_m_s)
     spread = uncertainty.level_uncertainty(pressure, wav.SAMPLE_RATE_HZ, levels, False, laps=laps)
     excess = None
     if closed and combed is None and levels.laeq_db is not None:
@@ -236,21 +241,25 @@ def vibrate(
         spreads["record"] = spread.laeq_db
     if combed is not None:
         spreads["comb"] = combed.spread_db
-    step_error_db = _step_error(scene, law, motion, levels.laeq_db, closed)
+    step_error_db = None
+    if levels.laeq_db is not None and _is_short(motion):
+        twice = motion_of_ball(bodies, travel, law, 2 * motion.time_step_s)
+        _, coarse = radiated_by_motion(bodies, listener, travel.motion, twice, closed, count=1)
+        step_error_db = _change_db(levels.laeq_db, coarse[0])
     if step_error_db is not None:
         spreads["time_step"] = step_error_db
     loss = None
     if levels.laeq_db is not None:
-        loss = radiators.contact_loss(scene, law, chain)
+        loss = radiators.contact_loss(law, chain, bodies, gain, travel.motion)
     if loss is not None:
         spreads["contact_loss"] = HALF * abs(loss.laeq_db)
-    unbaffled = radiators.baffle_spread(scene, _weighted_squares(levels))
+    unbaffled = radiators.baffle_spread(bodies.plate, _weighted_squares(levels))
     if unbaffled is not None:
         spreads["baffle"] = unbaffled.laeq_db
     if once:  # an event is no sample of a noise
         known = 0.0 if spreads else None
         spread = spread.mapped(lambda _: known)
-    plate_power, ball_power = powers(scene, force, highest)
+    plate_power, ball_power = powers(bodies, force, highest)
     band_spreads = _band_spreads(step_error_db, chain, combed, loss, unbaffled)
     if spread.laeq_db is not None and not once:
         of_record = [spread.third_octave_db[name] or 0.0 for name in BAND_NAMES]
@@ -259,7 +268,7 @@ def vibrate(
         motion=motion,
         law=law,
         chain=chain,
-        load=scene.load,
+        load=bodies.load_n,
         closed=closed,
         highest=highest,
         force=force,
@@ -278,53 +287,69 @@ def vibrate(
 
 
 def radiated_by_motion(
-    scene: Scene, motion: BodyMotion, closed: bool, listeners: int | None = None
+    bodies: BallOnPlate,
+    listener: Listener,
+    along_track: Motion,
+    motion: BodyMotion,
+    closed: bool,
+    count: int | None = None,
 ) -> tuple[Array, Array]:
-    """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a motion."""
-    fluctuation = force_fluctuation(scene, motion, closed)
-    return radiated(scene, fluctuation, 1 / motion.time_step_s, closed, listeners)
+    """Return force fluctuation [N] and pressures [Pa], (places, samples), of a motion."""
+    fluctuation = force_fluctuation(bodies, motion, closed)
+    return radiated(
+        bodies, listener, along_track, fluctuation, 1 / motion.time_step_s, closed, count
+    )
 
 
-def force_fluctuation(scene: Scene, motion: BodyMotion, closed: bool) -> Array:
+def force_fluctuation(bodies: BallOnPlate, motion: BodyMotion, closed: bool) -> Array:
     """Return the fluctuation of the contact force [N] at the time steps, faded unless closed."""
     duration = len(motion.force_n) * motion.time_step_s
-    falls = scene.rolling.drop_mm is not None
     # On a smooth surface the remainder is the solver's error; a flight has no remainder.
-    if (scene.is_smooth and not falls) or motion.flight_share == 1:
+    if (bodies.is_smooth and not bodies.falls) or motion.flight_share == 1:
         return np.zeros_like(motion.force_n)
-    if falls:
+    if bodies.falls:
         return faded_out(motion.force_n, duration)  # it begins in silence
-    fluctuation = motion.force_n - scene.load
+    fluctuation = motion.force_n - bodies.load_n
     return fluctuation if closed else faded(fluctuation, duration)
 
 
 def radiated(
-    scene: Scene, fluctuation: Array, rate: float, closed: bool, listeners: int | None = None
+    bodies: BallOnPlate,
+    listener: Listener,
+    along_track: Motion,
+    fluctuation: Array,
+    rate: float,
+    closed: bool,
+    count: int | None = None,
 ) -> tuple[Array, Array]:
-    """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a faded record."""
+    """Return force [N] and pressures [Pa] at first places from a force at any rate [Hz].
+
+    The force is whole, or faded at the ends of an open record. `along_track` is distance and speed
+    of the ball over time, for a contact that moves on a plate with edges. `count` is the number of
+    the first places, by default all.
+    """
     samples = max(2, round(len(fluctuation) / rate * wav.SAMPLE_RATE_HZ))
     force = _audible_samples(fluctuation, samples)
-    plate = of_scene.rectangular_plate(scene)
-    if plate is not None:
+    if bodies.plate.with_edges is not None:
         # Without its mean, a fall would begin with a step of the force.
         whole = resampling.resample_closed(fluctuation, samples)
-        return force, edged_sound.pressures(scene, plate, whole, closed, listeners)
-    pressure = pressure_on_axis(fluctuation, rate, sources(scene), scene.sound.distance_m)
+        return force, edged_sound.pressures(bodies, listener, along_track, whole, closed, count)
+    radiating = sources(bodies, listener)
+    pressure = pressure_on_axis(fluctuation, rate, radiating, listener.distance_m)
     return force, _audible_samples(pressure, samples)[None]
 
 
-def _step_error(
-    scene: Scene, law: ForceLaw, motion: BodyMotion, laeq_db: float | None, closed: bool
-) -> float | None:
-    """Return the change of LAeq by steps twice as long [dB]; None for silence or a long run-in."""
-    if laeq_db is None or (motion.laps + 1) * len(motion.force_n) > MAX_STEPS:
-        return None
-    twice = of_scene.motion(scene, law, 2 * motion.time_step_s)
-    _, pressures = radiated_by_motion(scene, twice, closed, listeners=1)
-    coarse = level.sound_levels(pressures[0], wav.SAMPLE_RATE_HZ).laeq_db
-    if coarse is None:
+def _is_short(motion: BodyMotion) -> bool:
+    """Tell whether a motion with its run-in is short enough to be computed twice."""
+    return (motion.laps + 1) * len(motion.force_n) <= MAX_STEPS
+
+
+def _change_db(laeq_db: float, coarse: Array) -> float:
+    """Return the change of LAeq [dB] by the pressure of steps twice as long, at most UNKNOWN_DB."""
+    coarse_db = level.sound_levels(coarse, wav.SAMPLE_RATE_HZ).laeq_db
+    if coarse_db is None:
         return UNKNOWN_DB
-    return min(abs(laeq_db - coarse), UNKNOWN_DB)
+    return min(abs(laeq_db - coarse_db), UNKNOWN_DB)
 
 
 def _weighted_squares(levels: level.SoundLevels) -> Array:
@@ -423,19 +448,21 @@ def with_impacts(vibration: Vibration, scatter_db: float | None) -> Vibration:
     )
 
 
-def compact_source_db(scene: Scene, vibrating: Vibration) -> float | None:
+def compact_source_db(
+    bodies: BallOnPlate, listener: Listener, vibrating: Vibration
+) -> float | None:
     """Return the A-weighted level [dB] of a compact source with the sound power of the vibration.
 
     The source radiates evenly into a half-space, p^2 = rho c P / (2 pi r^2), which is the mean over
     a half sphere beyond the edges of a plate. The power of the plate depends on its loss factor, so
     None is returned without one, and for a half-space.
     """
-    if not scene.plate.loss_factor:
+    if not bodies.plate.loss_factor:
         return None
     weighted = level.a_weighted(vibrating.force, wav.SAMPLE_RATE_HZ)
-    plate_power, ball_power = powers(scene, weighted, vibrating.highest)
-    power = np.nansum(plate_power) + (np.nansum(ball_power) if scene.sound.ball else 0.0)
-    return level.level_db(float(power) * RHO_C / (2 * math.pi * scene.sound.distance_m**2))
+    plate_power, ball_power = powers(bodies, weighted, vibrating.highest)
+    power = np.nansum(plate_power) + (np.nansum(ball_power) if listener.hears_ball else 0.0)
+    return level.level_db(float(power) * RHO_C / (2 * math.pi * listener.distance_m**2))
 
 
 def sound_of_vibration(release: ContactSound, vibrating: Vibration) -> ContactSound:

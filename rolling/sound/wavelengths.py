@@ -8,6 +8,7 @@ filter of wheel and rail.
 """
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -15,8 +16,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.spectrum import audible_lines
 from acoustics.weighting import a_weighting_db
-from rolling.dynamics.smooth_contact import semi_axes
-from rolling.scene.scene import Scene
+from rolling.contact.track import Motion, Track
 from rolling.sound.contact_sound import ContactSound
 
 EDGE_UM = 10.0  # an edge of the octaves
@@ -48,26 +48,38 @@ def weighted_lines(sound: ContactSound) -> tuple[Array, Array, Array]:
     return frequency, square, square * 10.0 ** (a_weighting_db(frequency) / 10.0)
 
 
-def mean_speed(scene: Scene, sound: ContactSound) -> float:
+def mean_speed(motion: Motion, sound: ContactSound) -> float:
     """Return the mean speed [m/s] of a record."""
-    return float(scene.motion.distance(sound.duration)) / sound.duration
+    return float(motion.distance(sound.duration)) / sound.duration
 
 
 def wavelength_octaves(
-    scene: Scene, sound: ContactSound, heights: Array | None, approach: Array
+    sound: ContactSound,
+    speed: float,
+    own_factor: bool,
+    linear: Mapping[int, float] | None = None,
 ) -> list[WavelengthOctave]:
-    """Return the octaves within hearing, short waves first, with heights and approach [m].
+    """Return the octaves within hearing of a ball that rolls, short waves first.
 
-    The approach of the solved steps under the constant load is compared with the heights, which
-    only a vibration needs. A silent record and a fall have no octaves.
+    A silent record has no octaves.
+
+    Parameters
+    ----------
+    sound : ContactSound
+        Record of the run.
+    speed : float, m/s
+        Mean speed of the record.
+    own_factor : bool
+        Whether the fluctuation of a release sets its factor to sound pressure.
+    linear : mapping of int to float, optional
+        Linear shares of a vibration by octave, as `linear_shares` returns them. Default: none is
+        known.
     """
     frequency, square, weighted = weighted_lines(sound)
-    if scene.rolling.drop_mm is not None or not weighted.sum() > 0:
+    if not weighted.sum() > 0:
         return []
-    linear = dict[int, float]()
-    if heights is not None and sound.source == "vibration":
-        linear = linear_shares(scene, heights, approach)
-    order = _order(1e6 * mean_speed(scene, sound) / frequency)
+    shares = linear or {}
+    order = _order(1e6 * speed / frequency)
     octaves = []
     for k in range(order.min(), order.max() + 1):
         inside = order == k
@@ -77,8 +89,8 @@ def wavelength_octaves(
             from_um=EDGE_UM * 2.0**k,
             to_um=EDGE_UM * 2.0 ** (k + 1),
             energy_share=share,
-            linear_share=linear.get(k),
-            fall_db=_fall_db(scene, sound, share, unweighted_share, linear.get(k)),
+            linear_share=shares.get(k),
+            fall_db=_fall_db(sound, own_factor, share, unweighted_share, shares.get(k)),
         )
         octaves.append(octave)
     return octaves
@@ -90,7 +102,7 @@ def _order(length_um: Array) -> Array:
 
 
 def _fall_db(
-    scene: Scene, sound: ContactSound, share: float, plain: float, linear: float | None
+    sound: ContactSound, own_factor: bool, share: float, plain: float, linear: float | None
 ) -> float | None:
     """Return the fall of LAeq without the A- and Z-weighted shares of an octave [dB]."""
     if sound.source == "vibration" and linear is not None:
@@ -98,27 +110,49 @@ def _fall_db(
     if share >= 1 - _ALL:
         return None
     fall = 0.0 - 10 * math.log10(1 - share)  # never -0.0
-    if sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None:
-        # The default factor makes p^2 proportional to the rms of the power: half of the fall.
+    if sound.source == "release" and own_factor:
+        # Its own factor makes p^2 proportional to the rms of the power: half of the fall.
         if plain >= 1 - _ALL:
             return None
         fall += 5 * math.log10(1 - plain)
     return fall
 
 
-def linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, float]:
-    """Return the coherence of surface and approach by octave; empty unless a lap is solved."""
+def linear_shares(
+    heights: Array,
+    approach: Array,
+    track: Track,
+    spacing: float,
+    start: float,
+    semi_axes: tuple[float, float],
+) -> dict[int, float]:
+    """Return the coherence of surface and approach by octave; empty unless a lap is solved.
+
+    Parameters
+    ----------
+    heights : (nodes along, nodes across) array, m
+        Heights of the surface.
+    approach : (positions,) array, m
+        Approach of the solved positions under the constant load.
+    track : Track
+        Positions of the ball.
+    spacing : float, m
+        Distance of the nodes.
+    start : float, m
+        First position along the surface.
+    semi_axes : pair of float, m
+        Semi-axes of the smooth contact along and across the track.
+    """
     # To first order the approach under a constant load is the mean of the heights under the
     # pressure, for which Hertz's pressure stands.
-    track = scene.track
     count = len(heights)
-    lap = round(count * scene.spacing / track.step)
+    lap = round(count * spacing / track.step)
     closes = track.closed and track.lap_steps == lap < len(approach)
-    if track.turn_nodes or not closes or abs(lap * track.step / scene.spacing - count) > 1e-6:
+    if track.turn_nodes or not closes or abs(lap * track.step / spacing - count) > 1e-6:
         return {}
-    along_m, across_m = semi_axes(scene)
-    length = along_m / scene.spacing
-    width = across_m / scene.spacing
+    along_m, across_m = semi_axes
+    length = along_m / spacing
+    width = across_m / spacing
     middle = heights.shape[1] // 2
     reach = int(width)
     along = np.fft.fftfreq(count, 1 / count)
@@ -129,10 +163,10 @@ def linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, fl
         mean += np.fft.rfft(line) * np.fft.rfft(weight)
     actual = np.fft.rfft(approach[:lap])
     waves = np.arange(1, min(len(mean), len(actual)))
-    begin = scene.start / (count * scene.spacing)  # of the steps, in laps
+    begin = start / (count * spacing)  # of the steps, in laps
     mean = mean[waves] * np.exp(2j * np.pi * begin * waves)
     actual = actual[waves]
-    order = _order(1e6 * count * scene.spacing / waves)
+    order = _order(1e6 * count * spacing / waves)
     shares = {}
     for k in np.unique(order):
         x = mean[order == k]

@@ -14,6 +14,7 @@ import xarray as xr
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from rolling import __version__
+from rolling.ball.records import listener_of
 from rolling.check import resolution
 from rolling.contact.solver import ContactError
 from rolling.figures.settings import left_out_if_it_fails
@@ -178,7 +179,14 @@ def _row(scene: Scene, variant: Variant, nodes: int, series: Mapping[str, Array]
     solved = scene.with_({"numerics.tolerance": variant.tolerance})
     step = variant.step_nodes * scene.spacing
     closed = nodes == scene.track.n_along
-    sound = contact_sound(solved, series["release_energy"], step, closed)
+    sound = contact_sound(
+        series["release_energy"],
+        step=step,
+        motion=solved.motion,
+        listener=listener_of(solved),
+        tolerance=solved.tolerance,
+        closed=closed,
+    )
     levels = sound.levels
     bands = np.array([levels.third_octave_db[name] for name in BANDS], dtype=float)
     return xr.Dataset(

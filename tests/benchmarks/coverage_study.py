@@ -31,6 +31,8 @@ import rolling as rc
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.level import RecordNumbers, SoundLevels
+from rolling.ball.bodies_of_scene import bodies_of
+from rolling.ball.records import listener_of
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
@@ -147,7 +149,15 @@ def levels_of(scene: rc.Scene) -> dict[str, Levels]:
     """Return the levels of a run by source."""
     result = solved(scene)
     energy, closed = released_energy(scene, result)
-    release = contact_sound(scene, energy, result.step, closed, result.solved_steps)
+    release = contact_sound(
+        energy,
+        step=result.step,
+        motion=scene.motion,
+        listener=listener_of(scene),
+        tolerance=scene.tolerance,
+        closed=closed,
+        lap_steps=result.solved_steps,
+    )
     run = make_run(RunFolder({}, scene, Path()), "", result, {})
     assert run.vibration_sound is not None  # scenes of the study have dynamics
     return {
@@ -261,9 +271,17 @@ def reference(scene: rc.Scene, result: Result, vibration: Vibration) -> dict[str
             release = energy
     law = replace(own, approach_m=np.array(approach))
     whole_laps = result.steps % result.solved_steps == 0
-    finely = vibrate(scene, law, vibration.highest, whole_laps)
-    tight = scene.with_({"numerics.tolerance": TOLERANCE})
-    sound = contact_sound(tight, release, result.step, True, result.solved_steps)
+    listener = listener_of(scene)
+    finely = vibrate(bodies_of(scene), listener, scene.travel, law, vibration.highest, whole_laps)
+    sound = contact_sound(
+        release,
+        step=result.step,
+        motion=scene.motion,
+        listener=listener,
+        tolerance=TOLERANCE,
+        closed=True,
+        lap_steps=result.solved_steps,
+    )
     return {"vibration": finely.stated_levels, "release": sound.levels}
 
 

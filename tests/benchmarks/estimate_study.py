@@ -23,6 +23,7 @@ import rolling as rc
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, EDGES_HZ, reliable
 from acoustics.level import SoundLevels
+from rolling.ball.records import listener_of
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
@@ -187,8 +188,15 @@ def compare(scene: rc.Scene) -> tuple[pd.DataFrame, dict[str, Any]]:
 
 def _levels(scene: rc.Scene, release: Array) -> SoundLevels:
     """Return the levels of a release at the tolerance of the reference."""
-    solved = scene.with_({"numerics.tolerance": TOLERANCE})
-    return contact_sound(solved, release, scene.step, scene.track.closed).levels
+    sound = contact_sound(
+        release,
+        step=scene.step,
+        motion=scene.motion,
+        listener=listener_of(scene),
+        tolerance=TOLERANCE,
+        closed=scene.track.closed,
+    )
+    return sound.levels
 
 
 def _signal_db(scene: rc.Scene, own: Array, fine: Array) -> float:

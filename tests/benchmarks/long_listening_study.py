@@ -22,10 +22,12 @@ from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, sound_levels
 from acoustics.uncertainty import kurtosis
+from rolling.ball.bodies_of_scene import bodies_of, circumference_of
+from rolling.ball.records import listener_of
 from rolling.dynamics.force_law import ForceLaw
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
-from rolling.sound.long_listening import Listening, listen_to_vibration
+from rolling.sound.long_listening import Listening, LongTravel, listen_to_vibration
 
 PARTS = 10  # of the solved track, each continued by itself
 LENGTHS = 10  # of a continuation, in lengths of the solved track
@@ -122,7 +124,10 @@ def compare(run: Run, parts: int = PARTS, lengths: float = LENGTHS) -> pd.DataFr
     rows = []
     for part in range(parts):
         short = part_of(law, part, parts)
-        listening = listen_to_vibration(scene, short, seconds, part)
+        travel = LongTravel(
+            motion=scene.motion, seconds=seconds, seed=part, turn_m=circumference_of(scene)
+        )
+        listening = listen_to_vibration(bodies_of(scene), listener_of(scene), short, travel)
         own = levels_of(listening.pressure, rate, run.sound.highest)[0]
         per_second, own_kurtosis = rates(listening)
         agree = []

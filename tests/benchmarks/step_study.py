@@ -23,6 +23,7 @@ from tqdm import tqdm
 import rolling as rc
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
+from rolling.ball.records import listener_of
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
@@ -77,7 +78,14 @@ class Stretch:
     def sound(self, nodes: int, speed: float) -> ContactSound:
         """Return the sound of a release at a speed [m/s]."""
         scene = self.scene.with_({"rolling.speed_m_s": speed})
-        return contact_sound(scene, self.releases[nodes], nodes * scene.spacing, True)
+        return contact_sound(
+            self.releases[nodes],
+            step=nodes * scene.spacing,
+            motion=scene.motion,
+            listener=listener_of(scene),
+            tolerance=scene.tolerance,
+            closed=True,
+        )
 
     def error_db(self, nodes: int, speed: float) -> float:
         """Return the error of the audible release from long steps over its fluctuation [dB]."""

@@ -18,7 +18,8 @@ import pandas as pd
 from small_scenes import small_scene
 
 import rolling as rc
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.bodies_of_scene import bodies_of, smooth_contact_of
+from rolling.ball.records import listener_of
 from rolling.marches.stiffness import solved_stiffness
 from rolling.results.run_errors import LINEAR
 from rolling.sound.radiators import vibration_estimate
@@ -43,7 +44,9 @@ def compare(seed: int) -> dict[str, float | str]:
     approach = result.series["approach"]
     step = result.step
     closed = run.sound.closed
-    estimate = vibration_estimate(scene, approach, step, closed, solved)
+    estimate = vibration_estimate(
+        bodies_of(scene), listener_of(scene), scene.motion, approach, step, closed, solved
+    )
     return {
         "seed": seed,
         "ground": ground,

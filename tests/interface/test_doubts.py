@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from finished import VIBRATING, doubt_lines, marched
 from made_numbers import bands, changed, computed, released, run_with
+from scene_sounds import sound_of_release
 from scene_text import PLAIN, TINY
 
 from acoustics.bands import BAND_NAMES
@@ -28,7 +29,7 @@ from rolling.results.run_result import Run
 from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.sound.contact_sound import ContactSound, contact_sound
+from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import Vibration
 from rolling.terminal import streams
 
@@ -43,7 +44,7 @@ def scene_of(seconds: float, *overrides: str) -> Scene:
 def sound_of(scene: Scene, closed: bool = True, noise: float = 0.1) -> ContactSound:
     steps = round(scene.motion.distance(scene.rolling.duration_s) / STEP)
     share = noise * np.random.default_rng(1).standard_normal(steps)
-    return contact_sound(scene, np.full(steps, 1e-9) * (1.0 + share), STEP, closed)
+    return sound_of_release(scene, np.full(steps, 1e-9) * (1.0 + share), STEP, closed)
 
 
 def said(
@@ -81,6 +82,11 @@ def test_silence_has_no_level_to_bound_and_no_pitch() -> None:
     assert "short_loop" not in silent and silent["upper_bound"].startswith("The steady level")
     # The surface is rough: whether it is silent a tighter solve would tell.
     assert "counts as silent" in silent["solver"] and "numerics.tolerance" in silent["solver"]
+
+
+def test_a_perfectly_smooth_contact_has_no_sound_that_the_solver_could_hide() -> None:
+    smooth = "surface={kind: smooth, spacing_um: 2, width_um: 160}"
+    assert "solver" not in said(0.03, smooth, noise=0.0)
 
 
 @pytest.mark.parametrize(("seconds", "rate"), [(0.03, "33"), (0.29, "3.4"), (0.31, None)])

@@ -16,6 +16,7 @@ from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from report_runs import runs_of, single
+from scene_sounds import sound_of_release
 
 from acoustics import plots
 from acoustics.bands import BAND_NAMES, MID_HZ
@@ -29,7 +30,6 @@ from rolling.kinds.reading import read_scene
 from rolling.report.page import page
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
-from rolling.sound.contact_sound import contact_sound
 
 
 @pytest.fixture(autouse=True)
@@ -63,7 +63,7 @@ def renamed(run: Run, name: str) -> Run:
 
 def sounding(run: Run, energy: np.ndarray) -> Run:
     """Return a run with another release energy per step [J]."""
-    sound = contact_sound(run.scene, energy, 2e-6, True, len(energy))
+    sound = sound_of_release(run.scene, energy, 2e-6, True, len(energy))
     return replace(run, sound=sound)
 
 

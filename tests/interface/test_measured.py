@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from checked import Row, checked
 from hard_cases import gaussian_heights
+from scene_sounds import sound_of_release
 
 from rolling.check import cost
 from rolling.kinds.reading import schema
 from rolling.scene import file
 from rolling.scene.scene import Scene
-from rolling.sound import contact_sound as sound
 from rolling.surface import heights as surface
 from rolling.surface import levelling, scene_surface
 
@@ -135,8 +135,8 @@ def test_level_is_a_key_with_three_values(tmp_path: Path) -> None:
 def test_levels_over_a_seam_are_those_of_the_closed_record(tmp_path: Path) -> None:
     given = scene(tmp_path, gaussian(200, 80))
     energy = 1e-9 * (1 + 0.3 * np.random.default_rng(0).standard_normal(200))
-    plain = sound.contact_sound(given, energy, given.step, True, 200)
-    seamed = sound.contact_sound(given, energy, given.step, True, 200, has_seam=True)
+    plain = sound_of_release(given, energy, given.step, True, 200)
+    seamed = sound_of_release(given, energy, given.step, True, 200, has_seam=True)
     assert (plain.loops, seamed.loops, seamed.closed) == (True, False, True)
     assert np.array_equal(plain.pressure, seamed.pressure) and plain.levels == seamed.levels
     assert (plain.ends, seamed.ends) == ("loops", "does not loop, the surface has a seam")

@@ -160,7 +160,7 @@ def test_tables_and_wav_hold_the_numbers_of_the_files(
         np.testing.assert_array_equal(frame[name].dropna(), root[name])
         assert frame.attrs[name] == root[name].units
     np.testing.assert_array_equal(frame.index, root["position"])
-    assert run.sound.write_wav(tmp_path / "mine.wav") == tmp_path / "mine.wav"
+    assert run.write_wav(tmp_path / "mine.wav") == tmp_path / "mine.wav"
     mine, stored = (wav.read(path) for path in (tmp_path / "mine.wav", folder / "out/signal.wav"))
     np.testing.assert_array_equal(mine[0], stored[0])
     assert mine[2] == "1.0 = 1 Pa" and stored[2].startswith("1.0 = 1 Pa; ")

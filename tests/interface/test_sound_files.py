@@ -17,6 +17,7 @@ import pytest
 import soundfile
 from commands import contents
 from finished import marched
+from scene_sounds import sound_of_release
 from scene_text import PLAIN, TINY
 
 from acoustics import wav
@@ -26,7 +27,6 @@ from rolling.results.listening import listen_wav
 from rolling.results.run_result import Run, write_run
 from rolling.scene import file
 from rolling.scene.scene import Scene
-from rolling.sound.contact_sound import contact_sound
 
 SCENE = file.loads(PLAIN.replace("duration_s: 0.01", "duration_s: 0.5"))
 SILENT = np.full(25000, 1e-9)  # J in each step of 2 um
@@ -45,7 +45,7 @@ def written_run(
     run: Run, folder: Path, release: np.ndarray, closed: bool = True, scene: Scene = SCENE
 ) -> Run:
     """Return a run that sounds like a release [J], with its files written."""
-    sound = contact_sound(scene, release, 2e-6, closed)
+    sound = sound_of_release(scene, release, 2e-6, closed)
     other = replace(run, sound=sound, folder=folder, scene=scene, label="load 20 N")
     write_run(other)
     return other
@@ -174,7 +174,7 @@ def test_a_release_is_continued_where_noise_sounds_like_it(
         release[np.random.default_rng(8).random(len(release)) < 0.002] *= 10
     speed = [[0, 0.05], [0.4, 0.15]] if kind == "ramp" else 0.1
     scene = SCENE.with_({"rolling.speed_m_s": speed, "rolling.distance_mm": 50, "duration_s": None})
-    sound = contact_sound(scene, release, 2e-6, True)
+    sound = sound_of_release(scene, release, 2e-6, True)
     series = run.result.series | {"release_energy": release}
     result = replace(run.result, series=series, steps=25000, solved_steps=25000, step=2e-6)
     other = replace(run, sound=sound, scene=scene, result=result)

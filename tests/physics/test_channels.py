@@ -13,7 +13,8 @@ from acoustics import vibration_levels
 from acoustics.arrays import Array
 from acoustics.radiation import ThinPlate
 from acoustics.resampling import band_limit, resample_closed
-from rolling.ball.bodies_of_scene import plate_of
+from rolling.ball.bodies_of_scene import bodies_of, plate_of
+from rolling.ball.records import transducers_of
 from rolling.sound.channel_signals import channel_signals, transfer_mobility
 
 RATE = 48000
@@ -64,7 +65,8 @@ def edged_signals(*places: tuple[float, float]) -> tuple[Array, list[Array], rol
     scene = rolling.read_scene("quickstart", [*EDGED, f"sound.channels=[{', '.join(listed)}]"])
     force = band_limit(np.random.default_rng(1).standard_normal(960), RATE)
     vibration: Any = Vibrating(Moved(force + scene.load), force)
-    signals = channel_signals(scene, vibration, scene.sound.channels or [])
+    transducers = transducers_of(scene)
+    signals = channel_signals(bodies_of(scene), scene.travel, vibration, transducers)
     return force, [signal.samples for signal in signals], scene
 
 

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from finished import VIBRATING
 from helpers import hertz_law
+from scene_sounds import vibration_over
 
 from rolling.dynamics.force_law import ForceLaw
 from rolling.scene.file import loads
-from rolling.sound.vibration_sound import Vibration, vibrate
+from rolling.sound.vibration_sound import Vibration
 
 NODES = 1500
 SPACING = 2e-6
@@ -53,7 +54,7 @@ LAW = rough_law()
 
 def vibration(thickness: float, speed: float, law: ForceLaw = LAW) -> Vibration:
     keys = [f"plate.thickness_mm={thickness}", f"rolling.speed_m_s={speed}"]
-    return vibrate(loads(VIBRATING, [*SCENE, *keys]), law, 24e3, whole_laps=True)
+    return vibration_over(loads(VIBRATING, [*SCENE, *keys]), law, 24e3)
 
 
 PLATES = [(20, 0.3), (25, 1.3), (30, 2.0), (40, 0.5)]  # mm, m/s

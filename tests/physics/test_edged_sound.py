@@ -10,7 +10,8 @@ from finished import VIBRATING, doubt_lines, heard_again, marched
 
 from acoustics import wav
 from acoustics.arrays import Array
-from rolling.ball.bodies_of_scene import plate_of
+from rolling.ball.bodies_of_scene import bodies_of, plate_of
+from rolling.ball.records import listener_of
 from rolling.results.level_words import number_rows
 from rolling.results.listening import listen_wav
 from rolling.results.run_lines import other_listeners
@@ -25,9 +26,7 @@ EDGES = ("plate.length_mm=200", "plate.width_mm=150", "plate.thickness_mm=2")
 def heard(force: Array, closed: bool, *changes: str) -> Array:
     """Return the pressures of a force at the listeners of a scene."""
     scene = loads(VIBRATING, (*EDGES, *changes))
-    plate = plate_of(scene.plate).with_edges
-    assert plate is not None
-    return edged_sound.pressures(scene, plate, force, closed)
+    return edged_sound.pressures(bodies_of(scene), listener_of(scene), scene.motion, force, closed)
 
 
 def pulses(samples: int, *at_s: float) -> Array:
@@ -174,7 +173,9 @@ def test_an_early_impact_sounds_like_a_late_one() -> None:
     impact = np.sin(np.pi * np.arange(5) / 5)
     early[96:101] = late[2496:2501] = impact
     first, second = (
-        vibration_sound.radiated(scene, force, wav.SAMPLE_RATE_HZ, False)[1][0]
+        vibration_sound.radiated(
+            bodies_of(scene), listener_of(scene), scene.motion, force, wav.SAMPLE_RATE_HZ, False
+        )[1][0]
         for force in (early, late)
     )
     error = second[2400:7200] - first[:4800]

@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 import pytest
+from scene_sounds import sound_of_release
 from scene_text import PLAIN
 
 from rolling.scene import file as scene_file
 from rolling.scene.scene import Scene
-from rolling.sound.contact_sound import ContactSound, contact_sound
+from rolling.sound.contact_sound import ContactSound
 
 SCENE = scene_file.loads(PLAIN.replace("duration_s: 0.01", "duration_s: 0.5"))
 STEP = 2e-6  # 0.1 m/s: 25000 steps
@@ -19,7 +20,7 @@ STEP = 2e-6  # 0.1 m/s: 25000 steps
 def sound_of(
     release: np.ndarray, scene: Scene = SCENE, lap_steps: int | None = None
 ) -> ContactSound:
-    return contact_sound(scene, release, STEP, True, lap_steps)
+    return sound_of_release(scene, release, STEP, True, lap_steps)
 
 
 def noise(seed: int, n: int = 25000) -> np.ndarray:

@@ -13,12 +13,15 @@ from long_listening_study import compare
 from acoustics import resampling
 from acoustics.uncertainty import kurtosis
 from rolling.ball.bodies_of_scene import bodies_of, circumference_of
+from rolling.ball.records import listener_of
+from rolling.contact.track import Motion
 from rolling.dynamics import long_motion
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.long_motion import LongLaw, LongMotion
+from rolling.results.long_record import motion_at_speed
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
-from rolling.sound.long_listening import listen_to_vibration, with_speed
+from rolling.sound.long_listening import Listening, LongTravel, listen_to_vibration
 
 RATE = 48000
 
@@ -28,10 +31,12 @@ def run() -> Run:
     return marched(VIBRATING, ["surface.width_um=128", "rolling.distance_mm=2.4"])
 
 
-def long_motion_of(scene: Scene, law: ForceLaw, seconds: float, seed: int) -> LongMotion:
+def long_motion_of(
+    scene: Scene, law: ForceLaw, seconds: float, seed: int, motion: Motion | None = None
+) -> LongMotion:
     return LongMotion(
         bodies=bodies_of(scene),
-        motion=scene.motion,
+        motion=motion or scene.motion,
         law=law,
         seconds=seconds,
         rate=RATE,
@@ -40,9 +45,19 @@ def long_motion_of(scene: Scene, law: ForceLaw, seconds: float, seed: int) -> Lo
     )
 
 
-def forces(run: Run, scene: Scene, seconds: float, seed: int = 0) -> np.ndarray:
+def forces(
+    run: Run, scene: Scene, seconds: float, seed: int = 0, motion: Motion | None = None
+) -> np.ndarray:
     assert run.vibration_sound is not None
-    return np.concatenate([*long_motion_of(scene, run.vibration_sound.law, seconds, seed).forces()])
+    law = run.vibration_sound.law
+    return np.concatenate([*long_motion_of(scene, law, seconds, seed, motion).forces()])
+
+
+def listening_to(
+    scene: Scene, law: ForceLaw, seconds: float, motion: Motion | None = None
+) -> Listening:
+    travel = LongTravel(motion=motion or scene.motion, seconds=seconds)
+    return listen_to_vibration(bodies_of(scene), listener_of(scene), law, travel)
 
 
 def test_the_solved_track_comes_first(run: Run) -> None:
@@ -82,9 +97,9 @@ def test_the_continued_law_is_a_force_law(run: Run) -> None:
 
 
 def test_a_changing_speed_ends_at_its_last_speed_and_at_rest(run: Run) -> None:
-    scene = with_speed(run.scene, (0.4, 0.0), 0.2)
-    force = forces(run, scene, 0.3)
-    assert float(scene.motion.distance(0.3)) == pytest.approx(0.04)
+    motion = motion_at_speed(run.scene, (0.4, 0.0), 0.2)
+    force = forces(run, run.scene, 0.3, motion=motion)
+    assert float(motion.distance(0.3)) == pytest.approx(0.04)
     late = force[-len(force) // 6 :]
     early = force[: len(force) // 6]
     assert np.std(late) < 1e-3 * np.std(early)  # it rests and rings out
@@ -123,7 +138,7 @@ def test_a_plate_with_edges_is_heard_in_stereo(run: Run) -> None:
     edges = {"plate.length_mm": 60, "plate.width_mm": 50, "plate.contact_mm": [26, 18]}
     ears = {"sound.listener_mm": [[10, 25, 200], [50, 25, 200]]}
     assert run.vibration_sound is not None
-    listening = listen_to_vibration(run.scene.with_(edges | ears), run.vibration_sound.law, 0.1, 0)
+    listening = listening_to(run.scene.with_(edges | ears), run.vibration_sound.law, 0.1)
     left, right = listening.channels.T
     assert len(left) == 4800 and not np.allclose(left, right, rtol=0, atol=0.1 * np.std(left))
     assert np.std(left) == pytest.approx(np.std(right), rel=0.5)
@@ -133,8 +148,8 @@ def test_a_dropped_sphere_may_rest_before_the_end_of_the_solved_track(run: Run) 
     """It rolls 10 um, and the knocks of the fall are heard; the record begins in silence."""
     assert run.vibration_sound is not None
     dropped = run.scene.with_({"rolling.drop_mm": 0.01})
-    slow = with_speed(dropped, (2e-4, 0.0), 0.1)
-    listening = listen_to_vibration(slow, run.vibration_sound.law, 0.1, 0)
+    slow = motion_at_speed(dropped, (2e-4, 0.0), 0.1)
+    listening = listening_to(dropped, run.vibration_sound.law, 0.1, slow)
     assert listening.numbers.rolled_mm == pytest.approx(0.01)
     assert listening.numbers.impacts > 0 and listening.numbers.level_db is not None
 
@@ -143,8 +158,8 @@ def test_a_smooth_track_stays_at_the_load() -> None:
     run = marched(VIBRATING, ["surface={kind: smooth, spacing_um: 2, width_um: 160}"])
     assert run.vibration_sound is not None
     law = hertz_law(1.0, 5e-3, 2.3e11, np.zeros(100))
-    force = listen_to_vibration(run.scene, law, 0.2, 0)
-    assert np.abs(force.pressure).max() < 1e-12
+    listening = listening_to(run.scene, law, 0.2)
+    assert np.abs(listening.pressure).max() < 1e-12
 
 
 @pytest.mark.parametrize("factor", [1, 2, 12, 31])

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from finished import VIBRATING, WITHOUT_DYNAMICS, marched
+from scene_sounds import sound_of_release
 
 from acoustics.arrays import Array
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
-from rolling.sound.contact_sound import contact_sound
-from rolling.sound.missing_band import missing_band
+from rolling.sound.contact_sound import ContactSound
+from rolling.sound.missing_band import MissingBand, missing_band
 
 STEP = 1e-6
 STEPS = 8192
@@ -36,6 +37,12 @@ def heard(speed: object, *changes: str) -> Scene:
     return loads(VIBRATING, words).with_(speed_m_s=speed)
 
 
+def missed(scene: Scene, sound: ContactSound, lap: Array, step: float) -> MissingBand | None:
+    """Return what the steps of a release cut off."""
+    own_factor = scene.sound.gain_pa_per_w_m2 is None
+    return missing_band(sound, lap, step, scene.motion, own_factor)
+
+
 @pytest.mark.law(
     "Missing band: The part that long steps cut off follows from the power law of the spectrum."
 )
@@ -57,9 +64,9 @@ def test_a_power_law_goes_on(power: float, gain: str, speed: object) -> None:
     scene = heard(speed, f"sound.gain_pa_per_w_m2={gain}")
     short = release(power)
     long = short.reshape(-1, LONGER).sum(axis=1)
-    record = contact_sound(scene, long, LONGER * STEP, closed=True)
-    whole = contact_sound(scene, short, STEP, closed=True)
-    band = missing_band(scene, record, long, LONGER * STEP)
+    record = sound_of_release(scene, long, LONGER * STEP, closed=True)
+    whole = sound_of_release(scene, short, STEP, closed=True)
+    band = missed(scene, record, long, LONGER * STEP)
     assert band is not None
     true = record.levels.laeq_db - whole.levels.laeq_db
     off = band.error_db - true
@@ -69,15 +76,15 @@ def test_a_power_law_goes_on(power: float, gain: str, speed: object) -> None:
 
 def test_steps_that_resolve_hearing_miss_nothing() -> None:
     scene = heard(0.1)
-    sound = contact_sound(scene, release(-3.0), STEP, closed=True)
-    assert missing_band(scene, sound, release(-3.0), STEP) is None
+    sound = sound_of_release(scene, release(-3.0), STEP, closed=True)
+    assert missed(scene, sound, release(-3.0), STEP) is None
 
 
 def test_a_track_of_few_steps_cannot_tell() -> None:
     scene = heard(0.02)
     few = release(-3.0)[:40]
-    sound = contact_sound(scene, few, LONGER * STEP, closed=True)
-    assert missing_band(scene, sound, few, LONGER * STEP) is None
+    sound = sound_of_release(scene, few, LONGER * STEP, closed=True)
+    assert missed(scene, sound, few, LONGER * STEP) is None
 
 
 def test_a_run_with_long_steps_tells_what_shorter_steps_add() -> None:

@@ -7,19 +7,20 @@ import pytest
 from checked import checked
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from scene_sounds import sound_of_release
 from scene_text import PLAIN
 
 from rolling.contact.track import Motion
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
-from rolling.sound.contact_sound import ContactSound, contact_sound, oversampling
+from rolling.sound.contact_sound import ContactSound, oversampling
 
 STEP = 2e-6
 LATER = "[[0, 0.1], [0.02, 0.1], [20, 100]]"
 
 
 def sound_at(speed: str, energy: np.ndarray, closed: bool = True) -> ContactSound:
-    return contact_sound(
+    return sound_of_release(
         loads(PLAIN, [f"rolling.speed_m_s={speed}", "rolling.duration_s=0.02"]),
         energy,
         STEP,
@@ -64,7 +65,7 @@ def test_nothing_that_comes_later_counts(
     assume(steps >= 8)
     after = [(end + 2.0 + k, v) for k, v in enumerate(later)]
     scenes = [at(profile, end), at([*profile, (end + 1.0, last), *after], end)]
-    sounds = [contact_sound(scene, noise(steps), STEP, True) for scene in scenes]
+    sounds = [sound_of_release(scene, noise(steps), STEP, True) for scene in scenes]
     assert sounds[0].highest == sounds[1].highest and sounds[0].closed == sounds[1].closed
     assert np.array_equal(sounds[0].pressure, sounds[1].pressure)
     assert (
@@ -93,7 +94,7 @@ def test_bands_above_the_greatest_speed_that_is_reached_are_none() -> None:
             "rolling.duration_s=0.02",
         ],
     )
-    sound = contact_sound(scene, noise(300), 2 * STEP, False)
+    sound = sound_of_release(scene, noise(300), 2 * STEP, False)
     reached = scene.motion.fastest(sound.duration)
     assert 0.1 < reached < 0.12 and sound.highest == pytest.approx(reached / (4 * STEP))
     bands = sound.levels.third_octave_db

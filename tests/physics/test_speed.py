@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scene_sounds import sound_of_release
 from scene_text import PLAIN
 
 from rolling.scene.file import loads
-from rolling.sound.contact_sound import contact_sound
 
 # A lap of 2 mm takes 20 ms at 0.1 m/s.
 STEP = 2e-6
@@ -28,7 +28,7 @@ def test_speed_times_c(c: float) -> None:
     phase = 2 * np.pi * np.arange(STEPS) / STEPS
     energy = 1e-9 * (1 + 0.1 * np.cos(phase[:, None] * LINES + LINES).sum(axis=1))
     base, fast = (
-        contact_sound(
+        sound_of_release(
             loads(
                 PLAIN, [f"rolling.speed_m_s={0.1 * factor}", f"rolling.duration_s={0.02 / factor}"]
             ),
@@ -58,7 +58,7 @@ def test_faded_ends_leave_the_level_of_a_stationary_noise(speed: str, closes: bo
     for seed in range(20):
         energy = 1e-9 * (1 + 0.1 * np.random.default_rng(seed).standard_normal(STEPS))
         levels += [
-            contact_sound(loads(PLAIN, [f"rolling.speed_m_s={v}", *keys]), energy, STEP, closed)
+            sound_of_release(loads(PLAIN, [f"rolling.speed_m_s={v}", *keys]), energy, STEP, closed)
             for v, closed in ((0.1, True), (speed, closes))
         ]
     difference = [sound.levels.level_db or 0.0 for sound in levels]

@@ -8,23 +8,42 @@ import numpy as np
 import pytest
 from finished import VIBRATING, WITHOUT_DYNAMICS, heard_again, marched
 
+from acoustics.arrays import Array
 from acoustics.level import laeq_db
 from acoustics.radiation import RHO_C
 from acoustics.uncertainty import record_scatter_db
 from acoustics.weighting import a_weighting_db
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.assumed_bodies import bodies_text, with_bodies
+from rolling.ball.bodies_of_scene import bodies_of, smooth_contact_of
+from rolling.ball.records import listener_of
 from rolling.marches.stiffness import solved_stiffness
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results.level_words import number_rows
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
-from rolling.sound.radiators import bodies_text, vibration_estimate
+from rolling.sound.radiators import VibrationEstimate, vibration_estimate
 
 
 @pytest.fixture(scope="module")
 def rolled() -> Run:
     return marched(VIBRATING)
+
+
+def estimate_of(
+    scene: Scene, approach: Array, step: float, closed: bool, stiffness: float | None = None
+) -> VibrationEstimate:
+    """Return the estimate of a scene, by default with the stiffness of a smooth contact."""
+    described = scene if scene.dynamics is not None else with_bodies(scene)
+    return vibration_estimate(
+        bodies_of(described),
+        listener_of(described),
+        scene.motion,
+        approach=approach,
+        step=step,
+        closed=closed,
+        stiffness_n_m=stiffness or smooth_contact_of(scene).stiffness_n_m,
+    )
 
 
 def test_a_sine_follows_the_chain() -> None:
@@ -48,7 +67,7 @@ def test_a_sine_follows_the_chain() -> None:
     force = 1e-9 / abs(-1 / (mass * w**2) + 1 / stiffness + mobility / (1j * w))
     pressure = 1.204 * force / (2 * math.pi * area) / math.sqrt(2)
     expected = 20 * math.log10(pressure / 2e-5) + float(a_weighting_db(np.array([frequency]))[0])
-    estimate = vibration_estimate(scene, approach, step, closed=True)
+    estimate = estimate_of(scene, approach, step, closed=True)
     assert estimate.laeq_db == pytest.approx(expected, abs=0.1)
     assert estimate.force_ratio == pytest.approx(force / math.sqrt(2), rel=0.01)  # at 1 N
 
@@ -121,7 +140,7 @@ def test_the_estimate_has_the_band_of_the_run(rolled: Run) -> None:
     law = run.numbers.motion.contact_stiffness_n_m
     assert numbers.record.highest_frequency_hz < 0.95 * numbers.motion.resonance_hz < 12e3
     approach = run.result.series["approach"]
-    estimate = vibration_estimate(slow, approach, run.result.step, run.sound.closed, law)
+    estimate = estimate_of(slow, approach, run.result.step, run.sound.closed, law)
     assert abs(estimate.laeq_db - numbers.levels.vibration.laeq_db) < 3.0
     assert estimate.uncertainty_db > 2.0  # most of the sound lies beyond the steps
 
@@ -147,7 +166,7 @@ def test_a_plate_with_other_limits_than_steel_has_an_estimate(limits: tuple[str,
     hard = ("plate.youngs_modulus_gpa=1050", "plate.hardness_gpa=", *limits)
     scene = loads(VIBRATING, (*WITHOUT_DYNAMICS, "plate.density_kg_m3=", *hard))
     approach = 1e-9 * np.sin(2 * np.pi * 64 * np.arange(2401) / 2400)
-    laeq = vibration_estimate(scene, approach, 2e-6, closed=True).laeq_db
+    laeq = estimate_of(scene, approach, 2e-6, closed=True).laeq_db
     assert laeq is not None and math.isfinite(laeq)
 
 

@@ -8,13 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scene_sounds import sound_of_release
 from scipy.signal import fftconvolve
 
 from rolling import Scene, read_scene, simulate
 from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.figures.origins import reading
 from rolling.sound import wavelengths
-from rolling.sound.contact_sound import contact_sound
+from rolling.sound.contact_sound import ContactSound
+from rolling.sound.wavelengths import WavelengthOctave
 from rolling.surface.scene_surface import scene_surface
 
 STEPS = 600
@@ -25,16 +27,18 @@ def small() -> Scene:
     return read_scene("wavelengths").with_(SMALL)
 
 
+def octaves_of(scene: Scene, sound: ContactSound) -> list[WavelengthOctave]:
+    """Return the octaves of the sound of a release."""
+    speed = wavelengths.mean_speed(scene.motion, sound)
+    own_factor = scene.sound.gain_pa_per_w_m2 is None
+    return wavelengths.wavelength_octaves(sound, speed, own_factor)
+
+
 def test_a_tone_belongs_to_the_octave_of_speed_over_frequency() -> None:
     scene = small().with_({"dynamics": None, "plate.thickness_mm": None, "plate.loss_factor": None})
     energy = 1e-9 * (1 + 0.1 * np.cos(2 * np.pi * 24 * np.arange(STEPS) / STEPS))
-    sound = contact_sound(scene, energy, scene.step, closed=True)
-    heights = np.zeros((STEPS, 32))
-    (octave,) = (
-        octave
-        for octave in wavelengths.wavelength_octaves(scene, sound, heights, np.zeros(STEPS + 1))
-        if octave.energy_share > 0.999
-    )
+    sound = sound_of_release(scene, energy, scene.step, closed=True)
+    (octave,) = (octave for octave in octaves_of(scene, sound) if octave.energy_share > 0.999)
     # 24 waves of 400 um on 9.6 mm; 15 kHz at 6 m/s; without them nothing is left
     assert (octave.from_um, octave.to_um, octave.fall_db) == (320, 640, None)
 
@@ -56,7 +60,14 @@ def test_the_share_that_follows_is_one_for_the_mean_under_hertz_pressure_and_non
         (shifted, np.roll(mean, -7), 1 - 1e-9, 1),
         (scene, rng.normal(size=STEPS), 0, 0.5),
     ):
-        shares = wavelengths.linear_shares(begins, heights, np.append(approach, approach[0]))
+        shares = wavelengths.linear_shares(
+            heights,
+            np.append(approach, approach[0]),
+            track=begins.track,
+            spacing=begins.spacing,
+            start=begins.start,
+            semi_axes=smooth_contact_of(begins).semi_axes_m(),
+        )
         # of n lines, chance leaves one over n; the octave with the fewest has 8
         assert all(least <= share <= most + 1e-9 for share in shares.values()) and len(shares) > 3
 
@@ -86,12 +97,11 @@ def test_a_fall_of_a_release_is_of_its_own_factor() -> None:
     scene = small().with_({"dynamics": None, "plate.thickness_mm": None, "plate.loss_factor": None})
     waves = np.cos(2 * np.pi * np.outer((12, 24), np.arange(STEPS)) / STEPS)
     sounds = [
-        contact_sound(scene, 1e-9 * (1 + 0.1 * part), scene.step, closed=True)
+        sound_of_release(scene, 1e-9 * (1 + 0.1 * part), scene.step, closed=True)
         for part in (waves[0] + 0.5 * waves[1], waves[0])
     ]
-    octaves = wavelengths.wavelength_octaves(scene, sounds[0], waves, np.zeros(2))
-    octave = next(octave for octave in octaves if octave.from_um == 320)
+    octave = next(octave for octave in octaves_of(scene, sounds[0]) if octave.from_um == 320)
     fall = sounds[0].levels.laeq_db - sounds[1].levels.laeq_db
     assert octave.fall_db == pytest.approx(fall, abs=1e-6) and not math.isclose(fall, 0)
     silent = replace(sounds[0], pressure=0 * sounds[0].pressure)
-    assert not wavelengths.wavelength_octaves(scene, silent, waves, np.zeros(2))
+    assert not octaves_of(scene, silent)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scene_sounds import sound_of_release, vibration_over
 
 from acoustics import wav
 from acoustics.arrays import Array
@@ -19,8 +20,8 @@ from rolling.dynamics.force_law import ForceLaw
 from rolling.report import live
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
-from rolling.sound.contact_sound import ContactSound, contact_sound
-from rolling.sound.vibration_sound import Vibration, vibrate
+from rolling.sound.contact_sound import ContactSound
+from rolling.sound.vibration_sound import Vibration
 
 ENGINE = Path(live.__file__).parent / "assets" / "engine"
 SCENE = """
@@ -105,7 +106,7 @@ def force_law(scene: Scene, profile: Array | None = None) -> ForceLaw:
 
 
 def vibration(scene: Scene, law: ForceLaw) -> Vibration:
-    return vibrate(scene, law, wav.SAMPLE_RATE_HZ / 2, whole_laps=True)
+    return vibration_over(scene, law, wav.SAMPLE_RATE_HZ / 2)
 
 
 def vibration_data(scene: Scene, law: ForceLaw, vibrating: Vibration) -> dict[str, Any]:
@@ -128,7 +129,7 @@ def release(scene: Scene) -> tuple[ContactSound, dict[str, Any]]:
     step = scene.track.step
     rng = np.random.default_rng(2)
     energy = 1e-9 * (1 + 0.1 * roughness(scene.track.steps, 1.0, rng))
-    sound = contact_sound(scene, energy, step, True)
+    sound = sound_of_release(scene, energy, step, True)
     heard = {"q": scene.sound.q, "distance": scene.sound.distance_m, "gain": None}
     data = {"kind": "release", "fixed": {"silent": False}, "limits": {"speed": [0, 1]}}
     settings = {"speed": scene.motion.fastest(scene.duration), "load": scene.load} | heard
