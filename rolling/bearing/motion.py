@@ -6,6 +6,7 @@ bearings at their loads. With mass, a ball moves along its contact line, and the
 line of its centrifugal force acts on it.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, pi
 
@@ -20,7 +21,6 @@ from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
 from rolling.bearing.static_load import StaticBalance
 from rolling.bearing.tracks import BearingTracks, BodyTrack
-from rolling.terminal import progress
 
 FINER = 4  # points of a slow track for each given one, so that cubics between them are exact
 MIN_POINTS = 4  # of a track, for a cubic
@@ -61,6 +61,7 @@ def move_ring(
     duration_s: float,
     rate_hz: int = 48000,
     per_period: int = limits.PER_PERIOD,
+    progress: Callable[[float], object] | None = None,
 ) -> RingMotion:
     """Move the ring of a bearing over the tracks of its bodies.
 
@@ -75,6 +76,9 @@ def move_ring(
         Rate of the record. Steps in time are finer, and a filter leads from one to the other.
     per_period : int
         Minimum number of steps in a period of the fastest resonance.
+    progress : function, optional
+        It is called with the share of run-in and record, from 0 to 1, that was added since its last
+        call. The shares may add up to a little more than 1.
 
     Returns
     -------
@@ -100,25 +104,7 @@ def move_ring(
     bodies = _bodies(bearing, balances, ring.spread, step, run_in)
     run = _Run(bodies=bodies, tables=_tables(bearing, tracks, step))
     state = _start(bearing, bodies, run.tables)
-
-    columns = _RING_COLUMNS + bearing.geometry.balls
-    longest = max(1, _LARGEST_RECORD // (factor * columns))
-    reach = resampling.DECIMATOR_REACH
-    decimator = resampling.Decimator(factor)
-    with progress.Bar(run_in + duration_s, "moving the ring") as bar:
-        before = round(run_in * rate_hz) - 2 * reach
-        for first, count in _parts(-round(run_in * rate_hz), before, longest):
-            run.advance(state, first * factor, count * factor)
-            bar.update(count / rate_hz)
-        run.begin_balance()
-        record = np.empty((samples, columns))
-        done = -2 * reach
-        for first, count in _parts(-2 * reach, samples + 3 * reach, longest):
-            rows = decimator.add(run.advance(state, first * factor, count * factor))
-            kept = rows[max(-done, 0) :]
-            record[max(done, 0) : max(done, 0) + len(kept)] = kept
-            done += len(rows)
-            bar.update(count / rate_hz)
+    record = _record(run, state, factor, round(run_in * rate_hz), samples, progress)
     time = np.arange(samples) / rate_hz
     mean = record[:, _PLACE].mean(axis=0)
     return RingMotion(
@@ -175,6 +161,43 @@ class _Run:
         if moved <= _ROUNDING * sums.highest[0]:  # nothing moves
             return 0.0
         return float(abs(missing) / moved)
+
+
+def _record(
+    run: _Run,
+    state: RingState,
+    factor: int,
+    run_in: int,
+    samples: int,
+    progress: Callable[[float], object] | None,
+) -> Array:
+    """Return the rows (samples, columns) of a record after a run-in of some samples.
+
+    A sample has `factor` steps, and a filter leads from one to the other.
+    """
+    columns = _RING_COLUMNS + len(state.balls)
+    longest = max(1, _LARGEST_RECORD // (factor * columns))
+    reach = resampling.DECIMATOR_REACH
+    decimator = resampling.Decimator(factor)
+
+    def advance(first: int, count: int) -> Array:
+        """Take the steps of some samples, and return their rows."""
+        rows = run.advance(state, first * factor, count * factor)
+        if progress is not None:
+            progress(count / (run_in + samples))
+        return rows
+
+    for first, count in _parts(-run_in, run_in - 2 * reach, longest):
+        advance(first, count)
+    run.begin_balance()
+    record = np.empty((samples, columns))
+    done = -2 * reach
+    for first, count in _parts(-2 * reach, samples + 3 * reach, longest):
+        rows = decimator.add(advance(first, count))
+        kept = rows[max(-done, 0) :]
+        record[max(done, 0) : max(done, 0) + len(kept)] = kept
+        done += len(rows)
+    return record
 
 
 def _parts(first: int, samples: int, longest: int) -> list[tuple[int, int]]:

@@ -24,7 +24,6 @@ from acoustics.level import a_weighted
 from acoustics.pairs import FIRST_PAIRS, MOST_PAIRS, pairs_needed
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ, velocity_bands
 from rolling.bearing.linear_ring import linear_ring
-from rolling.bearing.motion import move_ring
 from rolling.bearing_contacts.band_gain import RoughBand, rough_bands
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
@@ -34,6 +33,7 @@ from rolling.bearing_run.band_difference import NAMES
 from rolling.bearing_run.bearing_choice import BearingChoice
 from rolling.bearing_run.heard_specimen import HeardSpecimen, StoredSpecimens
 from rolling.bearing_run.housing import housing_of_scene
+from rolling.bearing_run.moved_ring import moved_ring
 from rolling.figures.picture import csv_bytes
 from rolling.numbers.stored import from_bytes, to_bytes
 from rolling.run import choice_folder
@@ -327,7 +327,7 @@ def heard_specimen(
     model = scene.model
     # The marched one, 0, is left out: its stretch has fewer waves than a turn, so it scatters more.
     tracks = bearing_tracks(plan, marches, draw=number + 1)
-    motion = move_ring(model, tracks, scene.duration)
+    motion = moved_ring(model, tracks, scene.duration)
     x = velocity_bands(motion.velocity_m_s[:, 0], motion.rate_hz)
     y = velocity_bands(motion.velocity_m_s[:, 1], motion.rate_hz)
     rms = {}

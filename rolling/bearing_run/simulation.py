@@ -10,7 +10,7 @@ import numpy as np
 
 from acoustics import wav
 from rolling.bearing.kinematics import Kinematics
-from rolling.bearing.motion import RingMotion, move_ring
+from rolling.bearing.motion import RingMotion
 from rolling.bearing.ring_record import RingRecord
 from rolling.bearing_contacts import needs
 from rolling.bearing_contacts.contact_doubts import contact_doubts, marched_contacts
@@ -20,6 +20,7 @@ from rolling.bearing_contacts.plan import ContactPlan, contact_plan
 from rolling.bearing_contacts.solving import Marches
 from rolling.bearing_run import stored_run
 from rolling.bearing_run.bearing_run import BearingRun, numbered, with_numbers
+from rolling.bearing_run.moved_ring import moved_ring
 from rolling.bearing_run.numbers import MarchFindings, with_effort
 from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.bearing_run.without_faults import without_faults_of_record
@@ -142,7 +143,7 @@ def move_bearing(
     with progress.step("laying the rough contacts around balls and raceways"):
         tracks = bearing_tracks(plan, marches)
     try:
-        motion = move_ring(scene.model, tracks, scene.moved, wav.SAMPLE_RATE_HZ)
+        motion = moved_ring(scene.model, tracks, scene.moved, wav.SAMPLE_RATE_HZ)
     except ValueError as error:
         raise ContactError(str(error)) from error
     return SolvedBearing(
@@ -179,7 +180,7 @@ def _without_faults(
         return None
     tracks = bearing_tracks(plan.without_faults(), marches)
     scene = bearing.scene
-    motion = move_ring(scene.model, tracks, scene.moved, wav.SAMPLE_RATE_HZ)
+    motion = moved_ring(scene.model, tracks, scene.moved, wav.SAMPLE_RATE_HZ)
     record = record_of(motion, scene.kinematics)
     return without_faults_of_record(record, scene.kinematics)
 

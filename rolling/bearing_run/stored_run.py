@@ -13,12 +13,12 @@ import numpy as np
 from acoustics import resampling, wav
 from acoustics.arrays import Array
 from acoustics.texts import printable
-from rolling.bearing.motion import move_ring
 from rolling.bearing.ring_record import RingRecord
 from rolling.bearing.tracks import BearingTracks, BodyTrack
 from rolling.bearing_contacts import needs
 from rolling.bearing_contacts.plan import contact_plan
 from rolling.bearing_run import figures
+from rolling.bearing_run.moved_ring import moved_ring
 from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.contact.processor_time import ProcessorTime
 from rolling.figures.picture import csv_bytes
@@ -415,7 +415,7 @@ def write_with_common_gain(done: Sequence[RunFolder], reader_of: Callable[..., R
 
 def write_long(run: BearingRun, seconds: float) -> Path:
     """Let the ring move for longer, and write long.wav; return its path."""
-    motion = move_ring(run.model, run.tracks, seconds, wav.SAMPLE_RATE_HZ)
+    motion = moved_ring(run.model, run.tracks, seconds, wav.SAMPLE_RATE_HZ)
     acceleration = motion.acceleration_m_s2[:, 0] - motion.acceleration_m_s2[:, 0].mean()
     faded = resampling.fade(acceleration, round(FADE_S * wav.SAMPLE_RATE_HZ))
     gain = wav.listening_gain(faded)

@@ -129,14 +129,14 @@ class Counted:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.pieces: list[Piece] = []
         self.motions = 0
-        move_ring = simulation.move_ring
+        moved_ring = simulation.moved_ring
 
         def counted_motion(*values: Any) -> Any:
             self.motions += 1
-            return move_ring(*values)
+            return moved_ring(*values)
 
         monkeypatch.setattr(march_piece, "march_piece", self.march)
-        monkeypatch.setattr(simulation, "move_ring", counted_motion)
+        monkeypatch.setattr(simulation, "moved_ring", counted_motion)
 
     def march(self, piece: Piece) -> dict[str, Any]:
         """Return a piece with approaches by chance."""

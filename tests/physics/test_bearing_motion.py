@@ -477,3 +477,12 @@ def test_a_ring_that_cannot_be_moved_is_refused(changes, message: str) -> None:
 def test_tracks_of_another_number_of_balls_are_refused() -> None:
     with pytest.raises(ValueError, match="got 8 balls, allowed: 7"):
         move_ring(model(miniature()), smooth_tracks(bearing()), 0.1)
+
+
+def test_a_caller_learns_the_share_of_the_motion_that_is_done() -> None:
+    """Stretches of run-in and record add up to 1, and a few samples of the filter beyond."""
+    shares: list[float] = []
+    case = model(bearing())
+    move_ring(case, smooth_tracks(case.geometry), 0.1, progress=shares.append)
+    assert len(shares) > 1 and min(shares) > 0
+    assert sum(shares) == pytest.approx(1, abs=0.01)
