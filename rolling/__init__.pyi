@@ -19,6 +19,10 @@ from rolling.contact.single_contact import solve_contact as solve_contact
 from rolling.contact.solver import ContactError as ContactError
 from rolling.contact.state import ContactState as ContactState
 from rolling.contact.state import RollingContact as RollingContact
+from rolling.heights.measured import HeightArray as HeightArray
+from rolling.interface.bearings import open_bearing as open_bearing
+from rolling.interface.bearings import save_bearing as save_bearing
+from rolling.interface.bearings import simulate_bearing as simulate_bearing
 from rolling.interface.choices import choose as choose
 from rolling.interface.choices import coarsest_below as coarsest_below
 from rolling.interface.choices import sensitivities as sensitivities
@@ -69,7 +73,6 @@ from rolling.scene.surfaces import SmoothBall as SmoothBall
 from rolling.sound.contact_sound import ContactSound as ContactSound
 from rolling.sound.long_listening import Listening as Listening
 from rolling.sound.vibration_sound import Vibration as Vibration
-from rolling.surface.measured import HeightArray as HeightArray
 from rolling.surface.parameters import surface_parameters as surface_parameters
 from rolling.terminal.files import FolderError as FolderError
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from rolling.ball import scene_surface
 from rolling.bearing._ring_kernels import take_steps
 from rolling.bearing.limits import motion_seconds
 from rolling.bearing_contacts.joined_tracks import points_of_turn
@@ -21,7 +22,6 @@ from rolling.contact.compiling import is_kept
 from rolling.marches.piece import contact_identity, track_pieces
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.scene import Scene
-from rolling.surface import scene_surface
 
 # A step of a rolling body takes less from node to node than `cost.STEP_LAWS` says of rough plates,
 # and hardly more for a step of several nodes: 0.6 ms on 66, 1 ms on 88, 2.5 ms on 152 and 4.4 to 7

@@ -33,7 +33,7 @@ from rolling.numbers.bearing_numbers import MarchedContact
 from rolling.numbers.doubt import Doubt, Severity, sized
 from rolling.scene.laws import AUTOCORRELATIONS, Roughness
 from rolling.scene.surfaces import BallHeightFile
-from rolling.surface.scene_surface import form_heights
+from rolling.surface.ball_form import form_heights
 
 # Error of the level of the approach where both surfaces are marched alone [dB], over the root of
 # their rms roughness over the smooth approach. It was read from 16 contacts of a 6204, and held on
@@ -193,7 +193,7 @@ def steep_waves(contacts: JudgedContacts) -> Iterator[Doubt]:
     for body, surface in plan.surfaces.items():
         if surface is None or not surface.has_form:
             continue
-        profile = form_heights(surface, FORM_POINTS)
+        profile = form_heights(surface.form, FORM_POINTS)
         for name in kinds_of_contact(body):
             contact = contact_of(plan.geometry, name)
             pressure = waves.wave_pressure(contact, profile, radius_of(plan.geometry, body))

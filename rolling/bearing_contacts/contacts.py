@@ -17,6 +17,7 @@ from typing import Literal
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
+from rolling.ball.scene_surface import heights
 from rolling.bearing import waves
 from rolling.bearing.geometry import BearingGeometry, RacewayContact
 from rolling.bearing.static_load import static_balance
@@ -25,7 +26,6 @@ from rolling.scene.laws import Roughness, SurfaceFault
 from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
 from rolling.scene.surfaces import BallHeightFile
-from rolling.surface.scene_surface import heights
 
 # ---- numbers of a march
 

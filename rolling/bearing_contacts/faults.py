@@ -27,7 +27,7 @@ from rolling.bearing_contacts.contacts import (
 from rolling.scene.laws import Roughness, SurfaceFault
 from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
-from rolling.surface.heights import RIM, fault_places
+from rolling.surface.single_faults import RIM, fault_places
 
 NODES_PER_FAULT = 8.0  # minimum number of nodes in the size of a fault
 STEPS_PER_FAULT = 8.0  # minimum number of steps in it
@@ -92,7 +92,7 @@ def fault_stretches(
         if fault.kind == "step":
             continue
         width = kind.numbers.width_um * 1e-6
-        for x, y in fault_places(fault, 2 * np.pi * radius_m, width):
+        for x, y in fault_places(fault.in_si, 2 * np.pi * radius_m, width):
             if abs(y) - reach_across(fault) > width / 2:
                 continue
             stretches.append(_stretch(kind, fault, float(x) / radius_m, float(y), law))

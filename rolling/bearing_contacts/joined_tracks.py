@@ -22,12 +22,12 @@ from rolling.bearing_contacts.plan import (
 from rolling.bearing_contacts.solving import ContactMarch, Marches
 from rolling.bearing_contacts.specimen_turn import RoughBody, rough_body
 from rolling.bearing_contacts.turns import continued_turn
+from rolling.heights.in_metres import read_heights
 from rolling.marches.piece import contact_identity
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import BallHeightFile, BallSurface, GradedBall
-from rolling.surface import levelling
-from rolling.surface.heights import add_faults
-from rolling.surface.scene_surface import form_heights
+from rolling.surface.ball_form import form_heights
+from rolling.surface.single_faults import add_faults
 
 LEAST_POINTS = 4096  # of a turn without roughness
 POINTS_PER_WAVE = 8  # at least, so that a wave of a high order is not taken for one of a low order
@@ -213,8 +213,8 @@ def _forms(
     forms = []
     profile = np.zeros(points)
     if surface.has_form:
-        profile += form_heights(surface, points)
-    steps = [fault for fault in surface.faults or () if fault.kind == "step"]
+        profile += form_heights(surface.form, points)
+    steps = [fault.in_si for fault in surface.faults or () if fault.kind == "step"]
     if steps:
         line = np.zeros((points, 1))
         add_faults(line, steps, 2 * np.pi * radius / points)
@@ -223,7 +223,7 @@ def _forms(
         forms.append(waves.approach_of_profile(profile, radius, contact, plan.loads_n))
     if isinstance(surface, BallHeightFile) and name not in plan.rough:
         path = plan.folder / surface.path
-        heights = levelling.read_heights(path, surface.height_unit, "bearing.surfaces")
+        heights = read_heights(path, surface.height_unit, "bearing.surfaces")
         spacing = (2 * np.pi * radius / len(heights), surface.spacing_um * 1e-6)
         measured = waves.approach_of_heights(heights, spacing, contact, plan.loads_n)
         forms.append(without_eccentricity(measured))

@@ -114,7 +114,7 @@ def linear_covariance(contacts: Sequence[RoughContact]) -> Array:
     law = scene.surface.law
     assert isinstance(law, Roughness)  # the law of a body that turns
     shape = scene.track.n_along, scene.track.n_across
-    density = heights.spectral_density(shape, scene.spacing, law)
+    density = heights.spectral_density(shape, scene.spacing, law.in_si)
     count = min(contacts[0].steps // 2, shape[0] // 2)
     along = 2 * np.pi * np.fft.rfftfreq(shape[0], scene.spacing)[1 : count + 1]
     across = 2 * np.pi * np.fft.rfftfreq(shape[1], scene.spacing)

@@ -16,6 +16,7 @@ from acoustics.numbers import rounded, si
 from acoustics.radiation import Body, axis_transfer
 from acoustics.weighting import a_weighting_db
 from rolling.ball.bodies_of_scene import bodies_of, plate_of
+from rolling.ball.scene_surface import heights
 from rolling.check.finding import Finding
 from rolling.check.force_estimate import contact_axes, mean_heights
 from rolling.dynamics.bodies import Chain
@@ -31,7 +32,6 @@ from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.scene import Scene
 from rolling.scene.sections import loss_text
 from rolling.scene.surfaces import HeightFile
-from rolling.surface.scene_surface import heights
 
 KEY = "comb"  # of the finding
 _SPEEDS_OF_MODES = 20  # a plate with modes is slow to compute

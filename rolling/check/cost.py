@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 from acoustics.numbers import clock
 from rolling.ball.bodies_of_scene import bodies_of, smooth_contact_of
+from rolling.ball.scene_surface import scene_surface
 from rolling.contact import closed_forms
 from rolling.dynamics import drop
 from rolling.scene import grid_error
 from rolling.scene.scene import Scene
 from rolling.surface import refined
-from rolling.surface.scene_surface import scene_surface
 
 # A rough surface overlaps the sphere by this many rms roughnesses more than a smooth surface. The
 # value is fitted to solved contacts at Ra 0.01 to 5 um and 1 to 100 N, where it lay between 0.2
@@ -135,7 +135,7 @@ def subcells(scene: Scene) -> int:
         return 1
     step = refined.median_step(scene_surface(scene).heights)
     slope = refined.rms_slope(step, scene.spacing)
-    return grid_error.auto_subcells(slope, scene.contact_modulus, scene.hardness)
+    return refined.auto_subcells(slope, scene.contact_modulus, scene.hardness)
 
 
 def step_law(scene: Scene, rq: float) -> str:

@@ -7,10 +7,10 @@ do not depend on the speed of a machine.
 import math
 from dataclasses import dataclass, replace
 
+from rolling.ball.scene_surface import has_detail, scene_surface
 from rolling.check import cost
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
-from rolling.surface.scene_surface import has_detail, scene_surface
 
 SHARE = 0.25  # maximum cost of the estimate over the cost of the run
 # Expected time [s] of one core up to which the estimate is marched whatever its share of the run.

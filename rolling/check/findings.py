@@ -18,6 +18,7 @@ from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.numbers import byte_size, rounded, si
 from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
+from rolling.ball import scene_surface
 from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.check import (
     comb,
@@ -38,7 +39,6 @@ from rolling.scene.identity import contact_keys, digest
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.sweep import run_name
-from rolling.surface import scene_surface
 from rolling.terminal import progress
 from rolling.terminal.streams import columns, line_width, wrapped
 

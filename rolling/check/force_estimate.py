@@ -77,6 +77,7 @@ def mean_heights(scene: Scene, law: HeightLaw, along: Array) -> Array:
     length, width = contact_axes(scene)
     q = np.hypot(length * along[:, None], width * across)
     pressure = 3 * (np.sin(q) - q * np.cos(q)) / q**3
-    sides = [made.plane_density(law, along[:, None], side) for side in (across, -across)]
+    own = law.in_si
+    sides = [made.plane_density(own, along[:, None], side) for side in (across, -across)]
     density: Array = np.trapezoid((sides[0] + sides[1]) * pressure**2, across, axis=1)
     return density

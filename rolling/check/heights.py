@@ -7,6 +7,7 @@ from typing import Any
 
 from acoustics.numbers import rounded, rounded_down, si
 from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.scene_surface import SceneSurface, scene_surface
 from rolling.check import cost, resolution
 from rolling.check.finding import Finding
 from rolling.numbers.doubt import Doubt, Severity
@@ -19,7 +20,6 @@ from rolling.scene.surfaces import HeightFile
 from rolling.surface.heights import correlation
 from rolling.surface.levelling import Levelling, form_share
 from rolling.surface.made import is_described
-from rolling.surface.scene_surface import SceneSurface, scene_surface
 
 MIN_CORRELATION_NODES = 5  # of a measurement, across the correlation length
 # Share of the variance. At 5 nodes per correlation length neighbouring heights differ by 8 % of the
@@ -236,7 +236,7 @@ def _share_on_seam(scene: Scene, radius: float) -> float:
 
 def _made(scene: Scene) -> Iterator[Finding | Doubt]:
     """Make heights that are self-affine or not Gaussian, and judge them."""
-    laws = [law for law in scene.laws if is_described(law)]
+    laws = [law for law in scene.laws if is_described(law.in_si)]
     if not laws:
         return
     for law, (key, heights) in zip(laws, scene_surface(scene).made.items(), strict=True):

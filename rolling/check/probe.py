@@ -15,6 +15,8 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.numbers import clock, rounded, si
+from rolling.ball import scene_surface
+from rolling.ball.contact_of_scene import rolling_contact
 from rolling.check import cost
 from rolling.check.error_cost import COLD_STEPS
 from rolling.check.finding import Finding
@@ -29,8 +31,6 @@ from rolling.contact.subcells import half_space_of
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
-from rolling.surface import scene_surface
-from rolling.surface.contact_of_scene import rolling_contact
 from rolling.terminal import progress
 
 POSITIONS = 8

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rolling.ball.contact_of_scene import rolling_contact
 from rolling.check.highest_summit import hertz_approach, is_surely_wide_enough
 from rolling.contact import closed_forms, solver
 from rolling.contact.march import march
@@ -21,7 +22,6 @@ from rolling.contact.solver import ContactError
 from rolling.contact.state import RollingContact, Window
 from rolling.contact.subcells import half_space_of
 from rolling.scene.scene import Scene
-from rolling.surface.contact_of_scene import rolling_contact
 
 SAMPLES = 8  # positions whose approach tells that of the others
 SPREAD = 2.5  # standard deviations of the approach that the first search allows

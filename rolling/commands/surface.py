@@ -11,18 +11,19 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.texts import printable
+from rolling.ball.scene_surface import scene_surface
 from rolling.check import refusals
 from rolling.commands.replaced import SOURCE, refuse_others, source_name
 from rolling.contact.track import MIN_NODES
+from rolling.heights import measured, offered_lines
+from rolling.heights.described_file import FileOptions, described_file, offer_of_file
 from rolling.scene import height_files
 from rolling.scene.file import read_as
 from rolling.scene.height_files import HeightFormatError, is_instrument
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Instrument
-from rolling.surface import character, measured
-from rolling.surface.described_file import FileOptions, described_file, offer_of_file
+from rolling.surface import character
 from rolling.surface.instrument import faded, sight
-from rolling.surface.scene_surface import scene_surface
 from rolling.terminal import files, progress
 from rolling.terminal.files import FolderError
 from rolling.terminal.streams import wrapped
@@ -108,12 +109,12 @@ def _print_character(described: _DescribedSurface) -> None:
         _print_offer(described.of_file)
     is_profile = described.heights.shape[1] == 1
     width = 0.0 if is_profile else described.heights.shape[1] * described.steps[1]
-    of_statistics = character.offer_of_statistics(numbers, min(described.steps), width)
+    of_statistics = offered_lines.offer_of_statistics(numbers, min(described.steps), width)
     if of_statistics is not None:
         _print_offer(of_statistics)
 
 
-def _print_offer(offer: character.Offer) -> None:
+def _print_offer(offer: offered_lines.Offer) -> None:
     """Print a line of a scene below its sentence, which may say why there is no line."""
     print(f"\n{wrapped(printable(offer.sentence), '')}")
     if offer.line:
@@ -141,7 +142,7 @@ class _DescribedSurface:
     steps: Array
     is_periodic: bool
     pair: character.Pair
-    of_file: character.Offer | None = None
+    of_file: offered_lines.Offer | None = None
     may_be_turned: bool = False
     sight: str = ""
 
@@ -177,7 +178,7 @@ def _surface_of_scene(path: Path, overrides: Sequence[str]) -> _DescribedSurface
         heights=surface.heights,
         steps=np.full(2, scene.spacing),
         is_periodic=True,
-        pair=character.pair_of_scene(scene),
+        pair=offered_lines.pair_of_scene(scene),
     )
 
 
@@ -203,7 +204,7 @@ def _surface_of_file(path: Path, options: FileOptions) -> _DescribedSurface:
         heights=read.heights,
         steps=read.steps,
         is_periodic=False,
-        pair=character.pair_of_steel(),
+        pair=offered_lines.pair_of_steel(),
         of_file=offer_of_file(path, read.keys),
         may_be_turned=options.along is None and 1 not in read.heights.shape,
         sight=_sight_words(read.heights, read.steps, instrument),
@@ -219,7 +220,8 @@ def _sight_words(heights: Array, steps: Array, instrument: Instrument | None) ->
     is_profile = heights.shape[1] == 1
     if len(heights) < MIN_NODES or not (is_profile or abs(steps[1] / steps[0] - 1) < 1e-3):
         return ""
-    seen = sight(faded(heights), float(steps[0]), instrument)
+    limits = None if instrument is None else instrument.in_si
+    seen = sight(faded(heights), float(steps[0]), limits)
     if instrument is None and not seen.noise:
         return ""
     return f"The measuring instrument sees {seen.words}."

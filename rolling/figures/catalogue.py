@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from pandas import DataFrame
 
 from acoustics.traps import ignoring_underflow
+from rolling.ball.scene_surface import scene_surface
 from rolling.figures import (
     article,
     channels,
@@ -28,7 +29,6 @@ from rolling.figures.picture import Picture, csv_bytes, listed, picture, slug
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.results.run_result import Run
 from rolling.scene.messages import nearest
-from rolling.surface.scene_surface import scene_surface
 from rolling.terminal.files import make_below, write_bytes
 
 FORMATS = ("png", "svg", "csv")

@@ -15,13 +15,13 @@ from acoustics.arrays import Array, instance
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS
 from acoustics.traps import ignoring_underflow
+from rolling.ball import scene_surface
 from rolling.figures.picture import axes_of, finish, listed, number
 from rolling.marches.observers import Snapshot
 from rolling.results.run_result import Run
 from rolling.scene.laws import SurfaceFault
 from rolling.scene.scene import Scene
-from rolling.surface import scene_surface
-from rolling.surface.heights import fault_places
+from rolling.surface.single_faults import fault_places
 
 SHOWN_M = 0.8e-3  # length of a track that a map shows, so that single asperities can be seen
 YIELDED = "#FFE945"  # colour of nodes at the hardness, which no pressure below it has
@@ -172,7 +172,7 @@ def _draw_surface(
 def _place_of_fault(fault: SurfaceFault, heights: Array, spacing: float) -> float:
     """Return the place [m] of a fault, or of the first of several, along a surface."""
     length, width = spacing * np.array(heights.shape)
-    return float(fault_places(fault, length, width)[0, 0] % length)
+    return float(fault_places(fault.in_si, length, width)[0, 0] % length)
 
 
 def _fault_text(faults: Sequence[SurfaceFault], x: float) -> str:

@@ -13,12 +13,12 @@ from acoustics.numbers import micrometres, rounded
 from acoustics.plot_style import curve_style
 from acoustics.traps import ignoring_underflow
 from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.scene_surface import heights
 from rolling.figures import picture
 from rolling.figures.picture import axes_of, compared, finish, level_of
 from rolling.results import labels
 from rolling.results.run_result import Run
 from rolling.sound.places import SoundByPlace
-from rolling.surface.scene_surface import heights
 
 TRACK = "rolling.across_um"
 _PARTS = (2.4, 1.0)  # heights of the axes of the levels and of the heights below them

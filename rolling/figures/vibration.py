@@ -15,13 +15,13 @@ from acoustics.plot_style import unit_prefix
 from acoustics.plots import COLOURS, third_octaves
 from acoustics.traps import ignoring_underflow
 from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.scene_surface import scene_surface
 from rolling.figures.picture import axes_of, duration_text, finish, number
 from rolling.figures.sound import band_table
 from rolling.results.run_result import Run
 from rolling.scene.sections import loss_text
 from rolling.sound.vibration_sound import Vibration
 from rolling.sound.wavelengths import wavelength_bands
-from rolling.surface.scene_surface import scene_surface
 
 _COLUMNS = 1500  # of the force over time, in each of which minimum and maximum are drawn
 _BANDS_DB = 40.0  # below the strongest band of the vibration, the levels that are shown

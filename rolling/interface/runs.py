@@ -18,6 +18,7 @@ from acoustics.traps import ignoring_underflow
 from rolling.bearing_run.bearing_run import BearingRun
 from rolling.commands.derived import write_derived
 from rolling.contact.solver import ContactError
+from rolling.heights.measured import HeightArray
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import PAGE, RunFolder
 from rolling.results import labels

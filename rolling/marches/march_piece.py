@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.texts import printable
+from rolling.ball.contact_of_scene import rolling_contact
+from rolling.ball.scene_surface import continued_rows, heights, measured_rows
 from rolling.check import cost, error_cost
 from rolling.contact.march import march
 from rolling.contact.processor_time import ProcessorTime
@@ -24,9 +26,7 @@ from rolling.marches.passes import Sinking, run_in, unrolled
 from rolling.marches.piece import Piece, contact_identity
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.refined import cells_of_patch
-from rolling.surface.scene_surface import continued_rows, heights, measured_rows
 
 # Side of a cell on a level, in the run's cells.
 SIDES = {"tight": 1.0, "fine": 0.5, "coarse": 2.0, "detail": 0.5}

@@ -13,6 +13,8 @@ import numpy as np
 
 from acoustics.arrays import Array
 from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.contact_of_scene import rolling_contact
+from rolling.ball.scene_surface import heights
 from rolling.contact import closed_forms
 from rolling.contact.march import march
 from rolling.contact.solver import ContactError
@@ -20,8 +22,6 @@ from rolling.contact.subcells import half_space_of
 from rolling.dynamics.force_law import MIN_SLOPE
 from rolling.marches.result import Result
 from rolling.scene.scene import Scene
-from rolling.surface.contact_of_scene import rolling_contact
-from rolling.surface.scene_surface import heights
 
 LOWER = 0.8  # second load over the load of the scene
 MIN_POSITIONS = 4  # at the second load

@@ -13,6 +13,7 @@ from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, unit_prefix
 from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.scene_surface import scene_surface
 from rolling.figures.picture import Caption, Picture, set_caption
 from rolling.figures.settings import own_settings
 from rolling.marches.observers import SlowMotion
@@ -21,7 +22,6 @@ from rolling.report.charts import Chart, chart_of
 from rolling.results.run_result import Run
 from rolling.sound.vibration_sound import Vibration
 from rolling.sound.wavelengths import weighted_lines
-from rolling.surface.scene_surface import scene_surface
 
 LIT = np.tile(np.array((0, 225, 255), np.uint8), (256, 1))  # colour of releases, by their opacity
 BRIGHTEST = 0.999  # share of the releases that are less than fully lit

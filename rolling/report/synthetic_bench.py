@@ -16,6 +16,8 @@ import soundfile
 from acoustics import resampling
 from acoustics.arrays import Array
 from acoustics.wav import SAMPLE_RATE_HZ
+from rolling.ball.scene_surface import heights
+from rolling.heights.measured import write
 from rolling.report.bench import CALIBRATION, RUN
 from rolling.results.run_result import Run
 from rolling.run import folder as folders

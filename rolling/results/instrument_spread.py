@@ -16,6 +16,7 @@ from acoustics.arrays import Array
 from rolling.ball.assumed_bodies import with_bodies
 from rolling.ball.bodies_of_scene import bodies_of
 from rolling.ball.records import listener_of
+from rolling.ball.scene_surface import scene_surface
 from rolling.check import error_cost
 from rolling.marches import error_stretches
 from rolling.marches.result import Result
@@ -31,7 +32,6 @@ from rolling.results.solved_run import SolvedRun
 from rolling.scene.scene import Scene
 from rolling.sound.error_estimate import refinement_factor, replaced_errors
 from rolling.sound.radiators import roughness_gain
-from rolling.surface.scene_surface import scene_surface
 
 # Order by which missing detail converges on finer grids, as in `error_estimate.detail_errors`.
 ORDER = 1.0

@@ -20,6 +20,7 @@ from acoustics.numbers import rounded
 from rolling.ball.assumed_bodies import bodies_text, with_bodies
 from rolling.ball.bodies_of_scene import bodies_of, plate_of, smooth_contact_of
 from rolling.ball.records import listener_of
+from rolling.ball.scene_surface import SceneSurface, scene_surface
 from rolling.check import heights
 from rolling.dynamics import drop
 from rolling.marches import effort, force_law
@@ -70,7 +71,6 @@ from rolling.sound.contact_sound import ContactSound
 from rolling.sound.missing_band import MissingBand, VibrationSource, missing_band
 from rolling.sound.vibration_sound import P_REF_W, Vibration, by_band, compact_source_db
 from rolling.surface import levelling
-from rolling.surface.scene_surface import SceneSurface, scene_surface
 
 STEADY_S = 1.0  # [s] of a record that does not close, from which on its loudness is that of a tone
 _ROUNDING_DB = 1e-6

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from acoustics.traps import ignoring_underflow
 from rolling.ball.bodies_of_scene import bodies_of
 from rolling.ball.records import listener_of
+from rolling.ball.scene_surface import scene_surface
 from rolling.contact.processor_time import ProcessorTime
 from rolling.kinds.run_folder import RESULT, RunFolder
 from rolling.marches import effort, force_law
@@ -39,7 +40,6 @@ from rolling.sound.vibration_sound import (
     vibrate,
     with_impacts,
 )
-from rolling.surface.scene_surface import scene_surface
 from rolling.terminal.files import make_below, write_bytes
 
 if TYPE_CHECKING:

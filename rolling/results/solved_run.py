@@ -15,6 +15,7 @@ from acoustics.arrays import Array
 from acoustics.traps import ignoring_underflow
 from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.ball.records import listener_of
+from rolling.ball.scene_surface import scene_surface
 from rolling.contact.recovery import EventStatistics, event_statistics
 from rolling.kinds.run_folder import RunFolder
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
@@ -36,7 +37,6 @@ from rolling.sound.wavelengths import (
     mean_speed,
     wavelength_octaves,
 )
-from rolling.surface.scene_surface import scene_surface
 
 
 @ignoring_underflow

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from rolling.ball import scene_surface
 from rolling.check import cost, forecast
 from rolling.contact.solver import ContactError
 from rolling.kinds.march import March, MarchStore

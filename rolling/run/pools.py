@@ -184,8 +184,8 @@ def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
     A single piece needs this process only. So does a process of another pool, whatever the number
     of workers. Scenes with one surface need one team.
     """
+    from rolling.ball.scene_surface import identity
     from rolling.marches.piece import track_pieces
-    from rolling.surface.scene_surface import identity
 
     pieces = sum(len(track_pieces(scene.track.solved_steps)) for scene in scenes)
     surfaces = {identity(scene) for scene in scenes}

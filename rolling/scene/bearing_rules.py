@@ -21,7 +21,8 @@ from rolling.scene.bearing_lengths import angle_of, clearance_of, groove_distanc
 from rolling.scene.height_grid import faults_at
 from rolling.scene.laws import refuse_misplaced
 from rolling.scene.messages import Key, SceneError, fault, plain_number
-from rolling.scene.surfaces import WAVE_NODES, BallSurface
+from rolling.scene.surfaces import BallSurface
+from rolling.surface.ball_form import WAVE_NODES
 
 if TYPE_CHECKING:
     from rolling.scene.bearing_scene import BearingQuantities

@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from rolling.surface.refined import auto_subcells
+
 if TYPE_CHECKING:
     from rolling.scene.quantities import SceneQuantities
 
@@ -26,14 +28,6 @@ PER_SPACING_DB = -PER_LENGTH_DB - 2 * PER_AREA_DB  # per decade of the spacing
 
 # Generated heights are a little more or less steep than their law.
 SLOPE_MARGIN = 1.05
-
-# Sub-cells along the side of a cell that `auto` takes on steep surfaces.
-STEEP_SUBCELLS = 2
-# A surface is steep from this ratio on: half the rms slope times the node spacing, over a node's
-# deflection by the hardness on its own cell. Ra 0.1 um at 2.1 GPa has 1.2, Ra 1 um 12.
-STEEP = 3.0
-# Deflection of the centre of a square by a uniform pressure, over side times pressure over E*.
-OWN = 4 * math.asinh(1) / math.pi
 
 
 def grid_signal_db(scene: SceneQuantities) -> float | None:
@@ -111,16 +105,3 @@ def has_blended_edges(scene: SceneQuantities) -> bool:
 def has_sharp_edges(scene: SceneQuantities) -> bool:
     """Tell whether yielding patches end with whole cells."""
     return scene.numerics.edges == "sharp" and math.isfinite(scene.hardness)
-
-
-def auto_subcells(slope: float, contact_modulus: float, hardness: float) -> int:
-    """Choose the sub-cells along the side of a cell for a surface of this slope [-].
-
-    Sub-cells gain most where the heights vary within a cell by more than pressures can level: on
-    steep surfaces that yield. Elsewhere a single node per cell finds the edge well enough, as it
-    does in an elastic contact.
-    """
-    levelled = OWN * hardness / contact_modulus
-    if 0.5 * slope > STEEP * levelled:
-        return STEEP_SUBCELLS
-    return 1

@@ -26,6 +26,7 @@ from rolling.scene import height_files
 from rolling.scene.height_files import MAX_BYTES, TRIPLES, UNITS, HeightFormatError, is_instrument
 from rolling.scene.messages import fault, first_line, plain_number, quoted, shortened
 from rolling.scene.surfaces import HeightFile, refuse_width
+from rolling.surface.period_grid import SAME, HeightGrid, Pair, is_other
 
 _INSTALL = 'pip install "rolling-contact-noise[surfaces]"'
 _OFF_GRID = 0.05  # of a spacing that a point of a regular grid may lie off its node
@@ -294,24 +295,6 @@ def _axis(values: Array, name: str) -> _Axis:
 DEFAULT_OVERLAP = 0.1  # of each side
 MAX_OVERLAP = 0.5  # of each side
 _MOST = 2e9  # nodes of a side, above all limits, so that counts stay whole numbers
-SAME = 1e-6  # relative difference of spacings that count as equal
-Pair = tuple[int, int]
-
-
-@dataclass(frozen=True)
-class HeightGrid:
-    """Nodes along and across the track, from the file to the period that is rolled over."""
-
-    steps: tuple[float, float]  # [m] spacings of the file
-    spacing: float  # [m] of the period
-    resampled: Pair  # nodes of the file at that spacing; a profile has its width
-    overlap: Pair  # nodes that are blended into the beginning
-    nodes: Pair  # of the period
-
-
-def is_other(steps: Sequence[float], spacing: float) -> bool:
-    """Tell whether the spacings [m] of a file differ from that of its period."""
-    return any(abs(step / spacing - 1) > SAME for step in steps)
 
 
 def is_turned(shape: Pair, surface: HeightFile) -> bool:

@@ -9,6 +9,13 @@ from pydantic import Field, model_validator
 from acoustics.numbers import rounded
 from rolling.scene.messages import Key, fault, plain_number
 from rolling.scene.models import Section
+from rolling.surface.height_law import (
+    GAUSSIAN_MOMENTS,
+    CorrelationLaw,
+    SelfAffineSpectrum,
+    self_affine_integrals,
+)
+from rolling.surface.single_faults import SingleFault
 
 AUTOCORRELATIONS = {  # name: (decay, exponent) of exp(-decay * (r / L)^exponent)
     "gaussian": (1.0, 2),
@@ -67,7 +74,7 @@ class Distribution(Section):
     @property
     def is_gaussian(self) -> bool:
         """Whether the heights have the skewness and kurtosis of Gaussian heights."""
-        return self.moments == (0.0, 3.0)
+        return self.moments == GAUSSIAN_MOMENTS
 
     @property
     def _moments_and_seed(self) -> str:
@@ -112,10 +119,18 @@ class Roughness(Distribution):
         return self
 
     @property
-    def correlation(self) -> tuple[tuple[float, float], str, float]:
-        """Correlation lengths [m] in two perpendicular directions, law, and angle [rad]."""
-        first, second, angle = self._ellipse
-        return (first * 1e-6, second * 1e-6), self.autocorrelation, angle
+    def in_si(self) -> CorrelationLaw:
+        """The law in SI, of which heights are made."""
+        first_um, second_um, angle = self._ellipse
+        decay, exponent = AUTOCORRELATIONS[self.autocorrelation]
+        return CorrelationLaw(
+            lengths_m=(first_um * 1e-6, second_um * 1e-6),
+            angle_rad=angle,
+            decay=decay,
+            exponent=exponent,
+            ra_m=self.roughness_ra_um * 1e-6,
+            moments=self.moments,
+        )
 
     @property
     def _ellipse(self) -> tuple[float, float, float]:
@@ -150,7 +165,7 @@ class Roughness(Distribution):
     @property
     def rq_m(self) -> float:
         """Root-mean-square height [m], from Ra as for Gaussian heights."""
-        return self.roughness_ra_um * 1e-6 * math.sqrt(math.pi / 2)
+        return self.in_si.rq_m
 
     def rms_slope(self, spacing_um: float) -> float:
         """Return the rms norm of the gradient over a spacing."""
@@ -221,21 +236,28 @@ class SelfAffineLaw(Distribution):
         return self.rolloff_um / 4, self.rolloff_um / 4
 
     @property
-    def rolloff_rad_m(self) -> float:
+    def in_si(self) -> SelfAffineSpectrum:
+        """The law in SI, of which heights are made."""
+        return SelfAffineSpectrum(
+            hurst=self.hurst,
+            rolloff_rad_m=self._rolloff_rad_m,
+            end_ratio=self.rolloff_um / self.shortest_um,
+            rq_m=self.rq_m,
+            ra_m=None if self.roughness_ra_um is None else self.roughness_ra_um * 1e-6,
+            rdq=self.rdq,
+            moments=self.moments,
+        )
+
+    @property
+    def _rolloff_rad_m(self) -> float:
         """Wave number q_r of the roll-off [rad/m]."""
         return 2e6 * math.pi / self.rolloff_um
 
     @property
-    def integrals(self) -> tuple[float, float]:
-        """Sq^2 over C0 q_r^2/(2 pi), and Sdq^2 over C0 q_r^4/(2 pi)."""
-        decades = math.log(self.rolloff_um / self.shortest_um)
-        heights = 0.5 + _power_integral(-2 * self.hurst, decades)
-        return heights, 0.25 + _power_integral(2 - 2 * self.hurst, decades)
-
-    @property
     def gradient_m(self) -> float:
         """Sdq over Sq [1/m]."""
-        return self.rolloff_rad_m * math.sqrt(self.integrals[1] / self.integrals[0])
+        heights, gradients = self_affine_integrals(self.hurst, self.rolloff_um / self.shortest_um)
+        return self._rolloff_rad_m * math.sqrt(gradients / heights)
 
     @property
     def rq_m(self) -> float:
@@ -262,11 +284,6 @@ class SelfAffineLaw(Distribution):
 
 
 HeightLaw = Roughness | SelfAffineLaw
-
-
-def _power_integral(power: float, logarithm: float) -> float:
-    """Return the integral of x^(power - 1) from 1 to exp(logarithm)."""
-    return math.expm1(power * logarithm) / power if power else logarithm
 
 
 # ---- single faults
@@ -333,9 +350,24 @@ class SurfaceFault(Section):
         return self
 
     @property
+    def in_si(self) -> SingleFault:
+        """The fault in SI."""
+        angle_deg = 90.0 if self.angle_deg is None else self.angle_deg
+        return SingleFault(
+            kind=self.kind,
+            size_m=self.size_um * 1e-6,
+            depth_m=self.depth_um * 1e-6,
+            at_m=None if self.at_mm is None else (self.at_mm[0] * 1e-3, self.at_mm[1] * 1e-3),
+            count=self.count or 0,
+            seed=self.seed or 0,
+            length_m=(self.length_um or 0.0) * 1e-6,
+            angle_rad=math.radians(angle_deg),
+        )
+
+    @property
     def crosses(self) -> bool:
         """Whether the fault crosses the whole surface."""
-        return self.kind in ("groove", "step")
+        return self.in_si.crosses
 
     @property
     def steepest(self) -> float:

@@ -18,6 +18,8 @@ from rolling.scene.height_files import TRIPLES, is_instrument
 from rolling.scene.laws import Roughness, SelfAffineLaw, SurfaceFault, SurfaceKind
 from rolling.scene.messages import TABLES, fault, is_number, plain_number, quoted
 from rolling.scene.models import Section
+from rolling.surface.ball_form import WAVE_NODES, BallForm
+from rolling.surface.instrument import InstrumentLimits
 
 
 class MadeSurface(SurfaceKind):
@@ -168,6 +170,15 @@ class Instrument(Section):
     sampling_um: float | None = Field(default=None, ge=0.001, le=10000)
     noise_nm: float | None = Field(default=None, ge=0.001, le=100000)
 
+    @property
+    def in_si(self) -> InstrumentLimits:
+        """The limits in SI."""
+        return InstrumentLimits(
+            tip_radius_m=None if self.tip_radius_um is None else 1e-6 * self.tip_radius_um,
+            sampling_m=None if self.sampling_um is None else 1e-6 * self.sampling_um,
+            noise_m=None if self.noise_nm is None else 1e-9 * self.noise_nm,
+        )
+
     @model_validator(mode="after")
     def _says_something(self) -> Self:
         if self.tip_radius_um is None and self.sampling_um is None and self.noise_nm is None:
@@ -305,7 +316,6 @@ Surface = Annotated[Gaussian | Smooth | HeightFile | SelfAffine, Field(discrimin
 # ---- surfaces of a sphere
 
 
-WAVE_NODES = 4  # minimum number of nodes of a wave
 LARGEST_UM = 1e3  # [um] amplitude of an order
 
 
@@ -378,7 +388,18 @@ class RoundSurface(SurfaceKind):
     @property
     def has_form(self) -> bool:
         """Whether the surface has waves around the circumference, of waviness or grade."""
-        return self.waviness is not None or self.kind == "graded"
+        return self.form != BallForm()
+
+    @property
+    def form(self) -> BallForm:
+        """Waves around the circumference in SI."""
+        return BallForm(waves_m=self._waves_m)
+
+    @property
+    def _waves_m(self) -> tuple[tuple[int, float], ...]:
+        """Order and amplitude [m] of the waves of the waviness."""
+        waves = (self.waviness or {}).items()
+        return tuple((order, amplitude_um * 1e-6) for order, amplitude_um in waves)
 
 
 class GaussianBall(Roughness, RoundSurface):
@@ -456,6 +477,15 @@ class GradedBall(RoundSurface):
             roughness_ra_um=GRADES[self.grade].roughness_ra_um,
             correlation_length_um=self.correlation_length_um,
             seed=self.seed,
+        )
+
+    @property
+    def form(self) -> BallForm:
+        """Waves around the circumference in SI, of the grade and of the waviness."""
+        return BallForm(
+            deviation_m=GRADES[self.grade].deviation_um * 1e-6,
+            seed=self.seed,
+            waves_m=self._waves_m,
         )
 
 

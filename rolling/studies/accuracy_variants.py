@@ -8,14 +8,15 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array
+from rolling.ball import contact_of_scene
+from rolling.ball.scene_surface import heights
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
 from rolling.scene.scene import Scene
-from rolling.surface import contact_of_scene
 from rolling.surface.refined import dies_out, refined, subcell_heights
-from rolling.surface.scene_surface import heights
+from rolling.surface.subcell_contact import auto_subcells, on_subcells
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 REFERENCE_TOLERANCE = 1e-6
@@ -158,8 +159,8 @@ def variant_contact(scene: Scene, variant: Variant) -> RollingContact:
         slopes=smooth,
     )
     chosen = scene.numerics.subcells
-    subcells = contact_of_scene.auto_subcells(contact) if chosen == "auto" else chosen
-    return contact_of_scene.on_subcells(contact, subcells, smooth)
+    subcells = auto_subcells(contact) if chosen == "auto" else chosen
+    return on_subcells(contact, subcells, smooth)
 
 
 def march_variant(scene: Scene, variant: Variant, nodes: int) -> dict[str, Array]:

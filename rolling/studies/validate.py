@@ -25,10 +25,12 @@ from acoustics.radiation import AIR_KG_M3, SOUND_M_S
 from acoustics.rectangular_plate import own_resistance
 from acoustics.wav import SAMPLE_RATE_HZ as RATE_HZ
 from rolling.ball.bodies_of_scene import bodies_of, plate_of
+from rolling.ball.scene_surface import heights
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.single_contact import solve_contact
 from rolling.contact.solver import ContactError
 from rolling.dynamics import drop
+from rolling.heights.measured import HeightArray
 from rolling.recordings.comparison import THIRD_OCTAVE, compare
 from rolling.recordings.levels import TOTALS
 from rolling.report import synthetic_bench
@@ -44,8 +46,6 @@ from rolling.sound.wavelengths import wavelength_bands
 from rolling.studies import bearing_truths, printed_truths
 from rolling.studies.output import markdown_table
 from rolling.surface.heights import statistics
-from rolling.surface.measured import HeightArray
-from rolling.surface.scene_surface import heights
 from rolling.terminal import progress
 from rolling.terminal.files import FolderError, read_regular, write_bytes
 from rolling.terminal.program import identity

@@ -1,19 +1,22 @@
-"""Surface heights of a scene: generated or read, levelled, and described.
+"""Surface heights as arrays in SI: made, prepared, levelled, and described in numbers.
 
-heights
-    makes random, faulted and flat heights, and computes roughness statistics
-made
-    makes random heights of a law, with a skewness and a kurtosis from Johnson's system
-measured
-    reads and writes files of all formats, and makes a surface of an array of numpy
+height_law
+    laws of random heights as numbers: autocorrelation or self-affine spectrum, size, moments
+heights, made
+    make random heights of a law, with a skewness and a kurtosis from Johnson's system, and compute
+    roughness statistics
+single_faults, ball_form
+    add pits, scratches and other faults; waves around a ball, and ball and plate together
 levelling
-    checks heights, finds their tilt and seam, and removes the tilt
-preparation
-    fills, filters, resamples and closes measured heights by ISO 25178-3
-parameters
-    computes the areal parameters of ISO 25178-2
-refined, contact_of_scene
-    compute heights between the nodes, on other grids and on sub-cells, and the rolling contact
-scene_surface
-    gives the surface of a scene, plate and sphere together, with its statistics
+    finds tilt and seam of heights, and removes the tilt
+markers
+    finds values that mark unmeasured points
+period_grid, preparation
+    the nodes of a period; fill, filter, resample and close measured heights by ISO 25178-3
+instrument
+    finds what the instrument of a measurement could not see
+parameters, lay, character
+    compute the areal parameters of ISO 25178-2, the lay, and the numbers by which finishes compare
+refined, subcell_contact
+    compute heights between the nodes, on other grids and on sub-cells, and the contact on them
 """

@@ -1,4 +1,4 @@
-"""The few numbers by which finishes are compared, in sentences, and the line of a scene for them.
+"""The few numbers by which finishes are compared, in sentences.
 
 They are roughness, the 1/e lengths of the autocorrelation, the rms slope and the plasticity index.
 """
@@ -6,25 +6,15 @@ They are roughness, the 1/e lengths of the autocorrelation, the rms slope and th
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from rolling.contact.closed_forms import contact_modulus
-from rolling.contact.track import MIN_NODES
-from rolling.scene import library
-from rolling.scene.messages import SceneError
-from rolling.scene.scene import Scene
-from rolling.scene.surfaces import Gaussian
-from rolling.surface.heights import SurfaceError, turned_reach
 from rolling.surface.lay import E_FOLD, LAY, Ellipse, ellipse
 from rolling.surface.parameters import DECAY, about_mean, autocorrelation, roughness
 
-MATERIAL = "steel-100cr6"  # of ball and plate, where a file or an elastic plate names none
 # Mikic's limits of E' tan(theta)/H are 1/3 and 3 with the mean absolute slope of a profile. On
 # isotropic Gaussian heights it is 1/sqrt(pi) of the rms slope of the surface.
 ELASTIC_BELOW = math.sqrt(math.pi) / 3
@@ -32,10 +22,6 @@ PLASTIC_ABOVE = math.sqrt(math.pi) * 3
 # Lag of a decay to 0.2 over that to 1/e: 1.27 of a Gaussian autocorrelation, 1.61 of an exponential
 # one. Between them lies the geometric mean.
 _EXPONENTIAL_ABOVE = 1.43
-_SKEWED = 0.2  # skewness from which heights are not made Gaussian
-_PEAKED = 0.5  # the same of the kurtosis about 3
-PROFILE_NODES = 128  # width of a surface that is made after a profile
-HOLDS = 2.5  # lengths across that the width of a made surface holds, so that it has them
 
 
 class Character(NamedTuple):
@@ -131,28 +117,6 @@ def plasticity_index(rms_slope: float, modulus: float, hardness: float) -> float
     return rms_slope * modulus / hardness
 
 
-def pair_of_steel() -> Pair:
-    """Return a ball and a plate of bearing steel."""
-    steel = library.named_values("plate", MATERIAL)
-    young = 1e9 * steel["youngs_modulus_gpa"]
-    poisson = steel["poissons_ratio"]
-    modulus = contact_modulus(young, poisson, young, poisson)
-    return Pair(modulus, 1e9 * steel["hardness_gpa"], f"a ball and a plate of {MATERIAL}")
-
-
-def pair_of_scene(scene: Scene) -> Pair:
-    """Return ball and plate of a scene; an elastic plate has the hardness of its material here."""
-    if math.isfinite(scene.hardness):
-        return Pair(scene.contact_modulus, scene.hardness, "ball and plate of the scene")
-    material = scene.plate.material or MATERIAL
-    hardness = library.named_values("plate", material).get("hardness_gpa")
-    if not isinstance(hardness, float):
-        material = MATERIAL
-        hardness = library.named_values("plate", material)["hardness_gpa"]
-    words = f"ball and plate of the scene, which is elastic, with the hardness of {material}"
-    return Pair(scene.contact_modulus, 1e9 * hardness, words)
-
-
 # ---- sentences
 
 
@@ -169,7 +133,7 @@ def sentences(numbers: Character, pair: Pair) -> list[str]:
         outcome = "its asperities yield"
     return [
         f"Roughness: Ra {_um(numbers.ra)} and Rq {_um(numbers.rq)}.",
-        f"The autocorrelation falls to 1/e {_lengths(numbers)}.{_lay_words(numbers.ellipse)}",
+        f"The autocorrelation falls to 1/e {lengths_text(numbers)}.{_lay_words(numbers.ellipse)}",
         f"The rms slope is {rounded(numbers.rms_slope, 3)} between neighbouring nodes.",
         f"Mikic's plasticity index E' s/H is {rounded(index, 2)}: {outcome}. The rms slope is s; E'"
         f" {rounded(1e-9 * pair.modulus, 3)} GPa and H {rounded(1e-9 * pair.hardness, 3)} GPa are"
@@ -184,7 +148,7 @@ def _um(length: float) -> str:
     return f"{rounded(1e6 * length, 3)} um"
 
 
-def _lengths(numbers: Character) -> str:
+def lengths_text(numbers: Character) -> str:
     """Write where the autocorrelation falls along and across the track."""
     ends = {"along": numbers.along, "across": numbers.across}
     known = {name: length for name, length in ends.items() if math.isfinite(length)}
@@ -214,113 +178,3 @@ def lies_along(numbers: Character) -> bool:
     """Tell whether the lay of a surface runs along the track."""
     lay = numbers.ellipse
     return lay is not None and not lay.angle_deg and lay.first > LAY * lay.second
-
-
-# ---- lines of a scene
-
-
-class Offer(NamedTuple):
-    """A line of a scene and the sentence before it, which says why if there is no line."""
-
-    sentence: str
-    line: str = ""
-
-
-def line(keys: Mapping[str, Any]) -> str:
-    """Write the section `surface` of a scene on one line of YAML."""
-    return f"surface: {{{_flow(keys)}}}"
-
-
-def offer_of_statistics(numbers: Character, spacing: float, width: float) -> Offer | None:
-    """Write the section `surface` of a random surface with the numbers of a surface, on one line.
-
-    A smooth surface has no such line.
-
-    Parameters
-    ----------
-    numbers : Character
-        Numbers of the surface.
-    spacing : float, m
-        Spacing of its nodes, the finer one of two.
-    width : float, m
-        Its width; 0 of a profile.
-    """
-    if numbers.rq == 0:
-        return None
-    lay = numbers.ellipse
-    if lay is None:
-        return Offer(
-            "No random surface is like it in a scene, because its autocorrelation falls to 1/e"
-            f" {_lengths(numbers)}."
-        )
-    sentence = "In a scene, this makes a random surface of these Ra and 1/e lengths"
-    if lay.is_continued:
-        sentence += (
-            "; the longer one continues the decay up to half the surface, at most to its whole side"
-        )
-    elif not width:
-        sentence += "; a profile has no length across the track, so it is as along"
-    moments = {}
-    if abs(numbers.skewness) > _SKEWED or abs(numbers.kurtosis - 3) > _PEAKED:
-        moments["skewness"] = float(rounded(numbers.skewness, 2))
-        moments["kurtosis"] = float(rounded(numbers.kurtosis, 3))
-    keys = _law_keys(numbers, lay)
-    grid = _grid_keys(lay, spacing, width)
-    reason = ""
-    # No made surface has some moments.
-    for made in ({**keys, **moments, **grid}, {**keys, **grid}):
-        try:
-            law = Gaussian(**made)
-            if law.correlation[2]:
-                turned_reach(law, spacing)
-        except (SceneError, SurfaceError) as error:
-            reason = str(error)
-            continue
-        return Offer(f"{sentence}:", line(made))
-    return Offer(f"No random surface is like it in a scene: {reason}")
-
-
-def _law_keys(numbers: Character, lay: Ellipse) -> dict[str, Any]:
-    """Return the keys of a random surface that say its roughness and its autocorrelation."""
-    keys: dict[str, Any] = {"kind": "gaussian"}
-    if numbers.is_exponential:
-        keys["autocorrelation"] = "exponential"
-    keys["roughness_ra_um"] = float(rounded(1e6 * numbers.ra, 4))
-    first = float(rounded(1e6 * lay.first, 3))
-    second = float(rounded(1e6 * lay.second, 3))
-    keys["correlation_length_um"] = first
-    if second != first:
-        keys["correlation_length_across_um"] = second
-    if lay.angle_deg:
-        keys["lay_deg"] = lay.angle_deg
-    return keys
-
-
-def _grid_keys(lay: Ellipse, spacing: float, width: float) -> dict[str, Any]:
-    """Return the grid of a random surface, wide enough for its length across, and its seed."""
-    spacing_um = float(rounded(1e6 * spacing, 6))
-    nodes = PROFILE_NODES if not width else max(MIN_NODES, round(1e6 * width / spacing_um))
-    nodes = max(nodes, math.ceil(HOLDS * 1e6 * lay.across / spacing_um))
-    width_um = float(f"{spacing_um * nodes:.10g}")
-    return {"spacing_um": spacing_um, "width_um": width_um, "seed": 1}
-
-
-_PLAIN = re.compile("[a-z][a-z_-]*")  # texts that YAML takes for texts, but for its own words
-_YAML_WORDS = ("true", "false", "null", "yes", "no", "on", "off")
-
-
-def _flow(keys: Mapping[str, Any]) -> str:
-    """Write keys and values as YAML on one line, texts that need it in quotes."""
-    return ", ".join(f"{name}: {_scalar(value)}" for name, value in keys.items())
-
-
-def _scalar(value: Any) -> str:
-    """Write a value as YAML, a section in braces."""
-    if isinstance(value, Mapping):
-        return f"{{{_flow(value)}}}"
-    if isinstance(value, float):
-        return f"{value:g}" if float(f"{value:g}") == value else repr(value)
-    if isinstance(value, str) and (not _PLAIN.fullmatch(value) or value in _YAML_WORDS):
-        doubled = value.replace("'", "''")
-        return f"'{doubled}'"
-    return str(value)

@@ -1,16 +1,14 @@
-"""Periodic surface heights: generation by spectral filtering, single faults, statistics."""
+"""Periodic surface heights: generation by spectral filtering, and statistics."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from rolling.scene.laws import AUTOCORRELATIONS, HeightLaw, Roughness, SelfAffineLaw, SurfaceFault
+from rolling.surface.height_law import CorrelationLaw, HeightSpectrum, SelfAffineSpectrum
 from rolling.surface.parameters import roughness
 
 _NEGLIGIBLE = 1e-7  # autocorrelation
@@ -42,7 +40,7 @@ class Statistics:
     lowest: float
 
 
-def filtered(noise: Array, spacing: float, law: HeightLaw) -> Array:
+def filtered(noise: Array, spacing: float, law: HeightSpectrum) -> Array:
     """Filter periodic white noise (m, n) of a spacing [m] to heights of a law and any size.
 
     Raises
@@ -56,12 +54,11 @@ def filtered(noise: Array, spacing: float, law: HeightLaw) -> Array:
     # A surface much smaller than its correlation length is flat except for rounding errors, which
     # would pass for roughness if they were scaled up.
     least = 1e-6 * np.sqrt(density.max() / heights.size)
-    if isinstance(law, Roughness) and not np.abs(heights).mean() > least:
+    if isinstance(law, CorrelationLaw) and not np.abs(heights).mean() > least:
         surface_um = " x ".join(rounded(n * spacing * 1e6, 4) for n in noise.shape)
         # If the law falls with (r / L)^exponent, the share of roughness falls with its root.
-        exponent = AUTOCORRELATIONS[law.autocorrelation][1]
-        longest = 0.1 * 1e12 ** (1 / exponent) * max(noise.shape) * spacing * 1e6
-        lengths_um = " and ".join(rounded(length * 1e6, 4) for length in law.correlation[0])
+        longest = 0.1 * 1e12 ** (1 / law.exponent) * max(noise.shape) * spacing * 1e6
+        lengths_um = " and ".join(rounded(length * 1e6, 4) for length in law.lengths_m)
         raise SurfaceError(
             f"no roughness left but rounding: got correlation lengths of {lengths_um} um"
             f" on {surface_um} um, allowed: up to about {rounded(longest)} um; enlarge the surface"
@@ -69,18 +66,17 @@ def filtered(noise: Array, spacing: float, law: HeightLaw) -> Array:
     return heights
 
 
-def spectral_density(shape: tuple[int, ...], spacing: float, law: HeightLaw) -> Array:
+def spectral_density(shape: tuple[int, ...], spacing: float, law: HeightSpectrum) -> Array:
     """Return the spectral density of a law on the half plane of waves of a periodic grid.
 
     Its mean over all waves is 1 [-].
     """
-    if isinstance(law, SelfAffineLaw):
+    if isinstance(law, SelfAffineSpectrum):
         density = self_affine(wave_numbers(shape, spacing), law)
         density[0, 0] = 0.0
         return np.asarray(density * (shape[0] * shape[1] / (wave_counts(shape) * density).sum()))
-    lengths, name, angle = law.correlation
-    first, second = lengths
-    decay, exponent = AUTOCORRELATIONS[name]
+    first, second = law.lengths_m
+    angle = law.angle_rad
     x = spacing * _periodic_lags(shape[0])
     y = spacing * _periodic_lags(shape[1])
 
@@ -88,7 +84,7 @@ def spectral_density(shape: tuple[int, ...], spacing: float, law: HeightLaw) -> 
         """Return the autocorrelation at lags along and across [m]."""
         along, across = turned(x[:, None], y, angle)
         r2 = (along / first) ** 2 + (across / second) ** 2
-        return np.asarray(np.exp(-decay * r2 ** (exponent / 2)))
+        return np.asarray(np.exp(-law.decay * r2 ** (law.exponent / 2)))
 
     periodic = autocorrelation(x, y)
     if angle:
@@ -113,7 +109,7 @@ def spectral_density(shape: tuple[int, ...], spacing: float, law: HeightLaw) -> 
     return np.asarray(density)
 
 
-def turned_reach(law: Roughness, spacing: float) -> Array:
+def turned_reach(law: CorrelationLaw, spacing: float) -> Array:
     """Return how far [m] a turned autocorrelation reaches along and across.
 
     Raises
@@ -121,11 +117,10 @@ def turned_reach(law: Roughness, spacing: float) -> Array:
     SurfaceError
         The reach has too many nodes of the spacing [m].
     """
-    (first, second), name, angle = law.correlation
-    decay, exponent = AUTOCORRELATIONS[name]
-    reach = (-np.log(_NEGLIGIBLE) / decay) ** (1 / exponent)
-    cosine = np.cos(angle)
-    sine = np.sin(angle)
+    first, second = law.lengths_m
+    reach = (-np.log(_NEGLIGIBLE) / law.decay) ** (1 / law.exponent)
+    cosine = np.cos(law.angle_rad)
+    sine = np.sin(law.angle_rad)
     ends = reach * np.hypot([first * cosine, first * sine], [second * sine, second * cosine])
     if 4 * ends[0] * ends[1] > _MAX_LAGS * spacing**2:
         longest = math.sqrt(_MAX_LAGS / (4 * ends[0] * ends[1])) * spacing
@@ -141,12 +136,12 @@ def _periodic_lags(nodes: int) -> Array:
     return np.asarray((np.arange(nodes) + nodes // 2) % nodes - nodes // 2, float)
 
 
-def self_affine(wave_number: Array, law: SelfAffineLaw) -> Array:
+def self_affine(wave_number: Array, law: SelfAffineSpectrum) -> Array:
     """Return a self-affine spectrum over its plateau at wave numbers [rad/m]."""
     ratio = wave_number / law.rolloff_rad_m
     falling = np.maximum(ratio, 1.0) ** (-2 * (1 + law.hurst))
     # Rounding must not take the shortest wave itself away.
-    return np.where(ratio <= law.rolloff_um / law.shortest_um * (1 + 1e-9), falling, 0.0)
+    return np.where(ratio <= law.end_ratio * (1 + 1e-9), falling, 0.0)
 
 
 def wave_counts(shape: tuple[int, ...]) -> Array:
@@ -221,93 +216,3 @@ def correlation(heights: Array, spacing: float, axis: int) -> Correlation:
     k = int(below[0])
     length = k - 1 + (share[k - 1] - np.exp(-1)) / (share[k - 1] - share[k])
     return Correlation(length=float(length) * spacing, noise=noise)
-
-
-# ---- single faults
-
-
-RIM = 4.0  # radii of a dent within which its rim dies out
-
-
-def add_faults(heights: Array, faults: Sequence[SurfaceFault], spacing: float) -> None:
-    """Add faults to periodic heights (along, across) [m] in place.
-
-    A fault at y = 0 lies on the middle line of the width.
-    """
-    along, across = heights.shape
-    line = np.zeros(along)  # of faults that cross the whole surface
-    for fault in faults:
-        for x, y in fault_places(fault, along * spacing, across * spacing):
-            if fault.crosses:
-                line += _crossing(fault, np.arange(along) * spacing - x, along * spacing)
-            else:
-                _add_patch(heights, fault, x / spacing, y / spacing + (across - 1) / 2, spacing)
-    if line.any():
-        heights += line[:, None]
-
-
-def fault_places(fault: SurfaceFault, length: float, width: float) -> Array:
-    """Return the places (n, 2) [m] of a fault on a surface of some length and width [m]."""
-    if fault.at_mm is not None:
-        return np.array([fault.at_mm]) * 1e-3
-    random = np.random.default_rng(fault.seed)
-    return random.uniform((0.0, -width / 2), (length, width / 2), (fault.count or 0, 2))
-
-
-def _crossing(fault: SurfaceFault, x: Array, period: float) -> Array:
-    """Return the heights [m] of a groove or step at distances x [m] along the track."""
-    size = fault.size_um * 1e-6
-    depth = fault.depth_um * 1e-6
-    if fault.kind == "groove":
-        away = np.abs((x + period / 2) % period - period / 2)
-        return -depth * _hill(2 * away / size)
-    past = x % period
-    risen = 0.5 - 0.5 * np.cos(math.pi * np.minimum(past / size, 1.0))
-    return np.asarray(depth * (risen - past / period))
-
-
-def _add_patch(
-    heights: Array, fault: SurfaceFault, row: float, column: float, spacing: float
-) -> None:
-    """Add a fault about a row and a column, in nodes, to the heights [m] around it."""
-    size = fault.size_um * 1e-6
-    length = (fault.length_um or 0.0) * 1e-6
-    reach = (RIM if fault.kind == "dent" else 1.0) * size / 2 + length / 2
-    rows = _nodes_near(row, reach / spacing, heights.shape[0])
-    columns = _nodes_near(column, reach / spacing, heights.shape[1])
-    x = (rows[:, None] - row) * spacing
-    y = (columns - column) * spacing
-    if length:  # the distance from the line of a scratch
-        angle = math.radians(90.0 if fault.angle_deg is None else fault.angle_deg)
-        cosine = math.cos(angle)
-        sine = math.sin(angle)
-        beyond_end = np.maximum(np.abs(cosine * x + sine * y) - length / 2, 0.0)
-        distance = np.hypot(beyond_end, cosine * y - sine * x)
-    else:
-        distance = np.hypot(x, y)
-    share = _fault_profile(fault.kind, 2 * distance / size)
-    places = np.ix_(rows % heights.shape[0], columns % heights.shape[1])
-    heights[places] += fault.depth_um * 1e-6 * share
-
-
-def _nodes_near(middle: float, reach: float, nodes: int) -> NDArray[np.int64]:
-    """Return the nodes within a reach of a middle, at most one period of them."""
-    first = max(math.ceil(middle - reach), math.ceil(middle - nodes / 2))
-    last = min(math.floor(middle + reach), first + nodes - 1)
-    return np.arange(first, last + 1, dtype=np.int64)
-
-
-def _fault_profile(kind: str, r: Array) -> Array:
-    """Return the heights of a kind over its depth, at r radii from its middle or line."""
-    if kind == "pit":
-        return np.minimum(r**2 - 1, 0.0)
-    if kind == "dent":  # its volume is zero
-        return np.asarray((r**2 - 1) * np.exp(-(r**2)))
-    if kind == "bump":
-        return _hill(r)
-    return -_hill(r)
-
-
-def _hill(r: Array) -> Array:
-    """Return a raised cosine of height 1 and radius 1."""
-    return 0.5 + 0.5 * np.cos(math.pi * np.minimum(r, 1.0))

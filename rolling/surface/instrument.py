@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded, si
-from rolling.scene.surfaces import Instrument
 
 # A ball traces the waves that are longer than the wavelength down to which the rms curvature of the
 # surface, times the radius of the ball, is CURVATURE. Scanning probes have the same criterion with
@@ -44,6 +43,20 @@ FLAT = 0.7
 STANDS_OUT = 10.0  # spectrum of the longest waves over the plateau
 LEAST_NOISE = 1e-5  # of Sq; a lower plateau is rounding
 NOISY = 2.0  # spectrum over noise, below which the file shows noise
+
+
+@dataclass(frozen=True, kw_only=True)
+class InstrumentLimits:
+    """Limits of an instrument at short waves; None where they are not known.
+
+    tip_radius_m : float or None, m. Radius of the tip of a stylus.
+    sampling_m : float or None, m. Distance of independent points.
+    noise_m : float or None, m. Rms noise of a height.
+    """
+
+    tip_radius_m: float | None = None
+    sampling_m: float | None = None
+    noise_m: float | None = None
 
 
 class WaveBands(NamedTuple):
@@ -150,7 +163,7 @@ class InstrumentSight:
 
 
 def sight(
-    heights: Array, spacing: float, instrument: Instrument | None, file_spacing: float = 0.0
+    heights: Array, spacing: float, instrument: InstrumentLimits | None, file_spacing: float = 0.0
 ) -> InstrumentSight:
     """Find what an instrument sees of heights.
 
@@ -160,8 +173,8 @@ def sight(
         One period of the measured surface.
     spacing : float, m
         Distance of its nodes.
-    instrument : Instrument
-        Tip radius, sampling and noise of the scene. Default: only the noise is looked for.
+    instrument : InstrumentLimits or None
+        Tip radius, sampling and noise. None: only the noise is looked for.
     file_spacing : float, m
         Distance of the points of the file, where they were resampled.
     """
@@ -175,19 +188,20 @@ def sight(
     bands = _bands(wave, lines * area, 0.5 / spacing)
     rms = float(np.sqrt(np.mean(z**2)))
     sampling = SAMPLES * max(spacing, file_spacing)
-    if instrument is not None and instrument.sampling_um is not None:
-        sampling = max(sampling, SAMPLES * 1e-6 * instrument.sampling_um)
+    limits = instrument or InstrumentLimits()
+    if limits.sampling_m is not None:
+        sampling = max(sampling, SAMPLES * limits.sampling_m)
     tip = 0.0
-    if instrument is not None and instrument.tip_radius_um is not None:
-        tip = _tip_cutoff(along, across, wave, lines, 1e-6 * instrument.tip_radius_um)
+    if limits.tip_radius_m is not None:
+        tip = _tip_cutoff(along, across, wave, lines, limits.tip_radius_m)
     seen = max(tip, sampling)
     cell = spacing if ridged else spacing**2
     noise_density = _plateau(bands, seen if sampling > 2.01 * spacing else 0.0)
     if noise_density < (LEAST_NOISE * rms) ** 2 * cell:
         noise_density = 0.0
     recognized = noise_density > 0
-    if instrument is not None and instrument.noise_nm is not None:
-        noise_density = (1e-9 * instrument.noise_nm) ** 2 * cell
+    if limits.noise_m is not None:
+        noise_density = limits.noise_m**2 * cell
         recognized = False
     noise_cutoff = _noise_cutoff(bands, noise_density)
     cutoff = max(seen, noise_cutoff)

@@ -12,8 +12,13 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.scene.laws import AUTOCORRELATIONS, HeightLaw, Roughness, SelfAffineLaw
 from rolling.surface import heights as surface
+from rolling.surface.height_law import (
+    CorrelationLaw,
+    HeightSpectrum,
+    SelfAffineSpectrum,
+    self_affine_integrals,
+)
 from rolling.surface.heights import moments, spectral_density
 
 ROUNDS = 40  # maximum number
@@ -31,7 +36,7 @@ DETAIL = 0.01
 
 
 def of_law(
-    shape: tuple[int, int], spacing: float, law: HeightLaw, seed: int | Sequence[int]
+    shape: tuple[int, int], spacing: float, law: HeightSpectrum, seed: int | Sequence[int]
 ) -> Array:
     """Generate periodic heights [m] of a law, whose Ra, Sq or Sdq is exact.
 
@@ -48,50 +53,50 @@ def of_law(
     return heights
 
 
-def scale(heights: Array, spacing: float, law: HeightLaw) -> float:
+def scale(heights: Array, spacing: float, law: HeightSpectrum) -> float:
     """Return the factor that gives heights the Ra, Sq or Sdq of a law."""
-    if isinstance(law, SelfAffineLaw) and law.rdq is not None:
+    if isinstance(law, SelfAffineSpectrum) and law.rdq is not None:
         gradients = _wave_squares(heights) * surface.wave_numbers(heights.shape, spacing) ** 2
         return law.rdq / float(np.sqrt(gradients.sum()))
-    if isinstance(law, SelfAffineLaw) and law.rq_um is not None:
-        return law.rq_um * 1e-6 / float(np.sqrt(np.mean(heights**2)))
-    return (law.roughness_ra_um or 0.0) * 1e-6 / float(np.abs(heights).mean())
+    if law.ra_m is None:
+        return law.rq_m / float(np.sqrt(np.mean(heights**2)))
+    return law.ra_m / float(np.abs(heights).mean())
 
 
 # ---- spectra
 
 
-def plane_density(law: HeightLaw, along: Array, across: Array) -> Array:
+def plane_density(law: HeightSpectrum, along: Array, across: Array) -> Array:
     """Return the two-sided spectral density [m4] of a law over wave numbers [rad/m].
 
     Its integral over the plane of wave numbers is the mean square of the heights.
     """
-    if isinstance(law, SelfAffineLaw):
-        plateau = law.rq_m**2 / (2 * np.pi * law.rolloff_rad_m**2 * law.integrals[0])
+    if isinstance(law, SelfAffineSpectrum):
+        square, _ = self_affine_integrals(law.hurst, law.end_ratio)
+        plateau = law.rq_m**2 / (2 * np.pi * law.rolloff_rad_m**2 * square)
         return plateau * surface.self_affine(np.hypot(along, across), law)
-    lengths, name, angle = law.correlation
-    decay, exponent = AUTOCORRELATIONS[name]
-    first, second = [length * decay ** (-1 / exponent) for length in lengths]
-    u, v = surface.turned(along, across, angle)
+    first, second = [length * law.decay ** (-1 / law.exponent) for length in law.lengths_m]
+    u, v = surface.turned(along, across, law.angle_rad)
     scaled = np.square(u * first) + np.square(v * second)
-    if exponent == 2:
+    if law.exponent == 2:
         return np.asarray(law.rq_m**2 * first * second * np.exp(-scaled / 4) / (4 * np.pi))
     return np.asarray(law.rq_m**2 * first * second / (2 * np.pi * (1 + scaled) ** 1.5))
 
 
-def has_detail(spacing: float, law: HeightLaw) -> bool:
+def has_detail(spacing: float, law: HeightSpectrum) -> bool:
     """Return whether a law has heights that a grid of this spacing [m] cannot hold."""
-    if not isinstance(law, Roughness):
+    if not isinstance(law, CorrelationLaw):
         return False  # its shortest wave has four nodes
-    lengths, name, _ = law.correlation
-    decay, exponent = AUTOCORRELATIONS[name]
     # The Gaussian law has the spectrum exp(-(k L)^2 / (4 decay)), of whose root the tail counts.
-    end = END * np.pi / spacing * min(lengths)
-    return exponent < 2 or float(np.exp(-(end**2) / (8 * decay))) > DETAIL
+    end = END * np.pi / spacing * min(law.lengths_m)
+    return law.exponent < 2 or float(np.exp(-(end**2) / (8 * law.decay))) > DETAIL
 
 
 def continued(
-    heights: Array, spacing: float, laws: Sequence[tuple[float, HeightLaw]], seed: Sequence[int]
+    heights: Array,
+    spacing: float,
+    laws: Sequence[tuple[float, HeightSpectrum]],
+    seed: Sequence[int],
 ) -> Array:
     """Continue heights [m], the sum of surfaces of some laws, to half the spacing [m].
 
@@ -179,19 +184,17 @@ def _corrected(z: Array, amplitudes: Array, missing: Array) -> Array:
 # ---- report
 
 
-def is_described(law: HeightLaw) -> bool:
+def is_described(law: HeightSpectrum) -> bool:
     """Tell whether made heights are compared with their law."""
-    return isinstance(law, SelfAffineLaw) or not law.is_gaussian
+    return isinstance(law, SelfAffineSpectrum) or not law.is_gaussian
 
 
-def described(key: str, heights: Array, spacing: float, law: HeightLaw | None) -> dict[str, Any]:
-    """Compare made heights [m] with a law that is self-affine or not Gaussian, under a key.
+def described(heights: Array, spacing: float, law: HeightSpectrum) -> dict[str, Any]:
+    """Compare made heights [m] with a law.
 
     Returned are skewness and kurtosis, the mean square of the heights in each octave of wavelength
     [um] over that of the law of the same rms height [dB], and its standard deviation by chance.
     """
-    if law is None or not is_described(law):
-        return {}
     skewness, kurtosis = moments(heights)
     counts = surface.wave_counts(heights.shape)
     density = spectral_density(heights.shape, spacing, law)
@@ -215,13 +218,12 @@ def described(key: str, heights: Array, spacing: float, law: HeightLaw | None) -
         error = 10 * np.log10(max(got[k] / got.sum() / shares[k], 1e-30))
         errors[name] = round(float(error), 3)
         chances[name] = round(float(10 / np.log(10) * np.sqrt(spread[k])), 3)
-    comparison = {
+    return {
         "skewness": float(skewness),
         "kurtosis": float(kurtosis),
         "spectrum_error_db": errors,
         "spectrum_chance_db": chances,
     }
-    return {key: comparison}
 
 
 def _wave_squares(heights: Array) -> Array:

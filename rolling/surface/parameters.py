@@ -5,16 +5,18 @@ on at its edges with its other end; a measured one ends there. Heights that are 
 unmeasured and do not count. An undefined parameter, such as the skewness of a flat surface, is NaN.
 """
 
+import tomllib
 from collections.abc import Sequence
+from importlib.resources import files
 
 import numpy as np
 
 from acoustics.arrays import Array, real_array, truth, within
 from acoustics.traps import ignoring_underflow
-from rolling.scene.messages import table
 
 # Unit in SI and meaning by short name.
-NAMES: dict[str, tuple[str, str]] = table("rolling.surface", "parameters")
+_TABLE = files("rolling.surface").joinpath("parameters.toml").read_text(encoding="utf-8")
+NAMES: dict[str, tuple[str, str]] = tomllib.loads(_TABLE)
 DECAY = 0.2  # of the autocorrelation, the default of ISO 25178-3
 CORE = 0.4  # of the material ratio, the section of the core
 _ROUNDING = 1e-12  # of the heights with their plane; less is no roughness

@@ -7,21 +7,17 @@ Last, the end of each side is led into its beginning, so that the surface is per
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from pathlib import Path
 
 import numpy as np
 from scipy import fft
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from rolling.scene.height_files import TRIPLES, HeightFormatError, is_instrument
-from rolling.scene.height_grid import SAME, HeightGrid, is_other, is_turned
-from rolling.scene.surfaces import HeightFile
-from rolling.surface import levelling, markers, measured
+from rolling.surface import levelling
 from rolling.surface.heights import SurfaceError
-from rolling.surface.markers import Marker, Nodes
+from rolling.surface.markers import Nodes
 from rolling.surface.parameters import roughness, without_plane
+from rolling.surface.period_grid import SAME, HeightGrid, is_other
 
 NAMES = ("Sa", "Sq", "Ssk", "Sku", "Sdq")  # of the roughness before and after a step
 ALPHA = float(np.sqrt(np.log(2) / np.pi))  # 0.4697, of the Gaussian filter of ISO 16610-61
@@ -43,51 +39,33 @@ class Effect:
     warning: str | None = None
 
 
-def read(path: Path, surface: HeightFile) -> Array:
-    """Read the heights of the plate [m], (along, across), about their mean; NaN is unmeasured.
+@dataclass(frozen=True, kw_only=True)
+class PreparationSteps:
+    """Steps of the preparation.
 
-    Where outliers count as unmeasured, marks of unmeasured points do so at once if the heights
-    cannot be used with them. Raise SurfaceError for unusable heights, and for unmeasured points
-    that may not be filled.
+    Attributes
+    ----------
+    outliers : float or None
+        Threshold beyond which a node counts as unmeasured, as for `without_outliers`.
+    fills_unmeasured : bool
+        Whether unmeasured points are expected, and filled.
+    s_filter_m, l_filter_m : float or None, m
+        Cut-off wavelengths of the S-filter and the L-filter.
+    form : str
+        Form that is removed: "auto", "plane", "quadratic" or "none".
+    closing : str
+        How the heights become one period: "blend", "mirror", or "none" for heights that are one.
+    is_profile : bool
+        Whether the heights are a line along the track, repeated across.
     """
-    values = _values(path, surface)
-    unit = "m" if is_instrument(path) else surface.height_unit
-    has_own_unit = is_instrument(path) and path.suffix.lower() != TRIPLES
-    in_metres = partial(
-        levelling.in_metres,
-        unit=unit,
-        name=str(path),
-        has_gaps=surface.unmeasured == "fill",
-        has_own_unit=has_own_unit,
-    )
-    try:
-        return in_metres(values)
-    except SurfaceError:
-        suspects = markers.suspected(values, unit)
-        if surface.outliers is None or not suspects:
-            raise
-    return in_metres(markers.without(values, suspects))
 
-
-def suspected(path: Path, surface: HeightFile) -> tuple[tuple[Marker, ...], Nodes]:
-    """Return the values in the file of a plate that look like marks of unmeasured points.
-
-    The nodes that hold them, (along, across), come with them.
-    """
-    values = _values(path, surface)
-    unit = "m" if is_instrument(path) else surface.height_unit
-    suspects = markers.suspected(values, unit)
-    return suspects, np.isin(values, [suspect.value for suspect in suspects])
-
-
-def _values(path: Path, surface: HeightFile) -> Array:
-    """Read the numbers of a file, (along, across), in m where it is of an instrument."""
-    unit = surface.height_unit if is_instrument(path) else "m"
-    try:
-        values = measured.read(path, surface.channel, unit, surface.xy_unit).heights
-    except HeightFormatError as error:
-        raise SurfaceError(error.of(path)) from error
-    return values.T if is_turned(values.shape, surface) else values
+    outliers: float | None = None
+    fills_unmeasured: bool = False
+    s_filter_m: float | None = None
+    l_filter_m: float | None = None
+    form: str = "auto"
+    closing: str = "none"
+    is_profile: bool = False
 
 
 class Preparation:
@@ -120,9 +98,9 @@ class Preparation:
 
 
 def prepare(
-    heights: Array, surface: HeightFile, grid: HeightGrid, marked: Nodes | None = None
+    heights: Array, steps: PreparationSteps, grid: HeightGrid, marked: Nodes | None = None
 ) -> tuple[Array, levelling.Levelling, list[Effect]]:
-    """Prepare heights [m] about their mean by the keys of the surface.
+    """Prepare heights [m] about their mean by some steps.
 
     Nodes that hold marks of unmeasured points are outliers, if these are asked for.
 
@@ -135,31 +113,31 @@ def prepare(
     effects : list of Effect
         Steps that were taken.
     """
-    is_period = surface.made_periodic == "none"
-    if surface.width_um is not None:
+    is_period = steps.closing == "none"
+    if steps.is_profile:
         heights = np.repeat(heights, grid.resampled[1], axis=1)
         marked = None if marked is None else np.repeat(marked, grid.resampled[1], axis=1)
     is_resampled = is_other(grid.steps, grid.spacing)
     watched = (
-        bool(surface.outliers)
-        or bool(surface.s_filter_um)
-        or bool(surface.l_filter_um)
-        or surface.unmeasured == "fill"
-        or surface.level == "quadratic"
+        bool(steps.outliers)
+        or bool(steps.s_filter_m)
+        or bool(steps.l_filter_m)
+        or steps.fills_unmeasured
+        or steps.form == "quadratic"
         or not is_period
         or is_resampled
     )
     work = Preparation(heights, grid.steps, watched)
-    if surface.outliers:
-        _remove_outliers(work, surface.outliers, marked)
+    if steps.outliers:
+        _remove_outliers(work, steps.outliers, marked)
     _fill_unmeasured(work)
-    if surface.s_filter_um:
-        long = smoothed(work.heights, work.steps, surface.s_filter_um * 1e-6, is_period)
-        text = f"waves shorter than {surface.s_filter_um:g} um removed"
+    if steps.s_filter_m:
+        long = smoothed(work.heights, work.steps, steps.s_filter_m, is_period)
+        text = f"waves shorter than {1e6 * steps.s_filter_m:g} um removed"
         work.replace_heights(long, "s_filter", text)
     if is_resampled:
-        _resample(work, surface, grid, is_period)
-    mode = surface.level
+        _resample(work, steps.s_filter_m or 0.0, grid, is_period)
+    mode = steps.form
     if mode == "auto" and not is_period:
         mode = "plane"
     heights, plane = levelling.level(work.heights, grid.spacing, mode)
@@ -167,12 +145,12 @@ def prepare(
         work.replace_heights(heights, "f_operator", "second order")
     elif any(plane.taken):
         work.replace_heights(heights, "f_operator", "plane")
-    if surface.l_filter_um:
-        long = smoothed(work.heights, work.steps, surface.l_filter_um * 1e-6, is_period)
-        text = f"waves longer than {surface.l_filter_um:g} um removed"
+    if steps.l_filter_m:
+        long = smoothed(work.heights, work.steps, steps.l_filter_m, is_period)
+        text = f"waves longer than {1e6 * steps.l_filter_m:g} um removed"
         work.replace_heights(work.heights - long, "l_filter", text)
     if not is_period:
-        _close(work, surface, grid)
+        _close(work, steps, grid)
     if work.effects:
         seams = (levelling.seam(work.heights, 0), levelling.seam(work.heights, 1))
         plane = replace(plane, seams=seams)
@@ -205,12 +183,12 @@ def _fill_unmeasured(work: Preparation) -> None:
     )
 
 
-def _resample(work: Preparation, surface: HeightFile, grid: HeightGrid, is_period: bool) -> None:
+def _resample(work: Preparation, s_filter_m: float, grid: HeightGrid, is_period: bool) -> None:
     """Resample to square nodes; warn where they are coarser and no S-filter precedes."""
     sides = " x ".join(f"{1e6 * step:.4g}" for step in grid.steps)
     least_um = 2e6 * grid.spacing
     warning = None
-    if grid.spacing > min(grid.steps) and (surface.s_filter_um or 0) < least_um * (1 - SAME):
+    if grid.spacing > min(grid.steps) and 1e6 * s_filter_m < least_um * (1 - SAME):
         warning = (
             "waves below two nodes fold onto longer ones: choose a surface.s_filter_um of"
             f" at least {least_um:.4g}"
@@ -220,15 +198,14 @@ def _resample(work: Preparation, surface: HeightFile, grid: HeightGrid, is_perio
     work.replace_heights(resampled(work.heights, grid, is_period), "resampling", text, warning)
 
 
-def _close(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
+def _close(work: Preparation, steps: PreparationSteps, grid: HeightGrid) -> None:
     """Lead the end of each side into its beginning; a profile has no end across."""
     heights = work.heights - work.heights.mean()
-    if surface.made_periodic == "blend":
+    if steps.closing == "blend":
         heights, text = blended(heights, grid.overlap, grid.spacing)
         work.replace_heights(heights, "periodic", text)
         return
-    is_profile = surface.width_um is not None
-    axes = (0,) if is_profile else (0, 1)
+    axes = (0,) if steps.is_profile else (0, 1)
     warning = "the second half is the first backwards: it sounds palindromic"
     work.replace_heights(mirrored(heights, axes), "periodic", "mirrored", warning)
 

@@ -31,10 +31,10 @@ import numpy as np
 import pandas as pd
 
 from rolling import cli
+from rolling.ball.scene_surface import heights
 from rolling.run.backlog import Backlog
 from rolling.run.executor import FinishedRun, RunLoop
 from rolling.run.pools import MAX_TEAMS, LocalPool, Pool, Task
-from rolling.surface.scene_surface import heights
 
 QUICKSTART = Path(__file__).parents[2] / "scenarios" / "quickstart.yaml"
 # A piece of the quickstart has 200 steps of a node.

@@ -21,8 +21,8 @@ from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
-from rolling.surface.contact_of_scene import auto_subcells, on_subcells
 from rolling.surface.refined import dies_out, subcell_heights
+from rolling.surface.subcell_contact import auto_subcells, on_subcells
 
 SPACING = 2e-6
 NODES = (256, 192)

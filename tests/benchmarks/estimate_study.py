@@ -23,16 +23,16 @@ import rolling as rc
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, EDGES_HZ, reliable
 from acoustics.level import SoundLevels
+from rolling.ball.contact_of_scene import rolling_contact
 from rolling.ball.records import listener_of
+from rolling.ball.scene_surface import heights
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.sound.contact_sound import contact_sound
 from rolling.studies.accuracy_variants import Variant, march_variant
-from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.made import continued
-from rolling.surface.scene_surface import heights
 
 BANDS = [name for name in BAND_NAMES if 100 <= float(name) <= 16000]
 DURATION_S = 0.16  # 8,000 steps
@@ -129,7 +129,7 @@ def with_detail(scene: rc.Scene) -> Array:
     spacing = scene.spacing
     (law,) = scene.laws
     for octave in (1, 2):
-        z = continued(z, spacing, [(law.rq_m, law)], (surface.seed, octave))
+        z = continued(z, spacing, [(law.rq_m, law.in_si)], (surface.seed, octave))
         spacing /= 2
     cells = z.repeat(contact.subcells, axis=0).repeat(contact.subcells, axis=1)
     start = contact.start + (scene.spacing - spacing) / 2

@@ -21,7 +21,7 @@ from scipy import ndimage
 
 import rolling as rc
 from acoustics.arrays import Array
-from rolling.surface.instrument import sight
+from rolling.surface.instrument import InstrumentLimits, sight
 
 SPACING = 0.5e-6
 NODES = 2048
@@ -215,7 +215,7 @@ def cutoffs(first: int, last: int) -> None:
             ours = sight(
                 np.fft.ifft2(trace).real,
                 spacing,
-                rc.HeightFile(path="a.sdf", instrument={"tip_radius_um": 1e6 * radius}).instrument,
+                InstrumentLimits(tip_radius_m=radius),
             )
             print(
                 f"{seed} H {law[1]:.2f}, Sq {1e6 * rq:.2f} um, {1e6 * radius:g} um tip: "

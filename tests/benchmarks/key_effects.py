@@ -21,13 +21,13 @@ import pandas as pd
 from recognition_study import centroid_hz
 from scipy import stats
 
+from rolling.ball.scene_surface import scene_surface
 from rolling.kinds.run_folder import RunFolder
 from rolling.results.run_result import Run, make_run
 from rolling.run.executor import RunLoop
 from rolling.run.pools import local_pool
 from rolling.scene.file import dump, loads
 from rolling.scene.scene import Scene
-from rolling.surface.scene_surface import scene_surface
 from rolling.terminal import progress
 
 ROOT = Path(__file__).parents[2]

@@ -34,10 +34,10 @@ def law(name: str, seed: int, pair: tuple[float, float] = (0.0, 3.0)) -> HeightL
 def described(of_law: HeightLaw) -> tuple[dict, float]:
     """Make the heights of a law, and return their description and the CPU time [s]."""
     start = time.process_time()
-    heights = made.of_law(SHAPE, SPACING, of_law, of_law.seed)
+    heights = made.of_law(SHAPE, SPACING, of_law.in_si, of_law.seed)
     seconds = time.process_time() - start
     plain = of_law if not of_law.is_gaussian else of_law.model_copy(update={"kurtosis": 3.001})
-    return made.described("it", heights, SPACING, plain)["it"], seconds
+    return made.described(heights, SPACING, plain.in_si), seconds
 
 
 def main() -> None:

@@ -30,13 +30,13 @@ import numpy as np
 from against_peers import SEQUENCES, loosest, ours, quickest, theirs
 from whole_run import scene_20_n
 
+from rolling.ball.contact_of_scene import rolling_contact
 from rolling.contact._transform_kernels import deflect_nodes, nodes_kernel
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import ContactState, RollingContact, Window
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
-from rolling.surface.contact_of_scene import rolling_contact
 
 HERE = Path(__file__).parent
 REFERENCE_TOLERANCE = 1e-8

@@ -25,6 +25,7 @@ if __name__ == "__main__":
 
 import numpy as np
 
+from rolling.ball.contact_of_scene import rolling_contact
 from rolling.check import cost
 from rolling.contact._transform_kernels import deflect_nodes, nodes_kernel
 from rolling.contact.half_space import HalfSpace
@@ -34,7 +35,6 @@ from rolling.contact.state import ContactState
 from rolling.contact.subcells import half_space_of
 from rolling.kinds.reading import read_scene
 from rolling.scene.scene import Scene
-from rolling.surface.contact_of_scene import rolling_contact
 
 HERE = Path(__file__).parent
 QUICKSTART = HERE.parent.parent / "scenarios" / "quickstart.yaml"

@@ -23,6 +23,7 @@ from tqdm import tqdm
 import rolling as rc
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
+from rolling.ball.contact_of_scene import rolling_contact
 from rolling.ball.records import listener_of
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
@@ -30,7 +31,6 @@ from rolling.contact.subcells import half_space_of
 from rolling.scene import grid_error, step_rule
 from rolling.sound.contact_sound import ContactSound, contact_sound
 from rolling.studies.accuracy_variants import Variant, march_variant
-from rolling.surface.contact_of_scene import rolling_contact
 
 NODES = 800  # of a stretch, which closes on itself
 GRID_NODES = 400  # of the stretch on which the error of the grid is measured

@@ -20,6 +20,7 @@ from tqdm import tqdm
 
 from acoustics.arrays import Array
 from acoustics.weighting import a_weighting_db
+from rolling.ball.contact_of_scene import rolling_contact
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
@@ -28,7 +29,6 @@ from rolling.scene.file import loads
 from rolling.scene.grid_error import grid_signal_db
 from rolling.scene.scene import Scene
 from rolling.scene.sections import VIBRATING_PLATE
-from rolling.surface.contact_of_scene import rolling_contact
 
 TOLERANCES = (1e-3, 5e-4, 2e-4, 1e-4)
 REFERENCE = 1e-6

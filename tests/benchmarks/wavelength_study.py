@@ -15,8 +15,8 @@ import numpy as np
 
 import rolling as rc
 from acoustics.arrays import Array
+from rolling.ball.scene_surface import scene_surface
 from rolling.sound.wavelengths import WavelengthOctave
-from rolling.surface.scene_surface import scene_surface
 
 PLATE = {"material": "steel-100cr6", "thickness_mm": 10, "loss_factor": 0.01}
 SURFACE = {"roughness_ra_um": 0.05, "correlation_length_um": 20, "spacing_um": 4, "width_um": 512}

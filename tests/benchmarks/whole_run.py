@@ -19,12 +19,12 @@ from pathlib import Path
 
 import numpy as np
 
+from rolling.ball.scene_surface import heights
 from rolling.contact.half_space import HalfSpace
 from rolling.kinds.reading import read_scene
 from rolling.marches.march_piece import march_piece
 from rolling.marches.piece import Piece, contact_identity, track_pieces
 from rolling.scene.scene import Scene
-from rolling.surface.scene_surface import heights
 
 QUICKSTART = Path(__file__).parent.parent.parent / "scenarios" / "quickstart.yaml"
 # Speed and spacing of that scene.

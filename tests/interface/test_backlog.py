@@ -14,10 +14,10 @@ import pytest
 from commands import SWEEP, words_of
 
 from rolling import cli
+from rolling.ball import scene_surface
 from rolling.run.backlog import Backlog
 from rolling.run.pools import LocalPool, Task
 from rolling.scene.scene import Scene
-from rolling.surface import scene_surface
 
 SEEDS = 4
 WORKERS = 2

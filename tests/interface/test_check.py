@@ -15,6 +15,7 @@ from rolling.check import cost, forecast, refusals
 from rolling.check.cost import expected_step_ms, roughness
 from rolling.check.findings import check_scene
 from rolling.scene.file import loads
+from rolling.scene.laws import AUTOCORRELATIONS
 from rolling.scene.scene import Scene
 from rolling.surface import heights as surface
 
@@ -188,7 +189,7 @@ def test_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "allowed: 80 MB, 80 % of the 100 MB this machine allows" in warning
 
 
-@pytest.mark.parametrize("law", sorted(surface.AUTOCORRELATIONS))
+@pytest.mark.parametrize("law", sorted(AUTOCORRELATIONS))
 def test_roughness_is_that_of_the_surface_made(law: str) -> None:
     scene = loads(
         WIDE, [f"surface.autocorrelation={law}", "surface.correlation_length_across_um=20"]

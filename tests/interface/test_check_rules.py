@@ -15,6 +15,7 @@ from large_scenes import FILE, LAPS, scene_of
 from scene_text import MADE, WIDE
 
 from acoustics.arrays import Array
+from rolling.ball.contact_of_scene import rolling_contact
 from rolling.check import cost, findings, resolution
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
@@ -25,7 +26,6 @@ from rolling.scene import grid_error
 from rolling.scene.file import loads, read_scene
 from rolling.scene.identity import contact_keys
 from rolling.scene.scene import Scene
-from rolling.surface.contact_of_scene import rolling_contact
 
 TEXT = """\
 name: coarse

@@ -11,12 +11,14 @@ from checked import Row, checked
 from hard_cases import gaussian_heights
 from scene_sounds import sound_of_release
 
+from rolling.ball import scene_surface
 from rolling.check import cost
+from rolling.heights import in_metres
 from rolling.kinds.reading import schema
 from rolling.scene import file
+from rolling.scene.laws import AUTOCORRELATIONS
 from rolling.scene.scene import Scene
 from rolling.surface import heights as surface
-from rolling.surface import levelling, scene_surface
 
 SPACING = 2e-6
 TEXT = """\
@@ -86,7 +88,7 @@ def test_periodic_heights_have_no_finding_but_values(tmp_path: Path) -> None:
     assert {
         key: got[key].warning for key in ("level", "seam", "form", "correlation_nodes")
     } == dict.fromkeys(("level", "seam", "form", "correlation_nodes"))
-    read = levelling.read_heights(tmp_path / "heights.npy")
+    read = in_metres.read_heights(tmp_path / "heights.npy")
     for mode in ("auto", "none"):
         given = file.loads(TEXT, [f"surface.level={mode}"], folder=tmp_path)
         assert np.array_equal(scene_surface.heights(given), read)
@@ -145,13 +147,13 @@ def test_levels_over_a_seam_are_those_of_the_closed_record(tmp_path: Path) -> No
 # ---- Resolution
 
 
-@pytest.mark.parametrize("law", sorted(surface.AUTOCORRELATIONS))
+@pytest.mark.parametrize("law", sorted(AUTOCORRELATIONS))
 def test_correlation_length_is_that_of_the_law(law: str) -> None:
     """exp(-d (r/L)^k) falls to 1/e at L d^(-1/k).
 
     About 5,000 correlation areas leave 2 %, and the chord of the interpolation adds to it.
     """
-    decay, exponent = surface.AUTOCORRELATIONS[law]
+    decay, exponent = AUTOCORRELATIONS[law]
     heights = gaussian_heights.gaussian(
         (1500, 400), SPACING, 1e-7, (8 * SPACING, 5 * SPACING), law, 1
     )

@@ -9,12 +9,12 @@ import pytest
 from checked import Row, checked
 
 from acoustics.arrays import Array
+from rolling.ball import contact_of_scene
 from rolling.check import findings, probe
 from rolling.contact import march
 from rolling.contact.subcells import half_space_of
 from rolling.scene import file
 from rolling.scene.scene import Scene
-from rolling.surface import contact_of_scene
 
 TEXT = """\
 name: trial

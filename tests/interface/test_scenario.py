@@ -11,10 +11,10 @@ import pytest
 from scene_text import PLAIN, SCENES, TEXT
 
 from rolling.scene.file import loads, read_scene
+from rolling.scene.laws import AUTOCORRELATIONS
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
 from rolling.scene.sweep import run_name
-from rolling.surface import heights as surface
 
 
 def test_si() -> None:
@@ -76,7 +76,7 @@ def test_any_number_can_be_swept() -> None:
 
 def test_the_laws_are_those_of_the_surface_module() -> None:
     annotation = Gaussian.model_fields["autocorrelation"].annotation
-    assert set(get_args(annotation)) == set(surface.AUTOCORRELATIONS)
+    assert set(get_args(annotation)) == set(AUTOCORRELATIONS)
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)

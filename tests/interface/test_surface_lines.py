@@ -10,13 +10,16 @@ import pytest
 
 from acoustics.arrays import Array
 from rolling import cli
+from rolling.ball import scene_surface
 from rolling.check import findings
+from rolling.heights import measured
+from rolling.heights.described_file import FileOptions, described_file, offer_of_file
+from rolling.heights.offered_lines import Offer, line, offer_of_statistics
 from rolling.scene.file import loads
 from rolling.scene.laws import Roughness
 from rolling.scene.scene import Scene
-from rolling.surface import made, measured, scene_surface
-from rolling.surface.character import Offer, character, line, offer_of_statistics
-from rolling.surface.described_file import FileOptions, described_file, offer_of_file
+from rolling.surface import made
+from rolling.surface.character import character
 
 SCENE = """\
 name: offered
@@ -214,7 +217,7 @@ def test_a_turned_lay_keeps_its_angle_and_both_lengths() -> None:
         lay_deg=30,
         seed=3,
     )
-    np.save("turned.npy", made.of_law((300, 300), 2e-6, law, 3))
+    np.save("turned.npy", made.of_law((300, 300), 2e-6, law.in_si, 3))
     _, of_law, _ = offers_of("turned.npy", **SPACED)
     offered = scene_with(of_law.line, duration_s=0.005).surface
     assert offered.lay_deg == pytest.approx(30, abs=3)

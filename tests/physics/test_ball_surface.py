@@ -11,14 +11,15 @@ from hard_cases.gaussian_heights import gaussian
 from helpers import march_all, roll
 
 from acoustics import envelope_spectrum
+from rolling.ball.contact_of_scene import rolling_contact
+from rolling.ball.scene_surface import ball_heights, heights, scene_surface
 from rolling.check import cost
 from rolling.check.force_estimate import force_rms
 from rolling.kinds.run_folder import RunFolder
 from rolling.marches.piece import contact_identity
 from rolling.results.run_result import make_run
 from rolling.scene.surfaces import GRADES
-from rolling.surface.contact_of_scene import rolling_contact
-from rolling.surface.scene_surface import ball_heights, heights, rolled_together, scene_surface
+from rolling.surface.ball_form import rolled_together
 
 ROUGH = {"kind": "gaussian", "roughness_ra_um": 0.005, "correlation_length_um": 10, "seed": 4}
 

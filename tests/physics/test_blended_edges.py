@@ -15,8 +15,8 @@ from helpers import assert_solved, make_track, releases, roll, rough, space_of, 
 
 from rolling.contact import single_contact
 from rolling.contact.state import RollingContact
-from rolling.surface.contact_of_scene import on_subcells
 from rolling.surface.refined import refined
+from rolling.surface.subcell_contact import on_subcells
 
 HARDNESS = 2.1e9
 

@@ -14,6 +14,7 @@ import rolling as rc
 from acoustics.bands import BAND_NAMES
 from acoustics.pairs import FIRST_PAIRS, LOOKS, looks, paired_mean, pairs_needed, student_factor
 from acoustics.unbaffled import SHARED_PART
+from rolling.ball import scene_surface
 from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.choice.candidates import LOSS_FACTORS, candidate, candidates_of
 from rolling.choice.difference import difference
@@ -22,7 +23,6 @@ from rolling.choice.heard import Heard, LevelError
 from rolling.choice.specimens import Specimens
 from rolling.choice.words import frequencies_of_difference
 from rolling.numbers.quantity import PART_WORDS
-from rolling.surface import scene_surface
 
 SMALL = {
     "name": "small",

@@ -12,6 +12,8 @@ from hard_cases.gaussian_heights import gaussian
 from helpers import march_all
 from scene_text import BODIES, NARROW, PLAIN
 
+from rolling.ball.contact_of_scene import rolling_contact
+from rolling.ball.scene_surface import has_detail, heights
 from rolling.check import error_cost
 from rolling.check.error_cost import LEVELS
 from rolling.marches import error_stretches
@@ -28,9 +30,7 @@ from rolling.sound.error_estimate import (
     detail_errors,
     level_errors,
 )
-from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.refined import dies_out
-from rolling.surface.scene_surface import has_detail, heights
 
 TEXT = f"""\
 name: short

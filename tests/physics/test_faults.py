@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rolling.scene.laws import SurfaceFault
-from rolling.surface.heights import add_faults
+from rolling.surface.single_faults import add_faults
 
 NODES = (400, 101)
 SPACING = 1e-6
@@ -20,7 +20,9 @@ def fields(kind: str, at_mm: Any = (0.2, 0), **keys: Any) -> Any:
     """Return the heights [depths] of a fault of 20 um and 2 um on a flat surface."""
     heights = np.zeros(NODES)
     at = {} if at_mm is None else {"at_mm": list(at_mm)}
-    add_faults(heights, [SurfaceFault(kind=kind, size_um=20, depth_um=2, **at, **keys)], SPACING)
+    add_faults(
+        heights, [SurfaceFault(kind=kind, size_um=20, depth_um=2, **at, **keys).in_si], SPACING
+    )
     return heights / 2e-6
 
 

@@ -16,8 +16,7 @@ from rolling.results import result_file, run_lines
 from rolling.results.instrument_spread import instrument_spread_db
 from rolling.scene.identity import contact_keys
 from rolling.scene.scene import Scene
-from rolling.scene.surfaces import Instrument
-from rolling.surface.instrument import ShortLaw, faded, sight, with_law
+from rolling.surface.instrument import InstrumentLimits, ShortLaw, faded, sight, with_law
 
 SHAPE = (512, 128)
 SQ = 0.1e-6
@@ -81,7 +80,7 @@ def test_made_surfaces_have_no_noise(change: dict[str, Any]) -> None:
             "rolling": {"load_n": 1, "speed_m_s": 0.1, "distance_mm": 1.024},
         }
     )
-    from rolling.surface.scene_surface import heights
+    from rolling.ball.scene_surface import heights
 
     assert sight(heights(made), 2e-6, None).noise == 0.0
 
@@ -91,7 +90,7 @@ def test_the_cutoff_of_a_tip_is_where_half_the_coherence_with_the_truth_is_lost(
     for seed, radius in ((1, 2e-6), (2, 5e-6), (3, 5e-6)):
         truth = 2 * surface(seed, AFFINE, (512, 256))
         trace = traced(truth, SPACING, radius)
-        seen = sight(trace, SPACING, Instrument(tip_radius_um=1e6 * radius))
+        seen = sight(trace, SPACING, InstrumentLimits(tip_radius_m=radius))
         assert seen.limit == "tip"
         end = seen.cutoff
         assert coherence(truth, trace, end, 1.4 * end) > 0.5
@@ -112,13 +111,17 @@ def coherence(one: np.ndarray, other: np.ndarray, low: float, high: float) -> fl
 def test_a_larger_tip_sees_less_and_none_sees_to_the_end_of_the_grid() -> None:
     truth = surface(4, AFFINE)
     cutoffs = [
-        sight(traced(truth, SPACING, 1e-6 * radius), SPACING, Instrument(tip_radius_um=radius))
+        sight(
+            traced(truth, SPACING, 1e-6 * radius),
+            SPACING,
+            InstrumentLimits(tip_radius_m=1e-6 * radius),
+        )
         for radius in (1.0, 2.0, 5.0, 10.0)
     ]
     lengths = [seen.cutoff for seen in cutoffs]
     assert lengths == sorted(lengths) and lengths[-1] > 2 * lengths[0]
     assert sight(truth, SPACING, None).cutoff == 2 * SPACING
-    assert sight(truth, SPACING, Instrument(sampling_um=3.0)).cutoff == pytest.approx(6e-6)
+    assert sight(truth, SPACING, InstrumentLimits(sampling_m=3e-6)).cutoff == pytest.approx(6e-6)
     assert sight(truth, SPACING, None, file_spacing=1e-6).cutoff == pytest.approx(2e-6)
 
 
@@ -130,12 +133,12 @@ def test_the_law_goes_on_where_the_truth_does() -> None:
     for law in ((30e-6, 0.8), (20e-6, 0.5)):
         truth = surface(5, law)
         measured = without_waves_below(truth, SPACING, 4e-6)
-        seen = sight(measured, SPACING, Instrument(sampling_um=2.0))
+        seen = sight(measured, SPACING, InstrumentLimits(sampling_m=2e-6))
         assert seen.law is not None and not seen.law.is_gaussian
         short = with_law(measured, SPACING, seen, (1,)) - measured
         lost = truth - measured
         assert abs(20 * math.log10(short.std() / lost.std())) < 3
-    seen = sight(surface(5, GAUSSIAN), SPACING, Instrument(sampling_um=2.5))
+    seen = sight(surface(5, GAUSSIAN), SPACING, InstrumentLimits(sampling_m=2.5e-6))
     assert seen.law is not None and seen.law.is_gaussian
 
 
@@ -143,7 +146,7 @@ def test_a_profile_stays_a_profile() -> None:
     """A surface of ridges gets ridges of the law of its profile."""
     line = random_surface(np.random.default_rng(6), (2048, 1), SPACING, AFFINE)
     ridges = np.repeat(SQ * line, 16, axis=1)
-    seen = sight(ridges, SPACING, Instrument(sampling_um=2.0))
+    seen = sight(ridges, SPACING, InstrumentLimits(sampling_m=2e-6))
     continued = with_law(ridges, SPACING, seen, (1,))
     assert seen.is_ridged and isinstance(seen.law, ShortLaw)
     assert np.ptp(continued, axis=1).max() == 0 and not np.array_equal(continued, ridges)

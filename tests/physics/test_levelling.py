@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hard_cases.gaussian_heights import gaussian
 
-from rolling.surface import heights as surface
+from rolling.scene.laws import AUTOCORRELATIONS
 from rolling.surface import levelling
 
 SPACING = 2e-6
@@ -54,9 +54,7 @@ def spikes(shape: tuple[int, int], rng: np.random.Generator) -> np.ndarray:
 
 def periodic(shape: tuple[int, int], rng: np.random.Generator) -> list[np.ndarray]:
     seed = int(rng.integers(1 << 30))
-    random = [
-        made(shape, lengths, law, seed) for law in surface.AUTOCORRELATIONS for lengths in LENGTHS
-    ]
+    random = [made(shape, lengths, law, seed) for law in AUTOCORRELATIONS for lengths in LENGTHS]
     others = [
         dents(shape, False, rng),
         dents(shape, True, rng),

@@ -13,13 +13,14 @@ from scene_text import PLAIN
 from scipy.integrate import quad
 
 import rolling as rc
+from rolling.ball import scene_surface
 from rolling.check import force_estimate
 from rolling.report.assumed import surface_words
 from rolling.scene import file as scene_file
 from rolling.scene.laws import Roughness, SelfAffineLaw
 from rolling.scene.scene import Scene
 from rolling.surface import heights as surface
-from rolling.surface import made, scene_surface
+from rolling.surface import made
 from rolling.surface.made import johnson_heights
 
 SPACING = 1e-6
@@ -66,14 +67,14 @@ def test_skewness_and_kurtosis_keep_the_waves_of_the_gaussian_surface(law, pair:
 
     Amplitudes agree within rounding of transforms, 1e-12 of the largest.
     """
-    gaussian = made.of_law(SHAPE, SPACING, law, 4)
+    gaussian = made.of_law(SHAPE, SPACING, law.in_si, 4)
     law = law.model_copy(update=dict(zip(("skewness", "kurtosis"), pair, strict=True)))
-    heights = made.of_law(SHAPE, SPACING, law, 4)
+    heights = made.of_law(SHAPE, SPACING, law.in_si, 4)
     assert moments(heights) == pytest.approx(pair, abs=0.005)
     waves = [np.abs(np.fft.rfft2(z / np.std(z))) for z in (heights, gaussian)]
     np.testing.assert_allclose(*waves, rtol=0, atol=1e-12 * waves[1].max())
-    np.testing.assert_array_equal(heights, made.of_law(SHAPE, SPACING, law, 4))
-    described = made.described("it", heights, SPACING, law)["it"]
+    np.testing.assert_array_equal(heights, made.of_law(SHAPE, SPACING, law.in_si, 4))
+    described = made.described(heights, SPACING, law.in_si)
     assert (described["skewness"], described["kurtosis"]) == pytest.approx(moments(heights))
     errors = described["spectrum_error_db"]
     chances = described["spectrum_chance_db"]
@@ -86,7 +87,7 @@ def test_skewness_and_kurtosis_keep_the_waves_of_the_gaussian_surface(law, pair:
 def test_unreachable_pairs_end_as_near_as_they_come(pair: tuple, reached: float) -> None:
     """Near the bound, or of few asperities, heights stay finite and their Ra exact."""
     law = roughness(**dict(zip(("skewness", "kurtosis"), pair, strict=True)))
-    heights = made.of_law((48, 32), SPACING, law, 1)
+    heights = made.of_law((48, 32), SPACING, law.in_si, 1)
     assert np.abs(heights).mean() == pytest.approx(1e-7, rel=1e-12)
     assert 1 < moments(heights)[1] < max(reached, pair[1])
 
@@ -117,7 +118,7 @@ def test_self_affine_sizes_are_integrals_of_the_spectrum(hurst: float) -> None:
     assert affine(hurst=hurst, rdq=slope).rq_m == pytest.approx(law.rq_m)
     # Over the plane of wave numbers the density adds up to Sq^2.
     q = np.linspace(0, last * 1.01, 40_001)
-    plane = made.plane_density(law, q, np.zeros(1))
+    plane = made.plane_density(law.in_si, q, np.zeros(1))
     assert 2 * np.pi * np.trapezoid(plane * q, q) == pytest.approx(law.rq_m**2, rel=1e-3)
 
 
@@ -130,7 +131,7 @@ def test_self_affine_spectrum_follows_its_law() -> None:
     q = np.hypot(qx, qy)
     total = np.zeros(SHAPE)
     for seed in range(count):
-        total += np.abs(np.fft.fft2(made.of_law(SHAPE, SPACING, law, seed))) ** 2 / count
+        total += np.abs(np.fft.fft2(made.of_law(SHAPE, SPACING, law.in_si, seed))) ** 2 / count
     first = 2e6 * np.pi / 16
     last = 2e6 * np.pi / 4
     assert total[q > last * 1.001].max() < 1e-20 * total.max()
@@ -155,7 +156,7 @@ def test_the_requested_size_is_exact(pair: tuple) -> None:
             lambda z: np.sqrt(sum(np.mean(slope(z, q) ** 2) for q in (qx, qy))) / 0.05,
         ),
     ):
-        heights = made.of_law((128, 96), SPACING, law, 2)
+        heights = made.of_law((128, 96), SPACING, law.in_si, 2)
         assert size(heights) == pytest.approx(1, rel=1e-10)
         assert law.rq_m == pytest.approx(heights.std(), rel=0.15)
 
@@ -176,7 +177,7 @@ def test_lay_turns_the_ellipse_of_the_autocorrelation(lay: float) -> None:
     tensor = np.zeros((2, 2))
     qx, qy = wave_numbers(SHAPE)
     for seed in range(10):
-        z = made.of_law(SHAPE, SPACING, law, seed)
+        z = made.of_law(SHAPE, SPACING, law.in_si, seed)
         gradient = np.array([slope(z, q).ravel() for q in (qx, qy)])
         tensor += gradient @ gradient.T / z.size / np.mean(z**2) / 10
     steepness, axes = np.linalg.eigh(tensor)
@@ -193,7 +194,7 @@ def test_lay_along_and_across_is_that_of_both_lengths(lay: float, lengths: tuple
     law = roughness(correlation_length_across_um=16, lay_deg=lay)
     plain = [1e-6 * length for length in lengths]
     np.testing.assert_array_equal(
-        made.of_law(SHAPE, SPACING, law, 4),
+        made.of_law(SHAPE, SPACING, law.in_si, 4),
         gaussian(SHAPE, SPACING, 1e-7, tuple(plain), "gaussian", 4),
     )
 
@@ -210,12 +211,12 @@ def test_a_turned_lay_on_a_narrow_period_has_the_spectrum_of_its_law(name: str, 
     law = roughness(autocorrelation=name, **lengths)
     shape = (512, nodes)
     spacing = 2e-6
-    density = surface.spectral_density(shape, spacing, law)
+    density = surface.spectral_density(shape, spacing, law.in_si)
     along = np.fft.fftfreq(shape[0], spacing)
     across = np.fft.rfftfreq(nodes, spacing)
     waves = 2 * np.pi * along[:, None], 2 * np.pi * across
     kept = np.hypot(*waves) < 2 * np.pi / 32e-6
-    both = density, made.plane_density(law, *waves)
+    both = density, made.plane_density(law.in_si, *waves)
     shares = [values[kept] / values[kept].sum() for values in both]
     assert shares[0] == pytest.approx(shares[1], rel=0.1, abs=1e-7)
     if name == "gaussian":
@@ -226,7 +227,7 @@ def test_a_turned_lay_on_a_narrow_period_has_the_spectrum_of_its_law(name: str, 
 def test_a_lay_that_reaches_too_far_is_refused() -> None:
     lengths = {"correlation_length_um": 1e9, "correlation_length_across_um": 10, "lay_deg": 37}
     with pytest.raises(surface.SurfaceError, match="too far to be turned, allowed: up to"):
-        made.of_law(SHAPE, SPACING, roughness(**lengths), 4)
+        made.of_law(SHAPE, SPACING, roughness(**lengths).in_si, 4)
 
 
 def scene(*overrides: str) -> Scene:

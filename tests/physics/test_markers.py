@@ -9,10 +9,11 @@ import pytest
 from hard_cases.gaussian_heights import gaussian
 
 from acoustics.arrays import Array
+from rolling.ball import scene_surface
 from rolling.check import findings
 from rolling.scene import file
 from rolling.scene.messages import SceneError
-from rolling.surface import markers, scene_surface
+from rolling.surface import markers
 
 N = 128
 X, Y = np.mgrid[:N, :N]

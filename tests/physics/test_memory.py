@@ -10,6 +10,8 @@ import pytest
 from helpers import march_all, roll, space_of
 from memory_scenes import MEMORY
 
+from rolling.ball.contact_of_scene import rolling_contact
+from rolling.ball.scene_surface import heights
 from rolling.contact.march import march
 from rolling.contact.memory import plastic_overlap, sink
 from rolling.contact.solver import ContactError
@@ -20,8 +22,6 @@ from rolling.marches.next_pieces import next_pieces
 from rolling.marches.result import Result
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
-from rolling.surface.contact_of_scene import rolling_contact
-from rolling.surface.scene_surface import heights
 
 
 def scene_of(*changes: str) -> Scene:

@@ -14,6 +14,7 @@ from hard_cases.gaussian_heights import gaussian
 from helpers import march_all
 from scene_text import PLAIN, TINY
 
+from rolling.ball.contact_of_scene import rolling_contact
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
@@ -28,7 +29,6 @@ from rolling.marches.result import Result
 from rolling.results.numbers import joint_error
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
-from rolling.surface.contact_of_scene import rolling_contact
 
 SHORT = ("rolling.load_n=0.3", "rolling.duration_s=0.0088", "surface.width_um=96")  # 440 steps
 

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 from hard_cases.gaussian_heights import gaussian
 
-from rolling.scene.height_grid import HeightGrid, height_grid
+from rolling.heights import measured, plate_file
+from rolling.scene.height_grid import height_grid
 from rolling.scene.surfaces import HeightFile
-from rolling.surface import levelling, measured, preparation
+from rolling.surface import levelling, preparation
 from rolling.surface.heights import SurfaceError
+from rolling.surface.period_grid import HeightGrid
 
 UM = 1e-6
 
@@ -170,7 +172,7 @@ def prepared(folder: Path, z: np.ndarray, **keys: object) -> tuple:
     keys = {"spacing_um": 1, "level": "none", **keys}
     file = HeightFile(path="h.npy", **keys)  # type: ignore[arg-type]
     grid = height_grid(folder / "h.npy", file)
-    out = preparation.prepare(preparation.read(folder / "h.npy", file), file, grid)
+    out = plate_file.prepared_file(folder / "h.npy", file)
     assert out[0].shape == grid.nodes
     return out
 
@@ -237,7 +239,7 @@ def test_resampling_keeps_a_period_closed(tmp_path: Path, spacing_um: float) -> 
     keys = HeightFile(path=str(path), spacing_um=spacing_um, periodic="none", level="none")
     grid = height_grid(path, keys)
     assert grid.nodes == (round(128 / spacing_um), round(120 / spacing_um))
-    out, levelling_of, _ = preparation.prepare(preparation.read(path, keys), keys, grid)
+    out, levelling_of, _ = plate_file.prepared_file(path, keys)
     along, across = (np.arange(n) / n for n in grid.nodes)
     want = 1e-7 * np.cos(4 * np.pi * along[:, None] + 1) * np.cos(2 * np.pi * across)
     assert np.abs(out - want).max() < 1e-3 * 1e-7
@@ -256,11 +258,9 @@ def test_nan_in_text_is_a_point_that_was_not_measured(tmp_path: Path, ending: st
     with pytest.raises(
         SurfaceError, match=r"1 of 432 heights are not numbers, the first at \(3, 5"
     ):
-        preparation.read(path, HeightFile(**keys))
+        plate_file.read(path, HeightFile(**keys))
     filling = HeightFile(**keys, unmeasured="fill")
-    out, _, _ = preparation.prepare(
-        preparation.read(path, filling), filling, height_grid(path, filling)
-    )
+    out, _, _ = plate_file.prepared_file(path, filling)
     want = (z[2, 5] + z[4, 5] + z[3, 4] + z[3, 6]) / 4 - np.nanmean(z)
     assert out[3, 5] == pytest.approx(want, abs=1e-15)
 

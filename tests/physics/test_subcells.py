@@ -10,6 +10,7 @@ import pytest
 from hard_cases import optimality, subcell_deflection
 from helpers import STEEL, assert_solved, make_track, releases, roll, rough, step_energies
 
+from rolling.ball.contact_of_scene import rolling_contact
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.recovery import EventTable
 from rolling.contact.subcells import SubcellSpace, cell_means
@@ -17,8 +18,8 @@ from rolling.marches.march_piece import march_piece
 from rolling.marches.piece import Piece, contact_identity
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
-from rolling.surface.contact_of_scene import auto_subcells, on_subcells, rolling_contact
 from rolling.surface.refined import dies_out, subcell_heights
+from rolling.surface.subcell_contact import auto_subcells, on_subcells
 
 CLOSED = """\
 name: closed

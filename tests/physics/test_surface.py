@@ -9,11 +9,13 @@ import pytest
 from hard_cases.gaussian_heights import gaussian
 from scene_text import PLAIN
 
+from rolling.ball import scene_surface
+from rolling.heights import in_metres
 from rolling.scene import file as scene_file
 from rolling.scene.kept import Kept
-from rolling.scene.laws import Roughness
+from rolling.scene.laws import AUTOCORRELATIONS, Roughness
 from rolling.surface import heights as surface
-from rolling.surface import levelling, made, scene_surface
+from rolling.surface import made
 from rolling.surface.heights import SurfaceError
 
 SPACING = 1e-6
@@ -68,7 +70,7 @@ def test_a_continued_surface_follows_its_law_and_keeps_its_long_waves(
     )
     for seed in range(12):
         z = generate(law, size, lengths=lengths, seed=seed)
-        finer = made.continued(z, SPACING, [(rq, roughness)], (seed, 1))
+        finer = made.continued(z, SPACING, [(rq, roughness.in_si)], (seed, 1))
         spectrum = np.abs(np.fft.rfft2(finer)) ** 2
         total = total + np.fft.irfft2(spectrum, s=finer.shape) / finer.size / rq**2 / 12
         means = finer.reshape(size[0], 2, size[1], 2).mean(axis=(1, 3))
@@ -154,7 +156,7 @@ def test_correlation_length_beyond_the_surface_is_refused() -> None:
         generate(shape=(16, 16), lengths=(1e3, 1e3))
 
 
-@pytest.mark.parametrize("law", surface.AUTOCORRELATIONS)
+@pytest.mark.parametrize("law", AUTOCORRELATIONS)
 @pytest.mark.parametrize("shape", [(9, 8), (64, 64), (256, 16)])
 def test_the_limit_that_a_refusal_for_rounding_names_is_allowed(
     law: str, shape: tuple[int, int]
@@ -219,7 +221,7 @@ def saved(path: Path, values: np.ndarray, **how: bool) -> Path:
 @pytest.mark.parametrize("kind", [np.float64, np.float32])
 def test_file_is_read_as_metres_about_its_mean(tmp_path: Path, kind: type) -> None:
     z = np.random.default_rng(0).standard_normal((12, 9)) * 1e-6
-    heights = levelling.read_heights(saved(tmp_path, (z + 1e-3).astype(kind)))
+    heights = in_metres.read_heights(saved(tmp_path, (z + 1e-3).astype(kind)))
     assert heights.dtype == np.float64 and heights.shape == (12, 9)
     rounding = 1e-10 if kind is np.float32 else 1e-18
     np.testing.assert_allclose(heights, z - z.mean(), atol=rounding)
@@ -241,7 +243,7 @@ def test_arrays_that_are_not_heights_are_refused(tmp_path: Path, change, words: 
     z = np.random.default_rng(0).standard_normal((12, 9)) * 1e-6
     path = saved(tmp_path, change(z), allow_pickle=True)
     with pytest.raises(SurfaceError, match=words) as error:
-        levelling.read_heights(path)
+        in_metres.read_heights(path)
     assert str(path) in str(error.value)
 
 

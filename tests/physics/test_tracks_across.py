@@ -14,9 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scene_text import PLAIN
 
+from rolling.ball.scene_surface import heights
 from rolling.marches.piece import contact_identity
 from rolling.scene.file import loads
-from rolling.surface.scene_surface import heights
 
 PIT = "surface.faults=[{kind: pit, at_mm: [0.1, 0.02], size_um: 20, depth_um: 1}]"
 KEY = "rolling.across_um"

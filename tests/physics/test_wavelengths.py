@@ -13,11 +13,11 @@ from scipy.signal import fftconvolve
 
 from rolling import Scene, read_scene, simulate
 from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.scene_surface import scene_surface
 from rolling.figures.origins import reading
 from rolling.sound import wavelengths
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.wavelengths import WavelengthOctave
-from rolling.surface.scene_surface import scene_surface
 
 STEPS = 600
 SMALL = {"rolling.duration_s": STEPS * 16e-6 / 6, "surface.spacing_um": 16}

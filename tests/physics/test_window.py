@@ -14,7 +14,7 @@ from helpers import STEEL, assert_solved, make_track, releases, roll, rough, spa
 
 from rolling.contact import single_contact, solver
 from rolling.contact.state import RollingContact, Window
-from rolling.surface.contact_of_scene import on_subcells
+from rolling.surface.subcell_contact import on_subcells
 
 
 @pytest.mark.law("Window: a window twice as large gives the same answer.")

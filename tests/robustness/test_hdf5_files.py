@@ -29,11 +29,11 @@ from hostile_hdf5 import (
 import rolling
 from rolling.bearing_run import stored_run
 from rolling.bearing_run.bearing_run import BearingRun
+from rolling.heights import measured
 from rolling.record.definition import TEXT
 from rolling.scene import hdf5_files
 from rolling.scene.height_files import HeightFormatError
 from rolling.studies import accuracy
-from rolling.surface import measured
 from rolling.terminal.files import FolderError
 
 ROOT = Path(__file__).parents[2]

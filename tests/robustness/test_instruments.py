@@ -12,10 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rolling.ball import scene_surface
+from rolling.heights import measured
 from rolling.scene import file, height_grid
 from rolling.scene.height_files import HeightFormatError
 from rolling.scene.messages import SceneError
-from rolling.surface import measured, scene_surface
 
 pytest.importorskip("x3pio", reason="the extra `surfaces` is not installed")
 STEPS = 2e-6, 3e-6  # m along (y) and across (x)
@@ -331,7 +332,7 @@ rc.read_scene("quickstart").check(solve=False)
 names = "x3pio", "sdfio", "SurfaceTopography"
 assert not [name for name in names if name in sys.modules]
 sys.modules.update(dict.fromkeys(names))
-from rolling.surface import measured
+from rolling.heights import measured
 for name in ("h.x3p", "h.sur"):
     try:
         measured.read(Path({str(tmp_path)!r}) / name)

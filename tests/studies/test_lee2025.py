@@ -14,6 +14,7 @@ from hard_cases.dense import dense_contact
 from acoustics.bands import BAND_NAMES
 from acoustics.radiation import I_REF_W_M2
 from rolling import cli
+from rolling.ball.contact_of_scene import rolling_contact
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.state import Window
@@ -24,7 +25,6 @@ from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
 from rolling.studies import lee2025 as reproduce
 from rolling.studies.lee2025_cases import band_columns
-from rolling.surface.contact_of_scene import rolling_contact
 
 pytestmark = pytest.mark.slow
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import rolling
+from rolling.ball import scene_surface
+from rolling.heights.measured import HeightArray
 from rolling.scene.scene import Scene
 from rolling.studies import validate
-from rolling.surface import scene_surface
-from rolling.surface.measured import HeightArray
 
 FOLDER = Path(__file__).parents[2] / "scenarios" / "validation"
 TABLE = validate.published_filters(str(FOLDER / "contact_filter.csv"))

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rolling.scene.laws import Roughness
+from rolling.scene.laws import AUTOCORRELATIONS
+from rolling.surface.height_law import CorrelationLaw
 from rolling.surface.heights import filtered
 
 
@@ -19,10 +20,7 @@ def gaussian(
     seed: int | Sequence[int],
 ) -> np.ndarray:
     """Generate periodic Gaussian heights [m] of exact Ra and zero mean."""
-    along, across = (1e6 * length for length in lengths)
-    ellipse = {"correlation_length_um": along, "correlation_length_across_um": across}
-    law = Roughness.model_construct(
-        autocorrelation=name, roughness_ra_um=1e6 * ra, seed=0, **ellipse
-    )
+    decay, exponent = AUTOCORRELATIONS[name]
+    law = CorrelationLaw(lengths_m=lengths, decay=decay, exponent=exponent, ra_m=ra)
     heights = filtered(np.random.default_rng(seed).standard_normal(shape), spacing, law)
     return heights * (ra / np.abs(heights).mean())

@@ -16,7 +16,7 @@ from acoustics.arrays import Array
 from hard_cases.named_cases import CAPACITY, SOLVED, WIDTH, HardCase, make_track, rough
 from rolling.contact import closed_forms, units
 from rolling.contact.state import RollingContact
-from rolling.surface.contact_of_scene import on_subcells
+from rolling.surface.subcell_contact import on_subcells
 
 # An earlier solver failed on these seeds of random_scene.
 FAILED_ONCE = (8, 115, 136, 214, 232, 677, 715, 723, 805, 1290, 1548)

@@ -20,12 +20,12 @@ from acoustics.arrays import Array, positive, with_nan
 from acoustics.numbers import rounded
 from acoustics.traps import ignoring_underflow
 from rolling.contact.track import MIN_NODES
+from rolling.heights.in_metres import in_metres
 from rolling.scene import height_files, height_grid
 from rolling.scene.height_files import UNITS, HeightFormatError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import markers
-from rolling.surface.levelling import in_metres
 from rolling.terminal import files
 
 # Median slope between neighbours above which x and y are in another unit than the heights, because

@@ -13,13 +13,15 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
+from rolling.heights import measured
+from rolling.heights.in_metres import HIGHEST, LARGEST_RA
+from rolling.heights.offered_lines import PROFILE_NODES, Offer, line
+from rolling.heights.plate_file import prepared_file
 from rolling.scene import height_grid
 from rolling.scene.height_files import TRIPLES, UNITS, HeightFormatError, is_instrument
 from rolling.scene.messages import SceneError
 from rolling.scene.surfaces import HeightFile
-from rolling.surface import markers, measured, preparation
-from rolling.surface.character import PROFILE_NODES, Offer, line
-from rolling.surface.levelling import HIGHEST, LARGEST_RA
+from rolling.surface import markers, preparation
 from rolling.surface.parameters import without_plane
 from rolling.terminal.files import FolderError
 
@@ -147,13 +149,7 @@ def offer_of_file(path: Path, keys: dict[str, Any]) -> Offer:
     or why no scene rolls over the file.
     """
     try:
-        surface = HeightFile(**keys)
-        grid = height_grid.height_grid(path, surface)
-        marked = None
-        if surface.outliers is not None:
-            _, marked = preparation.suspected(path, surface)
-        read = preparation.read(path, surface)
-        heights, _, _ = preparation.prepare(read, surface, grid, marked)
+        heights, _, _ = prepared_file(path, HeightFile(**keys))
     except (SceneError, ValueError) as error:  # a fault of pydantic is a ValueError
         return Offer(f"No scene rolls over the file itself: {error}")
     ra_um = 1e6 * float(np.abs(heights - heights.mean()).mean())

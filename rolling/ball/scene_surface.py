@@ -16,20 +16,24 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
-from rolling.contact.track import Track
+from rolling.heights import in_metres, measured, plate_file
+from rolling.heights.plate_file import prepared_file
 from rolling.scene import height_files, surfaces
 from rolling.scene.height_files import reason_of
 from rolling.scene.height_grid import height_grid
 from rolling.scene.kept import Kept
+from rolling.scene.laws import HeightLaw
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.surface import heights as surface
-from rolling.surface import levelling, made, markers, measured, preparation
-from rolling.surface.heights import Statistics, add_faults
+from rolling.surface import made, markers
+from rolling.surface.ball_form import form_heights, rolled_together, without_first_order
+from rolling.surface.heights import Statistics
 from rolling.surface.instrument import InstrumentSight, sight, with_law
 from rolling.surface.levelling import Levelling
 from rolling.surface.preparation import Effect
 from rolling.surface.refined import cells_of_patch
+from rolling.surface.single_faults import add_faults
 from rolling.terminal import progress
 
 
@@ -184,9 +188,16 @@ def _make_plate(scene: Scene) -> _Plate:
     """Make the surface of the plate of a scene with its faults."""
     plate, plane, effects = _plate(scene)
     seen = _seen(scene, plate)
-    described = made.described("surface_made", plate, scene.spacing, scene.surface.law)
-    add_faults(plate, scene.surface.faults or (), scene.spacing)
+    described = _described("surface_made", plate, scene.spacing, scene.surface.law)
+    add_faults(plate, [fault.in_si for fault in scene.surface.faults or ()], scene.spacing)
     return _Plate(heights=plate, levelling=plane, effects=effects, described=described, seen=seen)
+
+
+def _described(key: str, heights: Array, spacing: float, law: HeightLaw | None) -> dict[str, Any]:
+    """Compare made heights [m] with a law that is self-affine or not Gaussian, under a key."""
+    if law is None or not made.is_described(law.in_si):
+        return {}
+    return {key: made.described(heights, spacing, law.in_si)}
 
 
 def under_track(scene: Scene, plate: Array) -> Array:
@@ -208,7 +219,7 @@ def _seen(scene: Scene, plate: Array) -> InstrumentSight | None:
         return None
     steps = height_grid(path, scene.surface).steps
     file_spacing = steps[0] if scene.surface.width_um is not None else max(steps)
-    return sight(plate, scene.spacing, scene.surface.instrument, file_spacing)
+    return sight(plate, scene.spacing, scene.surface.instrument.in_si, file_spacing)
 
 
 def _ra(heights: Array) -> float:
@@ -221,14 +232,10 @@ def _plate(scene: Scene) -> tuple[Array, Levelling | None, list[Effect]]:
     plate = scene.surface
     path = scene.height_path
     if isinstance(plate, surfaces.HeightFile) and path:
-        marked = None
-        if plate.outliers is not None:
-            _, marked = preparation.suspected(path, plate)
-        read = preparation.read(path, plate)
-        return preparation.prepare(read, plate, height_grid(path, plate), marked)
+        return prepared_file(path, plate)
     shape = (scene.track.n_along, scene.track.n_across)
     if plate.law is not None:
-        return made.of_law(shape, scene.spacing, plate.law, plate.law.seed), None, []
+        return made.of_law(shape, scene.spacing, plate.law.in_si, plate.law.seed), None, []
     return np.zeros(shape), None, []
 
 
@@ -244,7 +251,7 @@ def _suspicions(scene: Scene) -> Iterator[str]:
         read = measured.read(path, plate.channel, plate.height_unit, plate.xy_unit)
         yield from measured.doubts(path, read, plate.xy_unit or plate.height_unit)
         if plate.outliers is None:
-            suspects, _ = preparation.suspected(path, plate)
+            suspects, _ = plate_file.suspected(path, plate)
             if suspects:
                 yield markers.sentence(suspects, "surface")
     if isinstance(ball, surfaces.BallHeightFile):
@@ -257,7 +264,7 @@ def _suspicions(scene: Scene) -> Iterator[str]:
 
 def has_detail(scene: Scene) -> bool:
     """Return whether a scene's surface follows a law that goes on below the spacing."""
-    return any(made.has_detail(scene.spacing, law) for law in scene.laws)
+    return any(made.has_detail(scene.spacing, law.in_si) for law in scene.laws)
 
 
 def continued_rows(scene: Scene, first: int, rows: int) -> Array:
@@ -265,7 +272,8 @@ def continued_rows(scene: Scene, first: int, rows: int) -> Array:
     whole = heights(scene)
     patch = whole[(first + np.arange(rows)) % len(whole)]
     seed = (scene.laws[0].seed, first % len(whole), rows)
-    return made.continued(patch, scene.spacing, [(law.rq_m, law) for law in scene.laws], seed)
+    laws = [(law.rq_m, law.in_si) for law in scene.laws]
+    return made.continued(patch, scene.spacing, laws, seed)
 
 
 def measured_rows(scene: Scene, first: int, rows: int, finer: int, law: bool) -> Array:
@@ -288,10 +296,8 @@ def measured_rows(scene: Scene, first: int, rows: int, finer: int, law: bool) ->
 # ---- surface of a sphere
 
 
-FORM_ORDERS = range(2, 16)  # waves around that make up a grade's deviation from spherical form
-# Parts of the seeds of a sphere, so that sphere and plate of equal seeds have other heights.
+# Part of the seed of a sphere, so that sphere and plate of equal seeds have other heights.
 _ROUGHNESS_SEED = 1
-_FORM_SEED = 2
 
 
 def ball_heights(scene: Scene, ball: surfaces.BallSurface) -> tuple[Array, dict[str, Any]]:
@@ -307,15 +313,15 @@ def ball_heights(scene: Scene, ball: surfaces.BallSurface) -> tuple[Array, dict[
     shape = (track.turn_nodes, track.n_across)
     spacing = track.spacing
     if law is not None:
-        heights = made.of_law(shape, spacing, law, (law.seed, _ROUGHNESS_SEED))
+        heights = made.of_law(shape, spacing, law.in_si, (law.seed, _ROUGHNESS_SEED))
     elif isinstance(ball, surfaces.BallHeightFile):
         heights = _read_turn(scene, ball)
     else:
         heights = np.zeros(shape)
-    described = made.described("ball_surface_made", heights, spacing, law)
+    described = _described("ball_surface_made", heights, spacing, law)
     if ball.has_form:
-        heights += form_heights(ball, track.turn_nodes)[:, None]
-    add_faults(heights, ball.faults or (), spacing)
+        heights += form_heights(ball.form, track.turn_nodes)[:, None]
+    add_faults(heights, [fault.in_si for fault in ball.faults or ()], spacing)
     return heights, described
 
 
@@ -323,59 +329,7 @@ def _read_turn(scene: Scene, ball: surfaces.BallHeightFile) -> Array:
     """Read the heights [m] of a turn without its wave of order 1, which moves the centre only."""
     path = scene.height_paths["sphere.surface"]
     across = scene.track.n_across
-    heights = levelling.read_heights(path, ball.height_unit, "sphere.surface")
+    heights = in_metres.read_heights(path, ball.height_unit, "sphere.surface")
     if heights.shape[1] == 1:
         heights = np.repeat(heights, across, axis=1)
-    angle = _angle(len(heights))
-    for wave in (np.cos(angle), np.sin(angle)):
-        heights = heights - np.outer(wave, 2 / len(wave) * (wave @ heights.mean(axis=1)))
-    return np.asarray(heights)
-
-
-def form_heights(ball: surfaces.BallSurface, nodes: int) -> Array:
-    """Return the heights [m] of the waves around a circumference of some nodes."""
-    angle = _angle(nodes)
-    line = np.zeros(nodes)
-    if isinstance(ball, surfaces.GradedBall):
-        random = np.random.default_rng((ball.seed, _FORM_SEED))
-        phases = random.uniform(0, 2 * np.pi, len(FORM_ORDERS))
-        for order, phase in zip(FORM_ORDERS, phases, strict=True):
-            if order * surfaces.WAVE_NODES <= nodes:
-                line += np.cos(order * angle + phase) / order
-        line *= surfaces.GRADES[ball.grade].deviation_um * 1e-6 / np.ptp(line)
-    for order, amplitude_um in (ball.waviness or {}).items():
-        line += amplitude_um * 1e-6 * np.cos(order * angle)
-    return line
-
-
-def _angle(nodes: int) -> Array:
-    """Return the angles of the nodes of a turn [rad]."""
-    return np.asarray(2 * np.pi / nodes * np.arange(nodes), dtype=np.float64)
-
-
-def rolled_together(plate: Array, ball: Array, track: Track, start: float) -> Array:
-    """Return the sum of the heights of plate and sphere [m] along a track that starts at `start`.
-
-    Beside a track that does not close, half a width of the surface goes on as it would; then its
-    end fades into its beginning, so that the sum is periodic.
-    """
-    nodes = track.n_along
-    across = track.n_across
-    if nodes % len(plate) == 0 and nodes % len(ball) == 0:
-        total = plate
-        if len(plate) != nodes:
-            total = np.tile(plate, (nodes // len(plate), 1))
-        for first in range(0, nodes, len(ball)):
-            total[first : first + len(ball)] += ball
-        return total
-    parts = [part for part in (plate, ball) if len(part) != nodes]
-    first = int(np.floor(start / track.spacing)) - across // 2
-    places = first + np.arange(nodes)
-    total = np.sum([part[places % len(part)] for part in parts], axis=0)
-    before = np.sum([part[(places[-across:] - nodes) % len(part)] for part in parts], axis=0)
-    turn = np.pi / 2 * (np.arange(across)[:, None] + 0.5) / across
-    total[-across:] = np.cos(turn) * total[-across:] + np.sin(turn) * before
-    total = np.roll(total, first, axis=0)
-    if len(plate) == nodes:
-        return total + plate
-    return total
+    return without_first_order(heights)
