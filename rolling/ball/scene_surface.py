@@ -272,7 +272,7 @@ def continued_rows(scene: Scene, first: int, rows: int) -> Array:
     whole = heights(scene)
     patch = whole[(first + np.arange(rows)) % len(whole)]
     seed = (scene.laws[0].seed, first % len(whole), rows)
-    laws = [(law.rq_m, law.in_si) for law in scene.laws]
+    laws = [law.in_si for law in scene.laws]
     return made.continued(patch, scene.spacing, laws, seed)
 
 

@@ -93,22 +93,19 @@ def has_detail(spacing: float, law: HeightSpectrum) -> bool:
 
 
 def continued(
-    heights: Array,
-    spacing: float,
-    laws: Sequence[tuple[float, HeightSpectrum]],
-    seed: Sequence[int],
+    heights: Array, spacing: float, laws: Sequence[HeightSpectrum], seed: Sequence[int]
 ) -> Array:
     """Continue heights [m], the sum of surfaces of some laws, to half the spacing [m].
 
-    Each law has its rms height [m]. Waves that the grid holds stay, less the share that shorter
-    waves folded onto them. The shorter waves up to the end of the finer grid are new and Gaussian,
-    and the nodes are the centres of the quarters of cells.
+    Waves that the grid holds stay, less the share that shorter waves folded onto them. The shorter
+    waves up to the end of the finer grid are new and Gaussian, and the nodes are the centres of the
+    quarters of cells.
     """
-    rq = laws[0][0]
+    rq = laws[0].rq_m
 
     def density(shape: tuple[int, ...], step: float) -> Array:
         """Return the spectral densities of the laws, added by their mean squares."""
-        weighted = [(own / rq) ** 2 * spectral_density(shape, step, law) for own, law in laws]
+        weighted = [(law.rq_m / rq) ** 2 * spectral_density(shape, step, law) for law in laws]
         return np.asarray(np.sum(weighted, axis=0))
 
     rows, columns = heights.shape

@@ -129,7 +129,7 @@ def with_detail(scene: rc.Scene) -> Array:
     spacing = scene.spacing
     (law,) = scene.laws
     for octave in (1, 2):
-        z = continued(z, spacing, [(law.rq_m, law.in_si)], (surface.seed, octave))
+        z = continued(z, spacing, [law.in_si], (surface.seed, octave))
         spacing /= 2
     cells = z.repeat(contact.subcells, axis=0).repeat(contact.subcells, axis=1)
     start = contact.start + (scene.spacing - spacing) / 2

@@ -121,9 +121,8 @@ def test_force_over_a_lap(name: str) -> None:
     error, level, band = compare(reference, moved(begun, law, [case])[0])
     assert error < -45 and level < 0.1 and band < 0.3
     if name == "own":  # the record of a run takes 40 steps in a period
-        error, level, band = compare(
-            motion_of_ball(bodies_of(changed), changed.travel, law), moved(begun, law, [case])[0]
-        )
+        own = motion_of_ball(bodies_of(changed), changed.travel, law)
+        error, level, band = compare(own, moved(begun, law, [case])[0])
         assert error < -40 and level < 0.1 and band < 0.3
 
 

@@ -43,9 +43,8 @@ def scene(*changes: str) -> Scene:
 
 def fallen(given: Scene) -> BodyMotion:
     """Return the motion of a scene over the exact law of its smooth contact."""
-    return motion_of_ball(
-        bodies_of(given), given.travel, hertz_law(given.load, given.radius, given.contact_modulus)
-    )
+    law = hertz_law(given.load, given.radius, given.contact_modulus)
+    return motion_of_ball(bodies_of(given), given.travel, law)
 
 
 def contacts(motion: BodyMotion) -> list[tuple[int, int]]:
@@ -67,9 +66,8 @@ def test_restitution(thickness: float, zener: float) -> None:
     assert drop.restitution(bodies_of(given), motion) == pytest.approx(zener, abs=0.002)
     assert motion.energy_error < 1e-10
     first = contacts(motion)[0][0] * motion.time_step_s
-    assert first == pytest.approx(
-        drop.fall_s(bodies_of(given)), rel=0.002
-    )  # at g, for the mass of the steps
+    # It falls at g, for the mass of the steps.
+    assert first == pytest.approx(drop.fall_s(bodies_of(given)), rel=0.002)
 
 
 STEEL_BODY = (7850.0, 206.0, 0.3)
@@ -196,11 +194,8 @@ def test_pulse() -> None:
     impulse = pulse.sum() * motion.time_step_s
     assert impulse == pytest.approx(2 * given.mass * drop.speed_m_s(bodies_of(given)), rel=0.005)
     centre = ((np.arange(begin, end) + 0.5) @ pulse) / pulse.sum()
-    share = (
-        (np.arange(begin, end) + 0.5 - centre)
-        * motion.time_step_s
-        / drop.impact_s(bodies_of(given))
-    )
+    times = (np.arange(begin, end) + 0.5 - centre) * motion.time_step_s
+    share = times / drop.impact_s(bodies_of(given))
     sine = np.maximum(np.cos(np.pi * share), 0.0) ** 1.5
     assert np.abs(pulse / drop.largest_force_n(bodies_of(given)) - sine).max() < 0.03
 

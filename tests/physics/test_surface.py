@@ -70,7 +70,7 @@ def test_a_continued_surface_follows_its_law_and_keeps_its_long_waves(
     )
     for seed in range(12):
         z = generate(law, size, lengths=lengths, seed=seed)
-        finer = made.continued(z, SPACING, [(rq, roughness.in_si)], (seed, 1))
+        finer = made.continued(z, SPACING, [roughness.in_si], (seed, 1))
         spectrum = np.abs(np.fft.rfft2(finer)) ** 2
         total = total + np.fft.irfft2(spectrum, s=finer.shape) / finer.size / rq**2 / 12
         means = finer.reshape(size[0], 2, size[1], 2).mean(axis=(1, 3))
