@@ -18,7 +18,7 @@ from acoustics.arrays import Array, short_repr
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.level import SoundLevels, sound_levels
 from acoustics.rectangular_plate import Listener, RectangularPlate
-from rolling.ball.bodies_of_scene import plate_of
+from rolling.ball.records import plate_of
 from rolling.bearing.linear_ring import LinearRing
 from rolling.dynamics.bodies import modes_of
 from rolling.scene.bearing_scene import BearingScene

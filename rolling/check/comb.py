@@ -15,7 +15,7 @@ from acoustics.loss_factors import least_loss_factor
 from acoustics.numbers import rounded, si
 from acoustics.radiation import Body, axis_transfer
 from acoustics.weighting import a_weighting_db
-from rolling.ball.bodies_of_scene import bodies_of, plate_of
+from rolling.ball.records import bodies_of, plate_of
 from rolling.ball.scene_surface import heights
 from rolling.check.finding import Finding
 from rolling.check.force_estimate import contact_axes, mean_heights

@@ -5,7 +5,7 @@ import os
 from collections.abc import Sequence
 
 from acoustics.numbers import clock
-from rolling.ball.bodies_of_scene import bodies_of, smooth_contact_of
+from rolling.ball.records import bodies_of, smooth_contact_of
 from rolling.ball.scene_surface import scene_surface
 from rolling.contact import closed_forms
 from rolling.dynamics import drop

@@ -19,7 +19,7 @@ from acoustics.numbers import byte_size, rounded, si
 from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
 from rolling.ball import scene_surface
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.records import smooth_contact_of
 from rolling.check import (
     comb,
     cost,

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.ball.bodies_of_scene import bodies_of, smooth_contact_of
+from rolling.ball.records import bodies_of, smooth_contact_of
 from rolling.check import cost
 from rolling.dynamics.comb import NEAR_SPEEDS
 from rolling.scene.laws import HeightLaw

@@ -7,7 +7,7 @@ runs.
 
 from collections.abc import Sequence
 
-from rolling.ball.bodies_of_scene import bodies_of, plate_of
+from rolling.ball.records import bodies_of, plate_of
 from rolling.check import cost, error_cost
 from rolling.check.finding import Finding
 from rolling.scene.scene import Scene

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from acoustics.numbers import rounded, rounded_down, si
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.records import smooth_contact_of
 from rolling.ball.scene_surface import SceneSurface, scene_surface
 from rolling.check import cost, resolution
 from rolling.check.finding import Finding

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.records import smooth_contact_of
 from rolling.check import cost
 from rolling.scene.scene import Scene
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from acoustics import bands
 from acoustics.numbers import micrometres, rounded, rounded_down, rounded_up, si
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.records import smooth_contact_of
 from rolling.check.finding import Finding
 from rolling.contact.track import MIN_SHARE
 from rolling.numbers.doubt import Doubt, Severity, sized

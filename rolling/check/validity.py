@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 
 from acoustics.numbers import rounded, rounded_up, si
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.records import smooth_contact_of
 from rolling.check import cost, resolution
 from rolling.check.finding import Finding
 from rolling.numbers.doubt import Doubt, Severity

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from acoustics.numbers import rounded, rounded_down, rounded_up, si
 from acoustics.rectangular_plate import MODES_HZ
-from rolling.ball.bodies_of_scene import bodies_of, plate_of, smooth_contact_of
+from rolling.ball.records import bodies_of, plate_of, smooth_contact_of
 from rolling.check import cost, forecast, resolution
 from rolling.check.finding import Finding
 from rolling.check.force_estimate import force_rms

@@ -14,8 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.ball.bodies_of_scene import bodies_of
-from rolling.ball.records import listener_of
+from rolling.ball.records import bodies_of, listener_of
 from rolling.choice.candidates import LOSS_KEY
 from rolling.choice.heard import Specimen
 from rolling.kinds.run_folder import RESULT

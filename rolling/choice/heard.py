@@ -19,8 +19,7 @@ from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, third_octave_mean_square
 from acoustics.spectrum import audible_lines
 from acoustics.weighting import a_weighting_db
-from rolling.ball.bodies_of_scene import bodies_of
-from rolling.ball.records import listener_of
+from rolling.ball.records import bodies_of, listener_of
 from rolling.choice.candidates import LOSS_KEY
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion_of_ball import motion_of_ball

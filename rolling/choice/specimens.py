@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from acoustics.pairs import LOOKS, MOST_PAIRS
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.records import smooth_contact_of
 from rolling.choice.candidates import Candidate
 from rolling.scene.scene import Scene
 from rolling.scene.seeds import seeds_of, with_seed

@@ -12,7 +12,7 @@ from acoustics.arrays import Array
 from acoustics.numbers import micrometres, rounded
 from acoustics.plot_style import curve_style
 from acoustics.traps import ignoring_underflow
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.records import smooth_contact_of
 from rolling.ball.scene_surface import heights
 from rolling.figures import picture
 from rolling.figures.picture import axes_of, compared, finish, level_of

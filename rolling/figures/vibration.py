@@ -14,7 +14,7 @@ from acoustics.numbers import rounded
 from acoustics.plot_style import unit_prefix
 from acoustics.plots import COLOURS, third_octaves
 from acoustics.traps import ignoring_underflow
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.records import smooth_contact_of
 from rolling.ball.scene_surface import scene_surface
 from rolling.figures.picture import axes_of, duration_text, finish, number
 from rolling.figures.sound import band_table

@@ -16,8 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.ball.bodies_of_scene import bodies_of
-from rolling.ball.records import listener_of
+from rolling.ball.records import bodies_of, listener_of
 from rolling.check import error_cost
 from rolling.check.error_cost import DETAIL, MEASURED, WITH_LAW
 from rolling.marches.piece import Piece

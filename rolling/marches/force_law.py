@@ -16,7 +16,7 @@ from typing import TypeVar
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.ball.bodies_of_scene import bodies_of, smooth_contact_of
+from rolling.ball.records import bodies_of, smooth_contact_of
 from rolling.contact import closed_forms
 from rolling.contact.solver import ContactError
 from rolling.dynamics import drop

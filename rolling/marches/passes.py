@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.records import smooth_contact_of
 from rolling.check import cost
 from rolling.contact.memory import sink
 from rolling.contact.solver import ContactError

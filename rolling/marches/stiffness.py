@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.ball.bodies_of_scene import smooth_contact_of
 from rolling.ball.contact_of_scene import rolling_contact
+from rolling.ball.records import smooth_contact_of
 from rolling.ball.scene_surface import heights
 from rolling.contact import closed_forms
 from rolling.contact.march import march

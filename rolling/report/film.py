@@ -12,7 +12,7 @@ from PIL import Image
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, unit_prefix
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.records import smooth_contact_of
 from rolling.ball.scene_surface import scene_surface
 from rolling.figures.picture import Caption, Picture, set_caption
 from rolling.figures.settings import own_settings

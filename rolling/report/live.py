@@ -13,7 +13,7 @@ from acoustics.loss_factors import LossFactor, loss_factor_at
 from acoustics.radiation import HalfSpaceBody
 from acoustics.ritz_plate import RitzPlate
 from acoustics.wav import PEAK, SAMPLE_RATE_HZ
-from rolling.ball.bodies_of_scene import bodies_of, plate_of, smooth_contact_of
+from rolling.ball.records import bodies_of, plate_of, smooth_contact_of
 from rolling.dynamics import _motion_kernels
 from rolling.dynamics._motion_kernels import LawTable
 from rolling.dynamics.bodies import half_space_mobility

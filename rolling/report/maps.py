@@ -14,7 +14,7 @@ from PIL import Image
 
 from acoustics.arrays import Array
 from acoustics.numbers import si
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.records import smooth_contact_of
 from rolling.contact.track import Motion
 from rolling.figures.contact import BELOW_YIELD, YIELDED
 from rolling.marches.observers import PressureMap

@@ -11,7 +11,7 @@ import numpy as np
 
 from acoustics.numbers import rounded
 from acoustics.texts import printable
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.records import smooth_contact_of
 from rolling.results import description
 from rolling.results.level_words import NOTHING, level_name
 from rolling.results.quantities import heard_level_db

@@ -11,7 +11,7 @@ import numpy as np
 from acoustics.bands import BAND_NAMES, EDGES_HZ
 from acoustics.numbers import rounded
 from acoustics.texts import printable
-from rolling.ball.bodies_of_scene import bodies_of
+from rolling.ball.records import bodies_of
 from rolling.dynamics import drop
 from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.ball_numbers import RunNumbers

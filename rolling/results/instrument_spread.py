@@ -14,8 +14,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from rolling.ball.assumed_bodies import with_bodies
-from rolling.ball.bodies_of_scene import bodies_of
-from rolling.ball.records import listener_of
+from rolling.ball.records import bodies_of, listener_of
 from rolling.ball.scene_surface import scene_surface
 from rolling.check import error_cost
 from rolling.marches import error_stretches

@@ -9,8 +9,7 @@ import numpy as np
 
 from acoustics import level
 from acoustics.numbers import micrometres, rounded, rounded_up
-from rolling.ball.bodies_of_scene import bodies_of, circumference_of
-from rolling.ball.records import listener_of
+from rolling.ball.records import bodies_of, circumference_of, listener_of
 from rolling.contact.track import Motion
 from rolling.marches.result import Result, released_energy
 from rolling.numbers.ball_numbers import ListeningNumbers

@@ -18,8 +18,7 @@ from acoustics.level import crest_factor_db, is_single_event, lae_db, level_db
 from acoustics.modulation import MIN_PERIODS, envelope_spectrum, modulated_octave
 from acoustics.numbers import rounded
 from rolling.ball.assumed_bodies import bodies_text, with_bodies
-from rolling.ball.bodies_of_scene import bodies_of, plate_of, smooth_contact_of
-from rolling.ball.records import listener_of
+from rolling.ball.records import bodies_of, listener_of, plate_of, smooth_contact_of
 from rolling.ball.scene_surface import SceneSurface, scene_surface
 from rolling.check import heights
 from rolling.dynamics import drop

@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from acoustics.traps import ignoring_underflow
-from rolling.ball.bodies_of_scene import bodies_of
-from rolling.ball.records import listener_of
+from rolling.ball.records import bodies_of, listener_of
 from rolling.ball.scene_surface import scene_surface
 from rolling.contact.processor_time import ProcessorTime
 from rolling.kinds.run_folder import RESULT, RunFolder
@@ -91,6 +90,8 @@ class Run(NumberedRun):
     >>> frame = run.to_dataframe()
     >>> frame.shape[0], frame.attrs["contact_area"], frame.attrs["release_power"]
     (251, 'm2', 'W')
+    >>> run.write_wav("sound.wav").name
+    'sound.wav'
     """
 
     # `save` writes a run folder. Its module stands above this one and binds it.
@@ -130,7 +131,7 @@ class Run(NumberedRun):
         OSError
             The file cannot be written. An earlier file is kept.
         """
-        write_bytes(Path(path), self.sound.wav(comment, title))
+        write_bytes(Path(path), self.sound.wav_bytes(comment, title))
         return Path(path)
 
     def to_dataframe(self) -> pd.DataFrame:

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from acoustics.traps import ignoring_underflow
-from rolling.ball.bodies_of_scene import smooth_contact_of
-from rolling.ball.records import listener_of
+from rolling.ball.records import listener_of, smooth_contact_of
 from rolling.ball.scene_surface import scene_surface
 from rolling.contact.recovery import EventStatistics, event_statistics
 from rolling.kinds.run_folder import RunFolder

@@ -7,7 +7,7 @@ sound. Plate and ball count their motion in the direction in which the ball pres
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from rolling.dynamics.motion import BodyMotion
 from rolling.dynamics.motion_of_ball import contact_path, motion_on_rigid_plate
 from rolling.sound.contact_sound import faded_out
 from rolling.sound.edged_sound import WRAPPED
+from rolling.sound.receivers import Transducer
 from rolling.sound.vibration_sound import Vibration, force_fluctuation
 
 Complex = NDArray[np.complex128]
@@ -44,27 +45,6 @@ class ChannelSignal(NamedTuple):
     samples: Array
     closed: bool
     note: str = ""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Transducer:
-    """Accelerometer or force transducer: what it measures, and where.
-
-    Attributes
-    ----------
-    of : str
-        What moves or presses: plate, ball or contact.
-    quantity : str
-        acceleration, velocity or displacement of plate or ball, force or blocked_force of the
-        contact.
-    place_m : pair of float, m, or None
-        Place on the plate: from the corner of a plate with edges, from the contact along the track
-        on an infinite one. None for ball and contact.
-    """
-
-    of: Literal["plate", "ball", "contact"]
-    quantity: Literal["acceleration", "velocity", "displacement", "force", "blocked_force"]
-    place_m: tuple[float, float] | None = None
 
 
 def channel_signals(

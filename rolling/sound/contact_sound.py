@@ -22,7 +22,7 @@ from acoustics.numbers import decibels_a, rounded
 from acoustics.traps import ignoring_underflow
 from rolling.contact.track import Motion
 from rolling.numbers.ball_numbers import Source
-from rolling.sound.listener import Listener
+from rolling.sound.receivers import Listener
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -91,7 +91,7 @@ class ContactSound:
     ContactSound(0.005 s at 48000 Hz, ... dB(A), loops)
     >>> sound.third_octaves().loc[8000.0].index.to_list()
     ['third_octave_db', 'third_octave_a_db', 'third_octave_uncertainty_db']
-    >>> sound.wav()[:4]
+    >>> sound.wav_bytes()[:4]
     b'RIFF'
     """
 
@@ -120,7 +120,7 @@ class ContactSound:
     right: Array | None = None
     once: bool = False
 
-    def wav(self, comment: str = "", title: str = "") -> bytes:
+    def wav_bytes(self, comment: str = "", title: str = "") -> bytes:
         """Return the record as a 32-bit float WAV in which 1.0 is 1 Pa.
 
         Parameters

@@ -21,7 +21,7 @@ from rolling.contact.track import Motion
 from rolling.dynamics.ball_on_plate import BallOnPlate, PlateBody
 from rolling.dynamics.motion_of_ball import contact_path
 from rolling.sound.contact_sound import faded_out
-from rolling.sound.listener import Listener, Place
+from rolling.sound.receivers import Listener, Place
 
 WRAPPED = 1e-4  # part of the ringing of an open record that is left of it at its beginning
 _MIN_S = 0.25  # [s] of an open record with silence, at least twice

@@ -16,7 +16,7 @@ from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.long_motion import LongMotion
 from rolling.numbers.ball_numbers import ListeningNumbers
 from rolling.sound import contact_sound, vibration_sound
-from rolling.sound.listener import Listener
+from rolling.sound.receivers import Listener
 
 _FINER = 4  # points of a release per sample of sound, so that a spline between them is exact
 _MAX_POINTS = 2**18  # at once

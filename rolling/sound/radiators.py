@@ -29,7 +29,7 @@ from rolling.dynamics.force_law import ForceLaw
 from rolling.sound import edged_sound
 from rolling.sound.contact_sound import faded
 from rolling.sound.error_estimate import Gain
-from rolling.sound.listener import Listener
+from rolling.sound.receivers import Listener
 
 
 def sources(bodies: BallOnPlate, listener: Listener) -> list[Body]:

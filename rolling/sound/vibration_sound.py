@@ -28,7 +28,6 @@ from rolling.dynamics.motion import MAX_STEPS, BodyMotion
 from rolling.dynamics.motion_of_ball import motion_of_ball
 from rolling.sound import edged_sound, radiators
 from rolling.sound.contact_sound import ContactSound, faded, faded_out
-from rolling.sound.listener import Listener
 from rolling.sound.radiators import (
     HALF,
     BaffleSpread,
@@ -38,6 +37,7 @@ from rolling.sound.radiators import (
     powers,
     sources,
 )
+from rolling.sound.receivers import Listener
 
 P_REF_W = 1e-12  # reference sound power
 UNKNOWN_DB = 20.0  # maximum error from the time steps; an impact more or less makes it arbitrary

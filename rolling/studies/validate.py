@@ -24,7 +24,7 @@ from acoustics.loudness import loudness
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S
 from acoustics.rectangular_plate import own_resistance
 from acoustics.wav import SAMPLE_RATE_HZ as RATE_HZ
-from rolling.ball.bodies_of_scene import bodies_of, plate_of
+from rolling.ball.records import bodies_of, plate_of
 from rolling.ball.scene_surface import heights
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.single_contact import solve_contact

@@ -31,8 +31,7 @@ import rolling as rc
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.level import RecordNumbers, SoundLevels
-from rolling.ball.bodies_of_scene import bodies_of
-from rolling.ball.records import listener_of
+from rolling.ball.records import bodies_of, listener_of
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of

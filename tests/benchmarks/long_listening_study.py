@@ -22,8 +22,7 @@ from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, sound_levels
 from acoustics.uncertainty import kurtosis
-from rolling.ball.bodies_of_scene import bodies_of, circumference_of
-from rolling.ball.records import listener_of
+from rolling.ball.records import bodies_of, circumference_of, listener_of
 from rolling.dynamics.force_law import ForceLaw
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene

@@ -13,7 +13,7 @@ import numpy as np
 
 import rolling as rc
 from acoustics.arrays import Array
-from rolling.ball.bodies_of_scene import bodies_of
+from rolling.ball.records import bodies_of
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import BodyMotion, Stepping, move

@@ -14,7 +14,7 @@ from report_runs import runs_of
 
 from acoustics.arrays import Array
 from acoustics.bands import EDGES_HZ
-from rolling.ball.bodies_of_scene import bodies_of
+from rolling.ball.records import bodies_of
 from rolling.dynamics import drop
 from rolling.dynamics.bodies import Modes
 from rolling.dynamics.force_law import ForceLaw, law_table

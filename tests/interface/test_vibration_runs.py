@@ -14,7 +14,7 @@ from scipy import ndimage
 from acoustics.bands import BAND_NAMES
 from acoustics.level import a_weighted, level_db
 from acoustics.radiation import P_REF_PA
-from rolling.ball.bodies_of_scene import bodies_of
+from rolling.ball.records import bodies_of
 from rolling.check import comb, error_cost, force_estimate
 from rolling.dynamics.motion_of_ball import motion_of_ball
 from rolling.figures.catalogue import single_picture

@@ -15,7 +15,7 @@ from acoustics.bands import BAND_NAMES
 from acoustics.pairs import FIRST_PAIRS, LOOKS, looks, paired_mean, pairs_needed, student_factor
 from acoustics.unbaffled import SHARED_PART
 from rolling.ball import scene_surface
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.records import smooth_contact_of
 from rolling.choice.candidates import LOSS_FACTORS, candidate, candidates_of
 from rolling.choice.difference import difference
 from rolling.choice.doubts import left_out_text

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers import hertz_law
 
-from rolling.ball.bodies_of_scene import bodies_of
+from rolling.ball.records import bodies_of
 from rolling.dynamics import drop
 from rolling.dynamics.motion import BodyMotion
 from rolling.dynamics.motion_of_ball import motion_of_ball

@@ -10,8 +10,7 @@ from finished import VIBRATING, doubt_lines, heard_again, marched
 
 from acoustics import wav
 from acoustics.arrays import Array
-from rolling.ball.bodies_of_scene import bodies_of, plate_of
-from rolling.ball.records import listener_of
+from rolling.ball.records import bodies_of, listener_of, plate_of
 from rolling.results.level_words import number_rows
 from rolling.results.listening import listen_wav
 from rolling.results.run_lines import other_listeners

@@ -9,7 +9,7 @@ import pytest
 from helpers import STEEL, assert_solved, make_track, roll, step_energies
 from scipy.special import ellipe, ellipk
 
-from rolling.ball.bodies_of_scene import bodies_of, smooth_contact_of
+from rolling.ball.records import bodies_of, smooth_contact_of
 from rolling.contact import closed_forms
 from rolling.contact.state import RollingContact
 from rolling.dynamics import drop

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from helpers import march_all
 
-from rolling.ball.bodies_of_scene import bodies_of
+from rolling.ball.records import bodies_of
 from rolling.dynamics.motion_of_ball import motion_of_ball
 from rolling.marches import force_law as laws
 from rolling.marches.force_law import force_law, law_error, law_loads, law_pieces, load_along

@@ -12,8 +12,7 @@ from long_listening_study import compare
 
 from acoustics import resampling
 from acoustics.uncertainty import kurtosis
-from rolling.ball.bodies_of_scene import bodies_of, circumference_of
-from rolling.ball.records import listener_of
+from rolling.ball.records import bodies_of, circumference_of, listener_of
 from rolling.contact.track import Motion
 from rolling.dynamics import long_motion
 from rolling.dynamics.force_law import ForceLaw

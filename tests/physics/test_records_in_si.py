@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from rolling.ball.bodies_of_scene import bodies_of, circumference_of, smooth_contact_of
+from rolling.ball.records import bodies_of, circumference_of, smooth_contact_of
 from rolling.contact import closed_forms
 from rolling.contact.track import Motion, Track, Travel
 from rolling.heights.plate_file import steps_of

@@ -7,7 +7,7 @@ import pytest
 from helpers import march_all
 from scene_text import BODIES, NARROW
 
-from rolling.ball.bodies_of_scene import bodies_of
+from rolling.ball.records import bodies_of
 from rolling.check.error_cost import COLD_STEPS
 from rolling.dynamics.motion_of_ball import motion_of_ball
 from rolling.marches.force_law import force_law

@@ -14,8 +14,7 @@ from acoustics.radiation import RHO_C
 from acoustics.uncertainty import record_scatter_db
 from acoustics.weighting import a_weighting_db
 from rolling.ball.assumed_bodies import bodies_text, with_bodies
-from rolling.ball.bodies_of_scene import bodies_of, smooth_contact_of
-from rolling.ball.records import listener_of
+from rolling.ball.records import bodies_of, listener_of, smooth_contact_of
 from rolling.marches.stiffness import solved_stiffness
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results.level_words import number_rows

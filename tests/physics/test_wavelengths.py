@@ -12,7 +12,7 @@ from scene_sounds import sound_of_release
 from scipy.signal import fftconvolve
 
 from rolling import Scene, read_scene, simulate
-from rolling.ball.bodies_of_scene import smooth_contact_of
+from rolling.ball.records import smooth_contact_of
 from rolling.ball.scene_surface import scene_surface
 from rolling.figures.origins import reading
 from rolling.sound import wavelengths

@@ -1,6 +1,7 @@
-"""Listener of a ball on a plate: where it hears, and what it hears."""
+"""Receivers of a ball on a plate: a listener of its sound, and transducers on ball and plate."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 from acoustics import rectangular_plate
 
@@ -36,3 +37,24 @@ class Listener:
     def has_own_factor(self) -> bool:
         """Whether the fluctuation of a record of the released power sets its own factor."""
         return self.gain_pa_per_w_m2 is None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Transducer:
+    """Accelerometer or force transducer: what it measures, and where.
+
+    Attributes
+    ----------
+    of : str
+        What moves or presses: plate, ball or contact.
+    quantity : str
+        acceleration, velocity or displacement of plate or ball, force or blocked_force of the
+        contact.
+    place_m : pair of float, m, or None
+        Place on the plate: from the corner of a plate with edges, from the contact along the track
+        on an infinite one. None for ball and contact.
+    """
+
+    of: Literal["plate", "ball", "contact"]
+    quantity: Literal["acceleration", "velocity", "displacement", "force", "blocked_force"]
+    place_m: tuple[float, float] | None = None
