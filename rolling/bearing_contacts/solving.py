@@ -8,12 +8,10 @@ another one, which is judged as the file of a stranger.
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -21,9 +19,12 @@ from acoustics.arrays import Array, short_repr
 from rolling.contact.solver import ContactError
 from rolling.kinds.march import March, MarchStore
 from rolling.kinds.run_folder import RunFolder
-from rolling.marches.effort import ARRAY, PieceEffort
+from rolling.marches.effort import PieceEffort
+from rolling.marches.march_variables import EFFORT
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
+from rolling.record.definition import TEXT, Variable, by_name
+from rolling.record.npz_file import npz_bytes, read_npz
 from rolling.record.sealed_file import seal, sealed_content
 from rolling.run import folder as folders
 from rolling.run.executor import RunFiles, RunLoop, ended_by_signal
@@ -35,9 +36,14 @@ from rolling.terminal import progress, shortage
 from rolling.terminal.files import FolderError, make_below, write_bytes
 
 CONTACTS = "contacts"  # folder of the marches, in the run folder
-_IDENTITY = "identity"  # name of the contact identity in the file of a march
 _MAX_BESIDE = 10_000  # bytes of the file of a march beside its approach
-_MAX_HEADER = 1000  # letters of the description of an array
+_IDENTITY = Variable("identity", "", "1", TEXT, "contact identity")
+_VARIABLES = by_name(  # of the file of a march
+    Variable("approach_m", "place", "m", "f8", "approach at each position"),
+    Variable("numbers", "number", "Pa, m2", "f8", "maximum pressure, and mean contact area"),
+    EFFORT,
+    _IDENTITY,
+)
 
 
 @dataclass(frozen=True)
@@ -181,16 +187,13 @@ def march_path(folder: Path, identity: str) -> Path:
 
 def _write_march(folder: Path, identity: str, march: ContactMarch) -> None:
     """Write the file of a march, with its identity and a digest at its end."""
-    stream = io.BytesIO()
-    np.savez(
-        stream,
-        allow_pickle=False,
-        approach_m=march.approach_m,
-        numbers=np.array([march.max_pressure_pa, march.contact_area_m2]),
-        effort=np.array(march.effort),
-        identity=np.array(identity),
-    )
-    content = stream.getvalue()
+    arrays = {
+        "approach_m": march.approach_m,
+        "numbers": np.array([march.max_pressure_pa, march.contact_area_m2]),
+        EFFORT.name: np.array(march.effort),
+        _IDENTITY.name: np.array(identity),
+    }
+    content = npz_bytes(_VARIABLES, arrays)
     write_bytes(march_path(folder, identity), content + seal(content))
 
 
@@ -237,21 +240,14 @@ def read_march(folder: Path, scene: Scene, identity: str) -> ContactMarch:
     path = march_path(folder, identity)
     steps = scene.track.solved_steps
     content = sealed_content(path, 8 * steps + _MAX_BESIDE)
-    expected = {
-        "approach_m": ((steps,), np.dtype(np.float64)),
-        "numbers": ((2,), np.dtype(np.float64)),
-        ARRAY: ((3,), np.dtype(np.float64)),
-        _IDENTITY: ((), np.array(identity).dtype),
-    }
+    lengths = {"place": steps, "number": 2, "part": len(PieceEffort._fields)}
     try:
-        with np.load(io.BytesIO(content), allow_pickle=False) as stored:
-            _refuse_other_arrays(stored, expected)
-            arrays = {name: stored[name] for name in expected}
-        if str(arrays.pop(_IDENTITY)) != identity:
+        arrays = read_npz(content, _VARIABLES, lengths)
+        if str(arrays.pop(_IDENTITY.name)) != identity:
             raise ValueError("the march of another contact")
         if not all(np.all(np.isfinite(values)) for values in arrays.values()):
             raise ValueError("values that are no finite numbers")
-    except Exception as error:  # numpy raises errors of any kind on hostile files
+    except Exception as error:  # of any kind on hostile files
         text = " ".join(str(error).split()) or type(error).__name__
         raise FolderError(f"{path}: no march of this contact ({text})") from error
     pressure, area = arrays["numbers"].tolist()
@@ -259,25 +255,5 @@ def read_march(folder: Path, scene: Scene, identity: str) -> ContactMarch:
         approach_m=arrays["approach_m"],
         max_pressure_pa=pressure,
         contact_area_m2=area,
-        effort=PieceEffort(*arrays[ARRAY].tolist()),
+        effort=PieceEffort(*arrays[EFFORT.name].tolist()),
     )
-
-
-def _refuse_other_arrays(
-    stored: Any, expected: Mapping[str, tuple[tuple[int, ...], np.dtype[Any]]]
-) -> None:
-    """Refuse a file whose arrays have other names, shapes or types, before their values are read.
-
-    Raise ValueError with the first fault.
-    """
-    if sorted(stored.files) != sorted(expected):
-        raise ValueError(f"arrays {', '.join(sorted(stored.files)[:9])}")
-    for member in stored.zip.infolist():
-        if member.compress_type:
-            raise ValueError(f"{member.filename}: compressed")
-        name = member.filename.removesuffix(".npy")
-        with stored.zip.open(member) as stream:
-            np.lib.format.read_magic(stream)
-            shape, _, dtype = np.lib.format.read_array_header_1_0(stream, _MAX_HEADER)
-        if (shape, dtype) != expected[name]:
-            raise ValueError(f"{name}: {dtype} of the shape {shape}")

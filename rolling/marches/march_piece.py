@@ -21,6 +21,7 @@ from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.subcells import half_space_of
 from rolling.marches.effort import ARRAY, PieceEffort
+from rolling.marches.march_variables import SERIES_OF_KIND
 from rolling.marches.observers import Events, Film, Maps, Observer, Series
 from rolling.marches.passes import Sinking, run_in, unrolled
 from rolling.marches.piece import Piece, contact_identity
@@ -30,13 +31,6 @@ from rolling.surface.refined import cells_of_patch
 
 # Side of a cell on a level, in the run's cells.
 SIDES = {"tight": 1.0, "fine": 0.5, "coarse": 2.0, "detail": 0.5}
-# Names of the series that a kind returns; the track and its passes return all of them.
-_SERIES = {
-    "load": ("approach",),
-    "judge": ("approach",),
-    "moving": ("release_energy", "loading_energy", "energy_defect", "approach"),
-    "error": ("release_energy", "approach", "plastic_area"),
-}
 
 
 class _VirginContact(NamedTuple):
@@ -100,8 +94,8 @@ def _marched(piece: Piece, contact: RollingContact) -> dict[str, NDArray[Any]]:
         arrays |= observer.arrays()
     if piece.kind == "pass" and sinking is not None:
         arrays |= sinking.arrays()
-    if piece.kind in _SERIES:
-        return {name: arrays[name] for name in _SERIES[piece.kind]}
+    if piece.kind in SERIES_OF_KIND:
+        return {name: arrays[name] for name in SERIES_OF_KIND[piece.kind]}
     return arrays
 
 
@@ -111,8 +105,7 @@ def _observers(piece: Piece, contact: RollingContact, first: int, last: int) -> 
     if piece.kind == "film":
         return [Film(contact, first, piece.stride)]
     observers: list[Observer] = [Series(first)]
-    is_last_pass = piece.kind == "pass" and piece.number + 1 == scene.passes
-    if piece.kind == "track" or is_last_pass:
+    if piece.has_maps:
         observers.append(Maps(contact, first, last, scene.track.solved_steps))
         if scene.recovery.events:
             observers.append(Events(contact))

@@ -7,6 +7,7 @@ arrays by name.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -18,22 +19,17 @@ from rolling.contact.processor_time import ProcessorTime
 from rolling.contact.recovery import EventTable, StepEnergy
 from rolling.contact.state import ContactState, RollingContact, Window
 from rolling.contact.subcells import cell_means
-
-STEP_SERIES = ("release_energy", "loading_energy", "energy_defect", "step_time")
-MOVING_SERIES = STEP_SERIES[:3]  # of a march under the moving load
-STATE_SERIES = (
-    "approach",
-    "contact_area",
-    "plastic_area",
-    "max_pressure",
-    "max_deflection",
-    "stored_energy",
-    "residual",
-    "iterations",
-    "convolutions",
+from rolling.marches.march_variables import (
+    EVENT_COLUMNS,
+    EVENTS_GROUP,
+    FILM_GROUP,
+    MAPS_GROUP,
+    SNAPSHOT_GROUP,
+    STATE_SERIES,
+    STEP_SERIES,
 )
-EVENT_COLUMNS = ("node", "first", "last", "energy", "peak")
-PLACES = ("position", "distance", "along", "across", "cell")  # of a pressure map
+from rolling.record.definition import Arrays, in_group
+
 MAPS = 120  # maximum number of pressure maps of a run: the eye follows about as many in ten seconds
 MAP_CELLS = 96  # maximum number of cells along a side of a map
 FILM_CELLS = 64  # maximum number of cells across the contact in a film
@@ -150,7 +146,7 @@ class Series:
         if not is_first or state.position == 0:
             self._states.append(tuple(getattr(state, name) for name in STATE_SERIES))
 
-    def arrays(self) -> dict[str, NDArray[Any]]:
+    def arrays(self) -> Arrays:
         """Return the series by name in SI units."""
         return _columns(STEP_SERIES, self._steps) | _columns(STATE_SERIES, self._states)
 
@@ -173,9 +169,9 @@ class Events:
         if energy is not None:
             self._table.add(state.position - 1, energy, self._subcells)
 
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return the columns of the table of events, as `event_COLUMN`."""
-        return {f"event_{name}": column for name, column in self._table.columns().items()}
+    def arrays(self) -> Arrays:
+        """Return the columns of the table of events."""
+        return in_group(EVENTS_GROUP, self._table.columns())
 
 
 # ---- maps and snapshot
@@ -190,7 +186,7 @@ class Maps:
         mapped = np.unique(np.arange(MAPS) * track_steps // MAPS)  # evenly along the track
         self._positions = set(mapped[(mapped > first) | (mapped == 0)].tolist())
         self._maps: list[PressureMap] = []
-        self._snapshot: dict[str, NDArray[Any]] = {}
+        self._snapshot: Arrays = {}
 
     def observe(self, state: ContactState, energy: StepEnergy | None) -> None:
         """Keep the pressure at the mapped positions."""
@@ -199,14 +195,54 @@ class Maps:
         if state.position == self._snapshot_at:
             self._snapshot = _snapshot(state, self._contact)
 
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return places and pressures of the maps, and the snapshot."""
-        arrays = dict(self._snapshot)
-        places = [[getattr(shown, name) for name in PLACES] for shown in self._maps]
-        arrays["map_places"] = np.array(places).reshape(-1, len(PLACES))
-        for shown in self._maps:
-            arrays[f"map_{shown.position}"] = shown.pressure
-        return arrays
+    def arrays(self) -> Arrays:
+        """Return the maps and the snapshot."""
+        return self._snapshot | in_group(MAPS_GROUP, maps_arrays(self._maps))
+
+
+def maps_arrays(maps: Sequence[PressureMap]) -> Arrays:
+    """Return maps [Pa], padded with NaN to a common shape, and their places [m]."""
+    rows = np.array([shown.pressure.shape[0] for shown in maps], dtype=np.int64)
+    columns = np.array([shown.pressure.shape[1] for shown in maps], dtype=np.int64)
+    shape = (len(maps), int(rows.max(initial=0)), int(columns.max(initial=0)))
+    padded = np.full(shape, np.nan, dtype=np.float32)
+    for k, shown in enumerate(maps):
+        padded[k, : rows[k], : columns[k]] = shown.pressure
+    return {
+        "position": np.array([shown.position for shown in maps], dtype=np.int64),
+        "distance": np.array([shown.distance for shown in maps], dtype=np.float64),
+        "along": np.array([shown.along for shown in maps], dtype=np.float64),
+        "across": np.array([shown.across for shown in maps], dtype=np.float64),
+        "cell": np.array([shown.cell for shown in maps], dtype=np.float64),
+        "rows": rows,
+        "columns": columns,
+        "pressure": padded,
+    }
+
+
+def maps_of(arrays: Arrays) -> dict[int, PressureMap]:
+    """Return maps by position from their arrays, without their padding."""
+    maps = {}
+    for k, position in enumerate(arrays["position"].tolist()):
+        rows = arrays["rows"][k]
+        columns = arrays["columns"][k]
+        maps[position] = PressureMap(
+            position=position,
+            distance=float(arrays["distance"][k]),
+            along=float(arrays["along"][k]),
+            across=float(arrays["across"][k]),
+            cell=float(arrays["cell"][k]),
+            pressure=arrays["pressure"][k, :rows, :columns].copy(),
+        )
+    return maps
+
+
+def events_of(arrays: Arrays) -> Arrays:
+    """Return the table of recovery events from its arrays."""
+    table = {name: arrays[name] for name in EVENT_COLUMNS}
+    table["first"] = table["first"].astype(np.int64)
+    table["last"] = table["last"].astype(np.int64)
+    return table
 
 
 def _pressure_map(state: ContactState, contact: RollingContact) -> PressureMap:
@@ -232,16 +268,17 @@ def _pressure_map(state: ContactState, contact: RollingContact) -> PressureMap:
     )
 
 
-def _snapshot(state: ContactState, contact: RollingContact) -> dict[str, NDArray[Any]]:
+def _snapshot(state: ContactState, contact: RollingContact) -> Arrays:
     """Return place [m], pressure [Pa] and deflection [m] of the cells of a state."""
     window = state.window.cells(contact.subcells)
     spacing = contact.cell_spacing
     distance = contact.position(state.position)
-    return {
-        "snapshot_place": np.array([distance, window.row * spacing, window.column * spacing]),
-        "snapshot_pressure": cell_means(state.pressure, contact.subcells),
-        "snapshot_deflection": cell_means(state.deflection, contact.subcells),
+    arrays = {
+        "place": np.array([distance, window.row * spacing, window.column * spacing]),
+        "pressure": cell_means(state.pressure, contact.subcells),
+        "deflection": cell_means(state.deflection, contact.subcells),
     }
+    return in_group(SNAPSHOT_GROUP, arrays)
 
 
 # ---- film
@@ -288,7 +325,7 @@ class Film:
             release += energy.window.cells(r).moved(cells, window)
         return _Shot(window, pressure, release)
 
-    def arrays(self) -> dict[str, NDArray[Any]]:
+    def arrays(self) -> Arrays:
         """Return the maps on a common part of the plate, with few enough cells."""
         windows = [shot.window for shot in self._shots]
         widest = max(max(window.rows, window.columns) for window in windows)
@@ -308,11 +345,12 @@ class Film:
         spacing = self._contact.cell_spacing
         along = (whole.row - 0.5) * spacing
         across = (whole.column - 0.5) * spacing
-        return {
-            "film_pressure": pressure,
-            "film_release": release,
-            "film_place": np.array([along, across, nodes * spacing, pressure_unit, release_unit]),
+        arrays = {
+            "pressure": pressure,
+            "release": release,
+            "place": np.array([along, across, nodes * spacing, pressure_unit, release_unit]),
         }
+        return in_group(FILM_GROUP, arrays)
 
 
 def _cell_sums(values: Array, nodes: int) -> Array:

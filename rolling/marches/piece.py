@@ -61,6 +61,12 @@ class Piece:
     sunk: Array | None = None
     step_cost: float = 1.0
 
+    @property
+    def has_maps(self) -> bool:
+        """Whether it keeps maps, and events on request: on the track, and in the last pass."""
+        is_last_pass = self.kind == "pass" and self.number + 1 == self.scene.passes
+        return self.kind == "track" or is_last_pass
+
     @cached_property
     def key(self) -> str:
         """File-safe text that is unique among the pieces of an identity."""

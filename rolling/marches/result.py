@@ -16,17 +16,19 @@ from acoustics.numbers import rounded
 from rolling.contact.recovery import join_events
 from rolling.dynamics.motion import BodyMotion
 from rolling.marches.effort import ARRAY, PARTS_OF_MARCHES, Effort, PieceEffort
-from rolling.marches.observers import (
-    EVENT_COLUMNS,
+from rolling.marches.march_variables import (
+    EVENTS_GROUP,
+    FILM_GROUP,
+    MAPS_GROUP,
     MOVING_SERIES,
+    SNAPSHOT_GROUP,
     STATE_SERIES,
     STEP_SERIES,
-    PressureMap,
-    SlowMotion,
-    Snapshot,
 )
+from rolling.marches.observers import PressureMap, SlowMotion, Snapshot, events_of, maps_of
 from rolling.marches.passes import Passes
 from rolling.marches.piece import Piece, contact_identity, track_pieces
+from rolling.record.definition import of_group
 from rolling.scene.identity import digest
 from rolling.scene.scene import Scene
 from rolling.scene.sections import VIBRATING_PLATE
@@ -346,28 +348,20 @@ class Result:
             self.series[name][piece.first : piece.last] = arrays[name]
         for name in STATE_SERIES:
             _fill_states(self.series[name], piece, arrays[name])
-        if "snapshot_place" in arrays:
-            distance, along, across = arrays["snapshot_place"].tolist()
+        snapshot = of_group(SNAPSHOT_GROUP, arrays)
+        if snapshot:
+            distance, along, across = snapshot["place"].tolist()
             self.snapshot = Snapshot(
                 distance=distance,
                 along=along,
                 across=across,
-                pressure=arrays["snapshot_pressure"],
-                deflection=arrays["snapshot_deflection"],
+                pressure=snapshot["pressure"],
+                deflection=snapshot["deflection"],
             )
-        for place, distance, along, across, cell in arrays["map_places"].tolist():
-            position = int(place)
-            self.maps[position] = PressureMap(
-                position=position,
-                distance=distance,
-                along=along,
-                across=across,
-                cell=cell,
-                pressure=arrays[f"map_{position}"],
-            )
-        if "event_node" in arrays:
-            columns = {name: arrays[f"event_{name}"] for name in EVENT_COLUMNS}
-            self.event_pieces[piece.first] = columns
+        self.maps |= maps_of(of_group(MAPS_GROUP, arrays))
+        events = of_group(EVENTS_GROUP, arrays)
+        if events:
+            self.event_pieces[piece.first] = events_of(events)
 
     @property
     def sunk(self) -> Array | None:
@@ -417,7 +411,8 @@ def _missing_pieces(values: Array, failed: Container[int]) -> list[tuple[int, in
 
 def _slow_motion(piece: Piece, arrays: dict[str, NDArray[Any]]) -> SlowMotion:
     """Return the slow motion of the arrays of a film."""
-    along, across, cell, pressure_unit, release_unit = arrays["film_place"].tolist()
+    film = of_group(FILM_GROUP, arrays)
+    along, across, cell, pressure_unit, release_unit = film["place"].tolist()
     return SlowMotion(
         first=piece.first,
         stride=piece.stride,
@@ -426,8 +421,8 @@ def _slow_motion(piece: Piece, arrays: dict[str, NDArray[Any]]) -> SlowMotion:
         cell=cell,
         pressure_unit=pressure_unit,
         release_unit=release_unit,
-        pressure=arrays["film_pressure"],
-        release=arrays["film_release"],
+        pressure=film["pressure"],
+        release=film["release"],
     )
 
 

@@ -74,6 +74,11 @@ class Variable:
                 raise ValueError(f"{path}: got {length} along {axis}, allowed: {allowed}")
 
 
+def by_name(*variables: Variable) -> dict[str, Variable]:
+    """Return definitions of arrays by their names."""
+    return {variable.name: variable for variable in variables}
+
+
 @dataclass(frozen=True)
 class GroupDefinition:
     """Definition of a group: its arrays, and the types of its attributes by name.
@@ -88,7 +93,7 @@ class GroupDefinition:
     @cached_property
     def by_name(self) -> dict[str, Variable]:
         """Definitions of its arrays by name."""
-        return {variable.name: variable for variable in self.variables}
+        return by_name(*self.variables)
 
 
 @dataclass(frozen=True)
@@ -120,3 +125,18 @@ class RecordGroup:
 
 
 Record = Mapping[str, RecordGroup]  # by name of the group; the root is there
+
+
+def in_group(group: str, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
+    """Return the arrays of a group by their names in an archive, which has no groups."""
+    return {f"{group}/{name}": values for name, values in arrays.items()}
+
+
+def of_group(group: str, arrays: Mapping[str, NDArray[Any]]) -> Arrays:
+    """Return those arrays of an archive that are in a group, by their names there."""
+    begin = f"{group}/"
+    return {
+        name.removeprefix(begin): values
+        for name, values in arrays.items()
+        if name.startswith(begin)
+    }

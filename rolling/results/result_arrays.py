@@ -13,14 +13,23 @@ from acoustics import wav
 from acoustics.bands import MID_HZ
 from acoustics.vibration_level import REFERENCES
 from rolling.check.error_cost import DETAIL, LEVELS, MEASURED, WITH_LAW, has_instrument
-from rolling.marches.observers import (
-    EVENT_COLUMNS,
+from rolling.marches.march_variables import (
+    EVENTS,
+    FILM,
+    MAPS,
     MOVING_SERIES,
+    SNAPSHOT,
     STATE_SERIES,
+    STATES,
     STEP_SERIES,
-    PressureMap,
+    STEPS,
+)
+from rolling.marches.observers import (
     SlowMotion,
     Snapshot,
+    events_of,
+    maps_arrays,
+    maps_of,
 )
 from rolling.marches.passes import SERIES as PASS_SERIES
 from rolling.marches.passes import Passes
@@ -56,52 +65,23 @@ def _of_quantity(quantity: str) -> tuple[Variable, Variable]:
     )
 
 
-# Entry i of a step series belongs to the step from position i to the next.
 _SERIES = (
     Variable("step", "step", "m", "f8", "distance along the track at the middle of each step"),
     Variable("position", "position", "m", "f8", "distance along the track at each position"),
     Variable("time", "step", "s", "f8", "time at the middle of each step", is_auxiliary=True),
     Variable("position_time", "position", "s", "f8", "time at each position", is_auxiliary=True),
-    Variable("release_energy", "step", "J", "f8", "elastic energy released in each step"),
-    Variable("loading_energy", "step", "J", "f8", "elastic energy loaded in each step"),
-    Variable("energy_defect", "step", "J", "f8", "defect of the energy balance of each step"),
+    *STEPS,
     Variable("speed", "step", "m/s", "f8", "speed of the sphere"),
     Variable("release_power", "step", "W", "f8", "elastic energy released per time"),
     Variable("loading_power", "step", "W", "f8", "elastic energy loaded per time"),
     Variable("release_per_metre", "step", "J/m", "f8", "elastic energy released per length"),
     Variable("loading_per_metre", "step", "J/m", "f8", "elastic energy loaded per length"),
-    Variable("approach", "position", "m", "f8", "approach of sphere and plate"),
-    Variable("contact_area", "position", "m2", "f8", "area in contact"),
-    Variable("plastic_area", "position", "m2", "f8", "area at the hardness"),
-    Variable("max_pressure", "position", "Pa", "f8", "maximum contact pressure"),
-    Variable("max_deflection", "position", "m", "f8", "maximum deflection"),
-    Variable("stored_energy", "position", "J", "f8", "stored elastic energy"),
-    Variable("residual", "position", "1", "f8", "KKT residual of the solver"),
-    Variable("iterations", "position", "1", "u4", "iterations of the solver"),
-    Variable("convolutions", "position", "1", "u4", "convolutions of the solver"),
+    *STATES,
 )
 _SNAPSHOT = (
     Variable("along", "along", "m", "f8", "plate coordinate along the track"),
     Variable("across", "across", "m", "f8", "plate coordinate across the track"),
-    Variable("pressure", "along across", "Pa", "f8", "contact pressure"),
-    Variable("deflection", "along across", "m", "f8", "deflection"),
-)
-_MAPS = (
-    Variable("position", "map", "1", "u4", "number of the position of each map"),
-    Variable("distance", "map", "m", "f8", "distance along the track"),
-    Variable("along", "map", "m", "f8", "plate coordinate of the first cell's corner, along"),
-    Variable("across", "map", "m", "f8", "plate coordinate of the first cell's corner, across"),
-    Variable("cell", "map", "m", "f8", "side of a square cell"),
-    Variable("rows", "map", "1", "u4", "rows of each map"),
-    Variable("columns", "map", "1", "u4", "columns of each map"),
-    Variable("pressure", "map row column", "Pa", "f4", "mean pressure of cells, NaN outside a map"),
-)
-_EVENTS = (
-    Variable("node", "event axis", "1", "i4", "node of the plate, along and across"),
-    Variable("first", "event", "position", "u4", "position from which the deflection falls"),
-    Variable("last", "event", "position", "u4", "position up to which the deflection falls"),
-    Variable("energy", "event", "J", "f8", "energy released by the event"),
-    Variable("peak", "event", "J per step", "f8", "maximum energy released in a step"),
+    *SNAPSHOT,
 )
 _STRETCHES = (
     Variable("first", "stretch", "position", "u4", "first position of each stretch"),
@@ -113,22 +93,7 @@ _FILM = (
     Variable("map_position", "map_position", "1", "u4", "number of the position of each map"),
     Variable("along", "along", "m", "f8", "plate coordinate of the cells along the track"),
     Variable("across", "across", "m", "f8", "plate coordinate of the cells across the track"),
-    Variable(
-        "pressure",
-        "map_position along across",
-        "Pa",
-        "u1",
-        "mean pressure of cells",
-        scale_factor="pressure_unit",
-    ),
-    Variable(
-        "release",
-        "map_position along across",
-        "J",
-        "u2",
-        "energy released since last map",
-        scale_factor="release_unit",
-    ),
+    *FILM,
 )
 _LAW = (
     Variable("load", "load", "N", "f8", "load of each march"),
@@ -202,8 +167,8 @@ DEFINITION = RecordDefinition(
             },
         ),
         "snapshot": GroupDefinition(_SNAPSHOT, {"distance_m": float}),
-        "pressure_maps": GroupDefinition(_MAPS),
-        "events": GroupDefinition(_EVENTS),
+        "pressure_maps": GroupDefinition(MAPS),
+        "events": GroupDefinition(EVENTS),
         "error_estimate": GroupDefinition(_STRETCHES, {"faults": str}),
         "slow_motion": GroupDefinition(
             _FILM,
@@ -260,7 +225,8 @@ def record_of(run: SolvedRun) -> Record:
     if result.snapshot is not None:
         groups["snapshot"] = _snapshot_group(result.snapshot, run.scene.spacing)
     if result.maps:
-        groups["pressure_maps"] = _maps_group(result.maps)
+        maps = [result.maps[position] for position in sorted(result.maps)]
+        groups["pressure_maps"] = RecordGroup(maps_arrays(maps))
     if run.events is not None:
         groups["events"] = RecordGroup(run.events)
     if result.stretches is not None:
@@ -287,9 +253,9 @@ def fill_result(result: Result, groups: Record) -> None:
     if "snapshot" in groups:
         result.snapshot = _read_snapshot(groups["snapshot"])
     if "pressure_maps" in groups:
-        result.maps = _read_maps(groups["pressure_maps"])
+        result.maps = maps_of(groups["pressure_maps"].arrays)
     if "events" in groups:
-        result.event_pieces = {0: _read_events(groups["events"])}
+        result.event_pieces = {0: events_of(groups["events"].arrays)}
     if "error_estimate" in groups:
         result.stretches = _read_stretches(groups["error_estimate"])
     if "slow_motion" in groups:
@@ -340,7 +306,7 @@ def _read_series(group: RecordGroup, result: Result) -> None:
             result.series[name] = group.arrays[name][:count].astype(np.float64)
 
 
-# ---- contact: snapshot, maps, events
+# ---- snapshot
 
 
 def _snapshot_group(snapshot: Snapshot, spacing: float) -> RecordGroup:
@@ -364,53 +330,6 @@ def _read_snapshot(group: RecordGroup) -> Snapshot:
         pressure=group.arrays["pressure"],
         deflection=group.arrays["deflection"],
     )
-
-
-def _maps_group(maps: dict[int, PressureMap]) -> RecordGroup:
-    """Return the maps [Pa], padded with NaN to a common shape, and their places [m]."""
-    ordered = [maps[position] for position in sorted(maps)]
-    rows = np.array([pressure_map.pressure.shape[0] for pressure_map in ordered])
-    columns = np.array([pressure_map.pressure.shape[1] for pressure_map in ordered])
-    padded = np.full((len(maps), rows.max(), columns.max()), np.nan, dtype=np.float32)
-    for k, pressure_map in enumerate(ordered):
-        padded[k, : rows[k], : columns[k]] = pressure_map.pressure
-    arrays = {
-        "position": np.array([pressure_map.position for pressure_map in ordered]),
-        "distance": np.array([pressure_map.distance for pressure_map in ordered]),
-        "along": np.array([pressure_map.along for pressure_map in ordered]),
-        "across": np.array([pressure_map.across for pressure_map in ordered]),
-        "cell": np.array([pressure_map.cell for pressure_map in ordered]),
-        "rows": rows,
-        "columns": columns,
-        "pressure": padded,
-    }
-    return RecordGroup(arrays)
-
-
-def _read_maps(group: RecordGroup) -> dict[int, PressureMap]:
-    """Return the maps of a group by position, without their padding."""
-    arrays = group.arrays
-    maps = {}
-    for k, position in enumerate(arrays["position"].tolist()):
-        rows = arrays["rows"][k]
-        columns = arrays["columns"][k]
-        maps[position] = PressureMap(
-            position=position,
-            distance=float(arrays["distance"][k]),
-            along=float(arrays["along"][k]),
-            across=float(arrays["across"][k]),
-            cell=float(arrays["cell"][k]),
-            pressure=arrays["pressure"][k, :rows, :columns].copy(),
-        )
-    return maps
-
-
-def _read_events(group: RecordGroup) -> Arrays:
-    """Return the table of recovery events of a group."""
-    table = {name: group.arrays[name] for name in EVENT_COLUMNS}
-    table["first"] = table["first"].astype(np.int64)
-    table["last"] = table["last"].astype(np.int64)
-    return table
 
 
 # ---- error estimate and film

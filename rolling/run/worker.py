@@ -5,7 +5,6 @@ A Dask scheduler imports this module as well, so the solver is imported where a 
 
 from __future__ import annotations
 
-import io
 import os
 import pickle
 import signal
@@ -16,10 +15,9 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from acoustics.traps import ignoring_underflow
+from rolling.record.definition import Arrays
+from rolling.record.npz_file import npz_bytes, read_npz
 from rolling.terminal import progress
 from rolling.terminal.files import make_below, read_regular, write_bytes
 from rolling.terminal.program import Program, identity
@@ -29,8 +27,6 @@ if TYPE_CHECKING:
 
     from rolling.kinds.run_folder import RunFolder
     from rolling.marches.piece import Piece
-
-Arrays = dict[str, NDArray[Any]]
 
 MAX_BREAKS = 3  # of processes by a task, before its runs have failed
 KILLED = f"a worker process was killed {MAX_BREAKS} times while it had this run; out of memory?"
@@ -62,18 +58,18 @@ def piece_path(pieces: Path, piece: Piece) -> Path:
 def solve_piece(piece: Piece, pieces: Path | None) -> Arrays:
     """March a piece, or read its file; a folder of pieces receives the file of a new piece."""
     from rolling.marches.march_piece import march_piece
+    from rolling.marches.march_variables import FAILED, piece_variables
 
     if pieces is None:
         return march_piece(piece)
-    path = piece_path(pieces, piece)
-    stored = read_piece(path)
+    stored = read_piece(pieces, piece)
     if stored is not None:
         return stored
     arrays = march_piece(piece)
-    content = io.BytesIO()
-    np.savez(content, allow_pickle=False, **arrays)
+    variables = FAILED if "fault" in arrays else piece_variables(piece)
+    path = piece_path(pieces, piece)
     make_below(pieces.parent, path.parent)
-    write_bytes(path, content.getvalue())
+    write_bytes(path, npz_bytes(variables, arrays))
     return arrays
 
 
@@ -86,18 +82,22 @@ def store_piece(piece: Piece, pieces: Path) -> None:
     solve_piece(piece, pieces)
 
 
-def read_piece(path: Path) -> Arrays | None:
-    """Read the file of a piece; return None for a missing or damaged file."""
+def read_piece(pieces: Path, piece: Piece) -> Arrays | None:
+    """Read the file of a piece; return None for a missing, damaged or strange file."""
+    from rolling.marches.march_variables import FAILED, piece_lengths, piece_variables
+
     try:
-        content = io.BytesIO(read_regular(path, _MAX_PIECE))
-        with np.load(content, allow_pickle=False) as stored:
-            if any(member.compress_type for member in stored.zip.infolist()):  # by someone else
-                return None
-            return {name: stored[name] for name in stored.files}
-    except MemoryError:  # which says nothing about the file
-        raise
-    except Exception:  # numpy raises errors of any kind on files that are cut off or damaged
+        content = read_regular(piece_path(pieces, piece), _MAX_PIECE)
+    except OSError:
         return None
+    for variables in (piece_variables(piece), FAILED):
+        try:
+            return read_npz(content, variables, piece_lengths(piece))
+        except MemoryError:  # which says nothing about the file
+            raise
+        except Exception:  # of any kind on files that are cut off, damaged or strange
+            continue
+    return None
 
 
 @ignoring_underflow

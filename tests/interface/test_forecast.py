@@ -18,8 +18,10 @@ from rolling.bearing_run import simulation
 from rolling.check import cost, forecast
 from rolling.check.findings import check_scene, conclusion
 from rolling.marches import march_piece
-from rolling.marches.observers import STATE_SERIES, STEP_SERIES
+from rolling.marches.march_variables import MAPS_GROUP, STATE_SERIES, STEP_SERIES
+from rolling.marches.observers import maps_arrays
 from rolling.marches.piece import Piece
+from rolling.record.definition import in_group
 from rolling.run.executor import RunLoop
 from rolling.run.pools import local_pool
 from rolling.scene.bearing_scene import BearingScene
@@ -146,7 +148,7 @@ class Counted:
         approach = 1e-6 + 1e-9 * random.standard_normal(steps + 1)
         arrays = {name: np.ones(steps) for name in STEP_SERIES}
         arrays |= {name: np.ones(steps + 1) for name in STATE_SERIES}
-        return arrays | {"approach": approach, "map_places": np.empty((0, 5))}
+        return arrays | {"approach": approach} | in_group(MAPS_GROUP, maps_arrays([]))
 
 
 def bearing_forecast_of(scene: BearingScene) -> BearingForecast:

@@ -22,8 +22,8 @@ from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
 from rolling.marches import march_piece as marching
 from rolling.marches.march_piece import march_piece
+from rolling.marches.march_variables import STATE_SERIES, STEP_SERIES
 from rolling.marches.next_pieces import next_pieces
-from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.piece import PIECE_STEPS, Piece, contact_identity
 from rolling.marches.result import Result
 from rolling.results.numbers import joint_error

@@ -15,6 +15,7 @@ from rolling.bearing_contacts.plan import ContactPlan, plan_contacts
 from rolling.bearing_contacts.solving import CONTACTS, Marches, march_contacts
 from rolling.kinds.reading import read_scene
 from rolling.marches.piece import Piece, contact_identity
+from rolling.record.definition import Arrays
 from rolling.run import executor, worker
 from rolling.scene.surfaces import GaussianBall
 from tests.support.bearings import bearing
@@ -41,8 +42,8 @@ def marched_pieces(monkeypatch: pytest.MonkeyPatch) -> list[Piece]:
     marched: list[Piece] = []
     solve = worker.solve_piece
 
-    def counted(piece: Piece, pieces: Path | None) -> worker.Arrays:
-        stored = pieces is not None and worker.read_piece(worker.piece_path(pieces, piece))
+    def counted(piece: Piece, pieces: Path | None) -> Arrays:
+        stored = pieces is not None and worker.read_piece(pieces, piece)
         if not stored:
             marched.append(piece)
         return solve(piece, pieces)
@@ -80,7 +81,7 @@ def test_a_stopped_command_goes_on_with_its_pieces(
     counted = executor.solve_piece
     stop_at = 2
 
-    def stopped(piece: Piece, pieces: Path | None) -> worker.Arrays:
+    def stopped(piece: Piece, pieces: Path | None) -> Arrays:
         if len(marched_pieces) == stop_at:
             raise KeyboardInterrupt
         return counted(piece, pieces)

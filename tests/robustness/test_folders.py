@@ -233,13 +233,13 @@ def test_a_damaged_piece_is_marched_again(damage: bytes | str, scene: Path, tmp_
     content = bytearray(path.read_bytes())
     content[len(content) // 2] ^= 1
     path.write_bytes(bytes(content) if damage == "flipped" else damage)
-    assert worker.read_piece(path) is None
+    assert worker.read_piece(tmp_path, piece) is None
     again = worker.solve_piece(piece, tmp_path)
     assert isinstance(expected, dict) and isinstance(again, dict)
     for name, values in expected.items():
         if name not in ("step_time", "effort"):
             np.testing.assert_array_equal(again[name], values)
-    assert worker.read_piece(path) is not None
+    assert worker.read_piece(tmp_path, piece) is not None
 
 
 def test_a_piece_is_read_in_little_memory_or_not_at_all(
@@ -263,7 +263,7 @@ def test_a_piece_is_read_in_little_memory_or_not_at_all(
             return super().read(size)
 
     monkeypatch.setattr(files.io, "BufferedReader", Reader)
-    assert worker.read_piece(path) is not None
+    assert worker.read_piece(tmp_path, piece) is not None
     assert max(asked) == path.stat().st_size + 1
 
     def exhausted(*_: object) -> bytes:
@@ -271,7 +271,7 @@ def test_a_piece_is_read_in_little_memory_or_not_at_all(
 
     monkeypatch.setattr(worker, "read_regular", exhausted)
     with pytest.raises(MemoryError):  # a whole piece is no damaged one
-        worker.read_piece(path)
+        worker.read_piece(tmp_path, piece)
 
 
 def test_little_memory_ends_in_a_sentence(
