@@ -118,8 +118,8 @@ class JudgedFile(NamedTuple):
         if variable.dtype == TEXT:
             return _texts(data)
         if not data.size:
-            return np.zeros(data.shape, variable.dtype)
-        if data.chunks is not None:
+            values = np.zeros(data.shape, variable.dtype)
+        elif data.chunks is not None:
             values = _values_of_chunks(self.content, data)
         elif data.id.get_create_plist().get_layout() == h5py.h5d.COMPACT:
             values = data[()]

@@ -24,6 +24,7 @@ from commands import (
     wait_for,
     words_of,
 )
+from hostile_npz import strange
 from scene_text import TINY
 
 from rolling import cli, open_run
@@ -239,6 +240,24 @@ def test_a_damaged_piece_is_marched_again(damage: bytes | str, scene: Path, tmp_
     for name, values in expected.items():
         if name not in ("step_time", "effort"):
             np.testing.assert_array_equal(again[name], values)
+    assert worker.read_piece(tmp_path, piece) is not None
+
+
+def test_a_strange_piece_is_not_read(scene: Path, tmp_path: Path) -> None:
+    """Names, types and shapes are judged first: one that states a terabyte is marched again."""
+    from rolling.marches.next_pieces import next_pieces
+    from rolling.marches.result import Result
+    from rolling.scene.file import read_scene
+
+    single = read_scene(scene)
+    (piece,) = next_pieces(single, Result.empty(single))
+    worker.solve_piece(piece, tmp_path)
+    path = worker.piece_path(tmp_path, piece)
+    content = path.read_bytes()
+    for name, change in strange("approach").items():
+        path.write_bytes(change(content))
+        assert worker.read_piece(tmp_path, piece) is None, name
+    path.write_bytes(content)
     assert worker.read_piece(tmp_path, piece) is not None
 
 

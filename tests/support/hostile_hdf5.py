@@ -30,6 +30,17 @@ def spoil(path: Path, change: Spoil) -> None:
     seal(path, path.read_bytes())
 
 
+def put(name: str, values: np.ndarray) -> Spoil:
+    """Put an array in the place of another, or beside all."""
+
+    def change(file: h5py.File) -> None:
+        if name in file:
+            del file[name]
+        file[name] = values
+
+    return change
+
+
 def stored_outside(name: str, outside: Path) -> Spoil:
     """Let an array take its values from another file."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -31,9 +32,10 @@ def content_of(path: Path) -> Any:
     return stored_arrays(path) if path.suffix == ".h5" else path.read_bytes()
 
 
-def stored_arrays(path: Path) -> dict[str, StoredPart]:
-    """Return the groups of a file of HDF5 by name, the root as an empty name."""
-    with h5netcdf.File(path, "r") as file:
+def stored_arrays(content: Path | bytes) -> dict[str, StoredPart]:
+    """Return the groups of a file of HDF5, or of its bytes, by name; the root has an empty one."""
+    source = io.BytesIO(content) if isinstance(content, bytes) else content
+    with h5netcdf.File(source, "r") as file:
         return {name.strip("/"): _part(group) for name, group in _groups(file)}
 
 
