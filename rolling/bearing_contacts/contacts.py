@@ -319,7 +319,7 @@ def contact_scene(
     surface |= {"spacing_um": kind.numbers.spacing_um, "width_um": kind.numbers.width_um}
     if faults:
         surface["faults"] = [fault.model_dump(exclude_none=True) for fault in faults]
-    return Scene.from_values(kind.scene_values(name, surface, tolerance))
+    return Scene.from_dict(kind.scene_values(name, surface, tolerance))
 
 
 def rough_contact(kind: ContactKind, law: Roughness) -> RoughContact:

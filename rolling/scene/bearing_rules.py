@@ -112,7 +112,11 @@ def faults_of_bearing(bearing: Bearing) -> Iterator[PydanticCustomError]:
     yield from assembly
     yield from angle
     if not bearing.axial_load_n and not bearing.radial_load_n:
-        yield fault("missing; give it, a radial_load_n, or both", at=".axial_load_n")
+        yield fault(
+            "missing; give it, a radial_load_n, or both",
+            at=".axial_load_n",
+            needs=[".radial_load_n"],
+        )
     elif not angle and bearing.pitch_diameter_mm > bearing.ball_diameter_mm:
         load = [*_faults_of_load(bearing)]
         yield from load
@@ -207,7 +211,9 @@ def _faults_of_angle(bearing: Bearing) -> Iterator[PydanticCustomError]:
         return
     if angle_deg is None and clearance_um is None:
         yield fault(
-            "missing; an axial load needs it or a radial_clearance_um", at=".contact_angle_deg"
+            "missing; an axial load needs it or a radial_clearance_um",
+            at=".contact_angle_deg",
+            needs=[".radial_clearance_um"],
         )
     elif not free_angle(bearing):
         key = ".contact_angle_deg" if angle_deg is not None else ".radial_clearance_um"
@@ -249,6 +255,7 @@ def _faults_of_load(bearing: Bearing) -> Iterator[PydanticCustomError]:
         f" Hertz pressure would be {rounded(1e-9 * pressure, 3)} GPa, and the static capacity ends"
         f" at {STATIC_GPA} GPa",
         at=f".{key}",
+        needs=[".axial_load_n"],
     )
 
 

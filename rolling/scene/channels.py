@@ -123,6 +123,7 @@ def refuse_channels(channels: list[SoundChannel], sections: Any) -> None:
             "only goes with dynamics, which moves ball and plate; `dynamics: {}` takes its"
             " defaults",
             at="sound.channels",
+            needs=["dynamics"],
         )
     for number, channel in enumerate(channels):
         at = ("sound", "channels", number)
@@ -141,6 +142,7 @@ def refuse_channels(channels: list[SoundChannel], sections: Any) -> None:
                 " and its motion away from the contact is not computed; allowed without it: ball,"
                 " contact",
                 at=(*at, "of"),
+                needs=["plate.thickness_mm"],
             )
         if plate.edges_mm is None or channel.place_mm is None:
             continue

@@ -114,8 +114,12 @@ class Roughness(Distribution):
     @model_validator(mode="after")
     def _has_lay(self) -> Self:
         if self.lay_deg is not None and self.correlation_length_across_um is None:
-            words = "none without correlation_length_across_um, because it turns two lengths"
-            raise self.not_allowed("lay_deg", words, self.lay_deg)
+            raise fault(
+                f"got {plain_number(self.lay_deg)}, allowed: none without"
+                " correlation_length_across_um, because it turns two lengths",
+                at=".lay_deg",
+                needs=[".correlation_length_across_um"],
+            )
         return self
 
     @property
@@ -227,7 +231,11 @@ class SelfAffineLaw(Distribution):
         given = [key for key, size in sizes.items() if size is not None]
         if len(given) != 1:
             got = f"got {' and '.join(given)}" if given else "missing"
-            raise fault(f"{got}, allowed: exactly one of {', '.join(sizes)}", at="surface.rq_um")
+            raise fault(
+                f"{got}, allowed: exactly one of {', '.join(sizes)}",
+                at="surface.rq_um",
+                needs=[f".{key}" for key in sizes],
+            )
         return self
 
     @property

@@ -8,7 +8,6 @@ import difflib
 import json
 import math
 import os
-import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
@@ -69,11 +68,15 @@ class Fault(NamedTuple):
     key : tuple. Key of the faulty value; () for a text without one.
     message : str. What is wrong, and what is allowed.
     place : str. File and line, where they are not those of the key.
+    meant : tuple. Key that a misspelt one stands for; () for other faults.
+    needs : tuple of tuple. Keys without which the rule is broken.
     """
 
     key: Key
     message: str
     place: str = ""
+    meant: Key = ()
+    needs: tuple[Key, ...] = ()
 
     @property
     def line(self) -> str:
@@ -82,44 +85,23 @@ class Fault(NamedTuple):
             return f"{self.place}: {self.message}"
         return f"{self.place}: {shortened(dotted(self.key))}: {self.message}"
 
-    @property
-    def is_missing(self) -> bool:
-        """Whether the key is missing."""
-        return self.message.startswith("missing")
 
-    @property
-    def is_unknown(self) -> bool:
-        """Whether the key is unknown."""
-        return self.message.startswith("unknown key")
-
-    @property
-    def nearest(self) -> str:
-        """Name or value that the message gives as the nearest; empty without one."""
-        match = re.search(r"[;,] nearest: ([\w.-]+)", self.message)
-        return match[1] if match else ""
-
-    @property
-    def stands_at(self) -> Key:
-        """Key that was meant: the nearest key of the same section for a misspelt one."""
-        if not self.is_unknown or not self.nearest:
-            return self.key
-        return (*self.key[:-1], self.nearest.rpartition(".")[2])
-
-
-def fault(message: str, at: str | Key = ()) -> PydanticCustomError:
+def fault(message: str, at: str | Key = (), needs: Sequence[str] = ()) -> PydanticCustomError:
     """Make a fault for pydantic to collect, at the validated key or at another key of the scene.
 
-    A key that begins with a dot is one of the section that is validated.
+    A key that begins with a dot is one of the section that is validated. `needs` are the keys
+    without which the rule is broken: where one of them is missing because it is faulty itself, the
+    fault follows from its fault and is not listed.
     """
     key = key_of(at) if isinstance(at, str) else at
-    return PydanticCustomError("fault", "{message}", {"message": writable(message), "at": key})
+    context = {"message": writable(message), "at": key, "needs": [key_of(name) for name in needs]}
+    return PydanticCustomError("fault", "{message}", context)
 
 
 def faults_together(found: Sequence[PydanticCustomError]) -> PydanticCustomError:
     """Join faults of one value, at least one, for pydantic to collect."""
     contexts = [single.context or {} for single in found]
-    pairs = [(context["message"], context["at"]) for context in contexts]
-    return PydanticCustomError("faults", "several faults", {"faults": pairs})
+    return PydanticCustomError("faults", "several faults", {"faults": contexts})
 
 
 def first_faults(lines: Sequence[str], where: str, more: int | None = 0) -> list[str]:
@@ -172,23 +154,33 @@ def implausible(value: float, sizes: Plausible) -> str:
 
 
 def nearest(got: str, *families: Sequence[str]) -> str:
-    """Write ", nearest: name" with a name of the first family that has one like a misspelt name.
+    """Write ", nearest: name" with the nearest name to a misspelt one, nothing without one."""
+    name = nearest_name(got, *families)
+    if not name:
+        return ""
+    half = ", half of it" if "radius" in name and "diameter" in got.lower() else ""
+    return f", nearest: {name}{half}"
 
-    Names are compared by their last part, or as a whole where the section is unknown.
+
+def nearest_name(got: str, *families: Sequence[str]) -> str:
+    """Return a name of the first family that has one like a misspelt name, "" without one.
+
+    Names are compared by their last part, or as a whole where the section is unknown. A diameter
+    stands for a radius.
     """
     got = got.lower().replace("-", "_").replace(" ", "_")[: 2 * _LONGEST]
     section, _, last = got.rpartition(".")
     for names in families:
         radii = [name for name in names if "radius" in name]
         if "diameter" in last and radii:
-            return f", nearest: {radii[0]}, half of it"
+            return radii[0]
         if section and not any(name.startswith(f"{section}.") for name in names):
             close = difflib.get_close_matches(got, names, 1)
         else:
             last_parts = {name.rpartition(".")[2]: name for name in reversed(names)}
             close = [last_parts[part] for part in difflib.get_close_matches(last, last_parts, 1)]
         if close:
-            return f", nearest: {close[0]}"
+            return close[0]
     return ""
 
 

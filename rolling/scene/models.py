@@ -13,21 +13,18 @@ import types
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import (
-    TYPE_CHECKING,
     Annotated,
     Any,
     ClassVar,
     NamedTuple,
-    Self,
     Union,
-    dataclass_transform,
     get_args,
     get_origin,
 )
 
 import numpy as np
 import pydantic
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
 from acoustics.numbers import rounded
@@ -45,41 +42,50 @@ from rolling.scene.messages import (
     implausible,
     is_number,
     nearest,
+    nearest_name,
     plain_values,
     quoted,
     shortened,
 )
 
-if TYPE_CHECKING:
-    from pydantic._internal._model_construction import ModelMetaclass
-else:
-    ModelMetaclass = type(BaseModel)
-
 # Minimum magnitude of a number other than zero, in the units of the scene; its inverse is the
 # maximum.
 _SMALLEST = 1e-15
 _MAX_SHOWN = 5  # values of a list in an example
-_MAX_ROUNDS = 20  # of leaving out faulty values
 
 
-@dataclass_transform(kw_only_default=True, field_specifiers=(Field,))
-class _SceneErrors(ModelMetaclass):
-    """Metaclass of models that raise SceneError instead of the errors of pydantic."""
-
-    def __call__(cls, *positional: Any, **values: Any) -> Any:
-        if positional:
-            name = cls.__name__
-            raise TypeError(f"{name} takes keys by name only, as in {name}(key=value)")
-        return cls.from_values(plain_values(values))  # type: ignore[attr-defined]
-
-
-class Section(BaseModel, metaclass=_SceneErrors):
+class Section(BaseModel):
     """Section of a scene, frozen and strict: text is no number, and unknown keys are faults."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
     SECTION: ClassVar[str] = ""  # its name in a scene; by default that of the class
     IN_FILES: ClassVar[str] = ""  # key that scene files must give, and that has a default in Python
     NAMED: ClassVar[str] = ""  # section of `library.NAMES` whose name gives values
+
+    def __init__(self, *by_name_only: Any, **values: Any) -> None:
+        """Take values that are given in Python; raise SceneError with all their faults by key."""
+        if by_name_only:
+            name = type(self).__name__
+            raise TypeError(f"{name} takes keys by name only, as in {name}(key=value)")
+        self._fill_from(plain_values(values))
+
+    # Pydantic makes the sections inside of a scene itself, not by this method, and so collects all
+    # of their faults.
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    def _fill_from(self, values: Mapping[str, Any]) -> None:
+        """Take plain values; raise SceneError with all their faults by key."""
+        judged = fill(self, values)
+        if not judged.faults:
+            return
+        section = self.SECTION or type(self).__name__.lower()
+        lines = []
+        for found in judged.faults:
+            name = dotted(found.key)
+            if not name.startswith((f"{section}.", f"{section}[")):
+                name = f"{section}.{name}".removesuffix(".")
+            lines.append(f"scene: {shortened(name)}: {found.message}")
+        raise SceneError(first_faults(lines, "scene", judged.more))
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Refuse a change, because a scene may have been judged and shared already."""
@@ -116,22 +122,6 @@ class Section(BaseModel, metaclass=_SceneErrors):
             if given and not by_name.default:  # the keys of a sphere are optional anyway
                 schema["anyOf"] = [{"required": [by_name.key]}, {"required": given}]
         return reference
-
-    @classmethod
-    def from_values(cls, values: Mapping[str, Any]) -> Self:
-        """Validate plain values; raise SceneError with all their faults by key."""
-        judged = judge(values, cls)
-        if not judged.faults:
-            assert isinstance(judged.model, cls)  # as it has no fault
-            return judged.model
-        section = cls.SECTION or cls.__name__.lower()
-        lines = []
-        for found in judged.faults:
-            name = dotted(found.key)
-            if not name.startswith((f"{section}.", f"{section}[")):
-                name = f"{section}.{name}".removesuffix(".")
-            lines.append(f"scene: {shortened(name)}: {found.message}")
-        raise SceneError(first_faults(lines, "scene", judged.more))
 
     @model_validator(mode="before")
     @classmethod
@@ -243,117 +233,101 @@ class Judged(NamedTuple):
     faults : list of Fault. Faults that do not follow from one another.
     more : int. Number of faults that are not listed.
     rest : mapping. Plain values without the faulty ones.
-    model : BaseModel or None. Model of the rest, where it makes one.
-    refused : Refused. Keys of the faults.
+    causes : list of Key. Keys whose values are missing because of a fault.
+    is_filled : bool. Whether the model has the values.
     """
 
     faults: list[Fault]
     more: int
     rest: Mapping[str, Any]
-    model: BaseModel | None
-    refused: Refused
+    causes: list[Key]
+    is_filled: bool
 
 
-class Refused:
-    """Keys that are refused already, by which later faults are known to follow from them."""
+def fill(model: BaseModel, values: Mapping[str, Any], known: Sequence[Fault] = ()) -> Judged:
+    """Validate plain values into a model that has none yet, and return all faults of the values.
 
-    def __init__(self) -> None:
-        self._keys: set[Key] = set()
-        self._names: set[str] = set()
-
-    def add(self, fault: Fault) -> None:
-        """Add the key of a fault, and the keys whose values a faulty material or finish gives."""
-        if not fault.key:
-            return
-        at = fault.stands_at
-        self._keys |= {fault.key, at}
-        self._names |= {str(part) for part in (*fault.key[-1:], *at[-1:])}
-        if len(at) != 2:
-            return
-        for by_name in library.NAMES.get(str(at[0]), ()):
-            if at[-1] == by_name.key:
-                self._keys |= {(*at[:-1], given) for given in by_name.gives}
-
-    def holds(self, key: Key) -> bool:
-        """Tell whether a key, or a section around it or key inside of it, is refused."""
-        return any(key[: len(known)] == known or known[: len(key)] == key for known in self._keys)
-
-    def explain(self, fault: Fault) -> bool:
-        """Tell whether a fault follows: it is at a refused key, or its message names one."""
-        if self.holds(fault.key):
-            return True
-        if fault.is_unknown:  # whose message names all keys of its section
-            return False
-        words = set(re.findall(r"\w+", fault.message))
-        return not self._names.isdisjoint(words)
-
-
-def judge(values: Mapping[str, Any], root: type[BaseModel], known: Sequence[Fault] = ()) -> Judged:
-    """Find all faults of plain values that do not follow from one another.
-
-    Pydantic judges a rule only where the values before it are valid. So faulty values are left out
-    and the rest is judged again, until nothing new is found. `known` are faults of the text, whose
-    values are missing.
+    Pydantic judges a rule only where the values that it joins are valid. So rules are judged again
+    without the faulty values. `known` are faults of the text, whose values are missing. The model
+    has its values only where these make it without a fault.
     """
-    faults: list[Fault] = []
-    refused = Refused()
-    for earlier in known:
-        refused.add(earlier)
+    root = type(model)
+    causes = missing_by(known, values)
+    try:
+        root.__pydantic_validator__.validate_python(values, self_instance=model)
+        return Judged([], 0, values, causes, is_filled=True)
+    except ValidationError as error:
+        first, more = faults_of(error, values, root)
+    # What the values lack by their text or by misspelt keys, no rule may call missing.
+    misspelt = [found for found in first if found.meant]
     rest = values
-    more = 0
-    for _ in range(_MAX_ROUNDS):
-        try:
-            model = root.model_validate(rest)
-            return Judged(_without_misspelt(faults), 0, rest, model, refused)
-        except ValidationError as error:
-            batch, more = faults_of(error, rest, root)
-        if rest is values:
-            new = [found for found in batch if not found.is_missing or not refused.holds(found.key)]
-        else:
-            new = [found for found in batch if not refused.explain(found)]
-        faults += new
-        for found in new:
-            refused.add(found)
-        before = rest
-        for found in batch:
-            rest = _without(rest, found, root)
-        if more or rest is before:  # nothing is left to leave out
-            break
-    return Judged(_without_misspelt(faults), more, rest, None, refused)
+    for found in independent(first, [*causes, *missing_by(misspelt, values)]):
+        rest = _without(rest, found.key, root)
+    further: list[Fault] = []
+    if not more:
+        further, more = _faults_of_rest(rest, root)
+    # A section of a wrong kind has its misspelt keys among the further faults.
+    misspelt += [found for found in further if found.meant]
+    causes += missing_by(misspelt, values)
+    faults = independent(first, causes)
+    causes += [found.key for found in faults]
+    faults += independent(further, [*causes, *missing_by(faults, rest)])
+    causes += [found.key for found in faults]
+    return Judged(faults, more, rest, causes, is_filled=False)
 
 
-def _without_misspelt(faults: Sequence[Fault]) -> list[Fault]:
-    """Return faults less those of keys that are missing because they are misspelt."""
-    present = Refused()
+def _faults_of_rest(rest: Mapping[str, Any], root: type[BaseModel]) -> Listed:
+    """Return the faults of values without those that are known to be faulty."""
+    try:
+        root.model_validate(rest)
+    except ValidationError as error:
+        return faults_of(error, rest, root)
+    return Listed([], 0)
+
+
+def missing_by(faults: Sequence[Fault], values: Mapping[str, Any]) -> list[Key]:
+    """Return the keys that have no value because of faults: meant ones, and those of faulty names.
+
+    A faulty material or finish does not give its values.
+    """
+    keys: list[Key] = []
     for found in faults:
-        if not found.is_missing:
-            present.add(found)
-    return [found for found in faults if not (found.is_missing and present.holds(found.key))]
+        key = found.meant or found.key
+        keys.append(key)
+        for by_name in library.NAMES.get(str(key[0]), ()) if key else ():
+            if key[1:] == (by_name.key,):
+                keys += [(key[0], given) for given in by_name.gives]
+    return [key for key in keys if key and _value_at(values, key) is None]
 
 
-def _without(values: Any, found: Fault, root: type[BaseModel]) -> Any:
+def independent(faults: Sequence[Fault], causes: Sequence[Key]) -> list[Fault]:
+    """Return the faults that are not at, in or around a cause, and whose rule needs none."""
+
+    def follows(key: Key) -> bool:
+        return any(key[: len(cause)] == cause[: len(key)] for cause in causes)
+
+    return [found for found in faults if not any(map(follows, [found.key, *found.needs]))]
+
+
+def _without(values: Any, key: Key, root: type[BaseModel]) -> Any:
     """Return plain values without a faulty one, or with a kind in place of a wrong or missing one.
 
     A list goes as a whole, so that the places in it stay those of the scene.
     """
-    key = found.key
     while key and isinstance(key[-1], int):
         key = key[:-1]
     field = locate(key[:-1], root).field
     if field is not None and field.discriminator and key[-1] == field.discriminator:
-        section = _value_at(values, key[:-1])
-        return _changed(values, key, found.nearest or _likely_kind(section, field))
+        return _changed(values, key, _likely_kind(_value_at(values, key[:-1]), field))
     return _changed(values, key, None)
 
 
 def _likely_kind(section: Any, field: FieldInfo) -> Any:
-    """Return the kind of a section whose model knows most of its keys."""
-    given = set(section) if isinstance(section, Mapping) else set()
-
-    def known_keys(model: type[BaseModel]) -> int:
-        return len(given & set(model.model_fields))
-
-    return _kind_of(max(_models(field), key=known_keys), field)
+    """Return the kind of a section that its own is nearest to, or that knows most of its keys."""
+    given = section if isinstance(section, Mapping) else {}
+    kinds = {_kind_of(model, field): model for model in _models(field)}
+    near = nearest_name(str(given.get(str(field.discriminator), "")), [*kinds])
+    return near or max(kinds, key=lambda kind: len({*given} & {*kinds[kind].model_fields}))
 
 
 def _changed(values: Any, key: Key, other: Any) -> Any:
@@ -382,21 +356,34 @@ def _changed(values: Any, key: Key, other: Any) -> Any:
 # ---- faults by their keys
 
 
-def faults_of(
-    error: ValidationError, data: Mapping[str, Any], root: type[BaseModel]
-) -> tuple[list[Fault], int]:
+class Listed(NamedTuple):
+    """First faults of plain values, and how many more there are."""
+
+    faults: list[Fault]
+    more: int
+
+
+def faults_of(error: ValidationError, data: Mapping[str, Any], root: type[BaseModel]) -> Listed:
     """Return the first faults that pydantic found, in the words of a scene, and how many more."""
     listed = error.errors(include_url=False)
     found: list[Fault] = []
     for number, single in enumerate(listed):
         if len(found) >= MAX_FAULTS:
-            return found, len(listed) - number
+            return Listed(found, len(listed) - number)
+        key = locate(single["loc"], root).key
         if single["type"] == "faults":
-            key = locate(single["loc"], root).key
-            found += [Fault(_absolute(at, key), text) for text, at in single["ctx"]["faults"]]
+            found += [_fault_of_rule(rule, key) for rule in single["ctx"]["faults"]]
+        elif single["type"] == "fault":
+            found.append(_with_sweep(_fault_of_rule(single["ctx"], key), data, root))
         else:
             found.append(_with_sweep(_fault_of(single, data, root), data, root))
-    return found, 0
+    return Listed(found, 0)
+
+
+def _fault_of_rule(context: Mapping[str, Any], key: Key) -> Fault:
+    """Return the fault that a rule raised where pydantic validated a key."""
+    needs = tuple(_absolute(needed, key) for needed in context["needs"])
+    return Fault(_absolute(context["at"], key), context["message"], needs=needs)
 
 
 def _fault_of(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> Fault:
@@ -405,8 +392,6 @@ def _fault_of(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> Fau
     context = error.get("ctx", {})
     located = locate(error["loc"], root)
     key = located.key
-    if kind == "fault":
-        return Fault(_absolute(context["at"], key), context["message"])
     if kind.startswith("union_tag"):
         return _fault_of_kind(located, data)
     if kind == "missing":
@@ -415,7 +400,7 @@ def _fault_of(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> Fau
             text = located.model.descriptions().get(str(key[-1]), "")  # type: ignore[attr-defined]
         return Fault(key, f"missing; {text}" if text else "missing")
     if kind == "extra_forbidden":
-        return Fault(key, _unknown_key(located, data, root))
+        return _unknown_key(located, data, root)
     value = error["input"]
     if kind in ("greater_than_equal", "less_than_equal") and key[-1] in MATERIALS:
         return Fault(key, implausible(value, MATERIALS[str(key[-1])]))
@@ -496,9 +481,10 @@ def _fault_of_kind(located: Located, data: Mapping[str, Any]) -> Fault:
     return Fault(key, message)
 
 
-def _unknown_key(located: Located, data: Mapping[str, Any], root: type[BaseModel]) -> str:
-    """Write that a section has no such key, the nearest key, and the allowed keys."""
+def _unknown_key(located: Located, data: Mapping[str, Any], root: type[BaseModel]) -> Fault:
+    """Return the fault of a key that a section does not have, with the nearest and all its keys."""
     key = located.key
+    name = str(key[-1])
     siblings = list(located.model.model_fields) if located.model else []
     of_kind = ""
     if located.outer and located.outer.discriminator:
@@ -507,10 +493,12 @@ def _unknown_key(located: Located, data: Mapping[str, Any], root: type[BaseModel
     elsewhere = [*root.model_fields, *keys(root)]
     if dotted(key) in keys(root):  # a key of another kind of the section is no slip
         elsewhere = []
-    like = nearest(str(key[-1]), siblings, elsewhere)
-    if str(key[-1]).isdecimal():
+    like = nearest(name, siblings, elsewhere)
+    if name.isdecimal():
         like += "; a decimal point stands in place of a comma"
-    return f"unknown key{of_kind}{like}, allowed: {', '.join(siblings)}"
+    message = f"unknown key{of_kind}{like}, allowed: {', '.join(siblings)}"
+    near = nearest_name(name, siblings)
+    return Fault(key, message, meant=(*key[:-1], near) if near else ())
 
 
 # ---- annotations of fields

@@ -33,7 +33,11 @@ def refuse_rolling(rolling: Rolling, sections: Sections) -> None:
     """Refuse a track without a length, a missing load, and a contact too near an edge."""
     has_length = rolling.duration_s or rolling.distance_mm or rolling.resistance
     if not has_length and isinstance(sections.get("surface"), MadeSurface):
-        raise fault("missing; give it or a rolling.distance_mm", at="rolling.duration_s")
+        raise fault(
+            "missing; give it or a rolling.distance_mm",
+            at="rolling.duration_s",
+            needs=["rolling.distance_mm", "rolling.resistance"],
+        )
     sphere = sections.get("sphere")
     if sphere is None:
         return
@@ -42,7 +46,7 @@ def refuse_rolling(rolling: Rolling, sections: Sections) -> None:
             words = "missing; give it, or sphere.density_kg_m3 for the weight of the sphere"
             if "load_n" in rolling.model_fields_set:
                 words = "got weight, which needs sphere.density_kg_m3"
-            raise fault(words, at="rolling.load_n")
+            raise fault(words, at="rolling.load_n", needs=["sphere.density_kg_m3"])
         if rolling.resistance is not None:
             raise fault(
                 "missing; rolling.resistance needs the mass of the sphere",
@@ -129,6 +133,7 @@ def refuse_memory(numerics: Numerics, sections: Sections) -> None:
                 f"got {rolling.passes}, which needs plate.plasticity: permanent: without memory all"
                 " passes are equal",
                 at="rolling.passes",
+                needs=["plate.plasticity"],
             )
         return
     if sphere is not None and sphere.surface is not None:
@@ -179,17 +184,21 @@ def _refuse_without_dynamics(plate: Plate | None, is_dropped: bool) -> None:
     """Refuse keys that need dynamics."""
     if is_dropped:
         raise fault(
-            "only goes with dynamics; `dynamics: {}` takes its defaults", at="rolling.drop_mm"
+            "only goes with dynamics; `dynamics: {}` takes its defaults",
+            at="rolling.drop_mm",
+            needs=["dynamics"],
         )
     if plate is not None and plate.thickness_mm is not None:
         raise fault(
             "only goes with dynamics: without that section the plate does not bend",
             at="plate.thickness_mm",
+            needs=["dynamics"],
         )
     if plate is not None and plate.contact_loss_factor is not None:
         raise fault(
             "only goes with dynamics: without that section nothing vibrates",
             at="plate.contact_loss_factor",
+            needs=["dynamics"],
         )
 
 
@@ -214,6 +223,7 @@ def with_source(sound: Sound, sections: Sections) -> Sound:
                 'got "vibration", which needs the section dynamics; `dynamics: {}` takes its'
                 " defaults",
                 at="sound.source",
+                needs=["dynamics"],
             )
     rolling = sections.get("rolling")
     if sound.source == "release" and rolling is not None and rolling.drop_mm is not None:
@@ -236,6 +246,7 @@ def refuse_listeners(sound: Sound, sections: Sections) -> None:
             "only goes with plate.length_mm and plate.width_mm: an infinite plate is heard on the"
             " axis, at distance_m",
             at="sound.listener_mm",
+            needs=["plate.length_mm", "plate.width_mm"],
         )
     ends = list(plate.contact_ends_mm.values())
     x, y = ends[0]

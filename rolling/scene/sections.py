@@ -360,6 +360,7 @@ class Plate(Section):
             raise fault(
                 "missing; plasticity: permanent needs it, an elastic plate keeps its surface",
                 at="plate.hardness_gpa",
+                needs=["plate.yield_strength_gpa"],
             )
         return self
 
@@ -379,19 +380,23 @@ class Plate(Section):
             raise fault(
                 "only goes with thickness_mm: a half-space has no bending waves",
                 at="plate.loss_factor",
+                needs=["plate.thickness_mm"],
             )
         if self.damping is not None and self.material is None:
             raise fault(
                 "only goes with material, which gives a loss factor; without one, give loss_factor",
                 at="plate.damping",
+                needs=["plate.material"],
             )
         if self.edges_mm is None:
+            sides = ["plate.length_mm", "plate.width_mm"]
             rule = "a plate with edges needs both, an infinite plate neither"
             _refuse_half(self, ("length_mm", "width_mm"), rule)
             if self.edges is not None:
                 raise fault(
                     "only goes with length_mm and width_mm: an infinite plate has no edges",
                     at="plate.edges",
+                    needs=sides,
                 )
             for key in ("contact_mm", "contact_path", "contact_end_mm"):
                 if getattr(self, key) is not None:
@@ -399,6 +404,7 @@ class Plate(Section):
                         "only goes with length_mm and width_mm: a point on an infinite plate is"
                         " like any other",
                         at=f"plate.{key}",
+                        needs=sides,
                     )
             return self
         if self.thickness_mm is None:
@@ -420,7 +426,11 @@ class Plate(Section):
         if moves and end is None:
             raise fault("missing; contact_path: to-and-fro needs it", at="plate.contact_end_mm")
         if end is not None and not moves:
-            raise fault("only goes with contact_path: to-and-fro", at="plate.contact_end_mm")
+            raise fault(
+                "only goes with contact_path: to-and-fro",
+                at="plate.contact_end_mm",
+                needs=["plate.contact_path"],
+            )
         if end is not None and end == self.contact_ends_mm["contact_mm"]:
             raise fault(
                 f"got {quoted(list(end))}, the point contact_mm, allowed: another point",
@@ -813,7 +823,7 @@ def refuse_free_factors(sound: Sound) -> None:
         return
     words = "which only goes with source: release; the pressure of the vibration has no free factor"
     if sound.q != 1:
-        raise fault(f"got {plain_number(sound.q)}, {words}", at="sound.q")
+        raise fault(f"got {plain_number(sound.q)}, {words}", at="sound.q", needs=["sound.source"])
     if sound.gain_pa_per_w_m2 is not None:
         gain = plain_number(sound.gain_pa_per_w_m2)
-        raise fault(f"got {gain}, {words}", at="sound.gain_pa_per_w_m2")
+        raise fault(f"got {gain}, {words}", at="sound.gain_pa_per_w_m2", needs=["sound.source"])

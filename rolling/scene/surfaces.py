@@ -289,9 +289,14 @@ class HeightFile(SurfaceKind):
             raise fault(
                 "only goes with surface.unmeasured fill, because outliers count as unmeasured",
                 at="surface.outliers",
+                needs=["surface.unmeasured"],
             )
         if self.overlap_um is not None and self.made_periodic != "blend":
-            raise fault("only goes with surface.periodic blend", at="surface.overlap_um")
+            raise fault(
+                "only goes with surface.periodic blend",
+                at="surface.overlap_um",
+                needs=["surface.periodic"],
+            )
         if self.s_filter_um and self.l_filter_um and self.s_filter_um >= self.l_filter_um:
             raise fault(
                 f"got {plain_number(self.s_filter_um)}, allowed: less than"

@@ -32,7 +32,13 @@ from rolling.scene.messages import (
     plain_values,
     quoted,
 )
-from rolling.scene.models import Section, faults_of, full_key, judge
+from rolling.scene.models import (
+    Section,
+    faults_of,
+    fill,
+    full_key,
+    independent,
+)
 
 PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
 LIKE_SECTION = 0.8  # likeness from which on a section is taken for a misspelt one
@@ -100,10 +106,9 @@ class SweptScene(Section):
 
     # ---- plain values ----
 
-    @classmethod
-    def from_values(cls, values: Mapping[str, Any]) -> Self:
-        """Build a scene from plain values that were given in Python; the name may be missing."""
-        return cls.from_dict({"name": DEFAULT_NAME, **values})
+    def _fill_from(self, values: Mapping[str, Any]) -> None:
+        """Take plain values that are given in Python; the name may be missing."""
+        self._build({"name": DEFAULT_NAME, **values}, Path(), {(): "scene"}, ())
 
     @classmethod
     def from_dict(
@@ -134,24 +139,33 @@ class SweptScene(Section):
             The text, the data, or runs of the sweep have faults; all are named, in the order of
             their lines, unless they are too many.
         """
-        values = plain_values(data)
-        judged = judge(values, cls, known)
-        faults = [*known, *judged.faults]
-        if values.get("name") is None and not judged.refused.holds(("name",)):
-            faults.append(Fault(("name",), f"missing; {NAME}"))
-        scene = judged.model
-        if isinstance(scene, cls):
-            scene._folder = folder
-            scene._places = dict(places)
-            of_runs, _ = scene._judged_runs()
-        else:
-            of_runs = cls._faults_of_swept_values(judged.rest)
-        faults += [found for found in of_runs if not judged.refused.explain(found)]
-        if faults:
-            more = None if len(of_runs) > MAX_FAULTS else judged.more
-            raise _scene_error(faults, places, more)
-        assert isinstance(scene, cls)  # as it has no fault
+        scene = cls.__new__(cls)
+        scene._build(plain_values(data), folder, places, known)
         return scene
+
+    def _build(
+        self,
+        values: Mapping[str, Any],
+        folder: Path,
+        places: Mapping[Key, str],
+        known: Sequence[Fault],
+    ) -> None:
+        """Take plain values; raise SceneError with their faults and those of all runs."""
+        judged = fill(self, values, known)
+        faults = [*known, *judged.faults]
+        if values.get("name") is None:
+            faults += independent([Fault(("name",), f"missing; {NAME}")], judged.causes)
+        if judged.is_filled:
+            self._folder = folder
+            self._places = dict(places)
+            of_runs, _ = self._judged_runs()
+        else:
+            of_runs = self._faults_of_swept_values(judged.rest)
+        faults += independent(of_runs, judged.causes)
+        if faults:
+            raise _scene_error(
+                faults, places, more=None if len(of_runs) > MAX_FAULTS else judged.more
+            )
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values with every default filled in.
@@ -275,9 +289,9 @@ class SweptScene(Section):
         """Return a fault of a run at the place of its swept value, or with the name of the run."""
         place = sweeps.place_in_sweep(found.key, values, self.sweep)
         if place is not None:
-            return Fault(place, found.message)
+            return found._replace(key=place)
         run = sweeps.run_name(values)
-        return Fault(found.key, f"{found.message} (in the run {run} of the sweep)")
+        return found._replace(message=f"{found.message} (in the run {run} of the sweep)")
 
     @classmethod
     def _faults_of_swept_values(cls, values: Mapping[str, Any]) -> list[Fault]:
@@ -297,7 +311,7 @@ class SweptScene(Section):
                     for found in faults_of(error, run_data, cls)[0]:
                         place = sweeps.place_in_sweep(found.key, {name: value}, sweep)
                         if place is not None:
-                            faults.append(Fault(place, found.message))
+                            faults.append(found._replace(key=place))
         return faults
 
     def place(self, name: str) -> str:

@@ -52,8 +52,9 @@ SCENES: dict[str, dict[str, object]] = {
 
 def scene_of(changes: dict[str, object]) -> rc.Scene:
     """Return a small scene of a steel ball on a steel plate."""
-    base = rc.Scene.from_values(
+    base = rc.Scene.from_dict(
         {
+            "name": "wavelengths",
             "sphere": {"radius_mm": 5, "material": "steel-100cr6"},
             "plate": PLATE,
             "surface": {"kind": "gaussian", "seed": 1, **SURFACE},

@@ -3,10 +3,12 @@
 import pickle
 
 import pytest
+from pydantic import BaseModel, ValidationError
 from scene_text import PLAIN, TEXT, faults
 
 from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
 
 PAIRS = "a number > 0, or at least two [time_s, speed_m_s] pairs"
 LOADS = "rolling.load_n: [5, 20, 100]"
@@ -165,6 +167,42 @@ def test_a_fault_that_follows_from_another_is_not_listed() -> None:
     text = PLAIN.replace("hardness_gpa: 2.1", "thicknes_mm: 2\n  loss_factor: 0.01")
     assert len(faults(text)) == 1
     assert len(faults(PLAIN.replace("  seed: 1", "  seed: !t 1"))) == 1
+
+
+BENT = PLAIN.replace("radius_mm: 5", "radius_mm: 5, density_kg_m3: 7850").replace(
+    "hardness_gpa: 2.1", "density_kg_m3: 7850\n  thickness_mm: 2\n  loss_factor: 0.01"
+)
+WEIGHED = PLAIN.replace("radius_mm: 5", "radius_mm: 5, material: steel-100cr6").replace(
+    "20", "weight"
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        (BENT + "dynamics: 3\n", "dynamics"),  # with dynamics the plate may bend and lose
+        (BENT + "dynamcs: {}\n", "dynamcs"),
+        (
+            BENT.replace("thickness_mm: 2", "thickness_mm: -2") + "dynamics: {}\n",
+            "plate.thickness_mm",
+        ),
+        (WEIGHED.replace("material", "materal"), "sphere.materal"),  # which gives the density
+        (PLAIN.replace("kind: gaussian", "knd: gaussian"), "surface.knd"),
+        (PLAIN.replace("duration_s: 0.01", "distance_mm: -1"), "rolling.distance_mm"),
+        (PLAIN.replace("name: trial", "nam: trial"), "nam"),
+    ],
+)
+def test_a_rule_that_needs_a_faulty_value_is_not_called_broken(text: str, key: str) -> None:
+    (line,) = faults(text)
+    assert line.split(": ")[1] == key
+
+
+def test_a_section_is_a_model_of_pydantic_like_any_other() -> None:
+    assert type(Scene) is type(BaseModel)
+    with pytest.raises(ValidationError):  # by the door of pydantic with the error of pydantic
+        Scene.model_validate({})
+    with pytest.raises(SceneError):
+        Scene()  # type: ignore[call-arg]
 
 
 def test_values_in_place_of_a_list_and_a_list_in_place_of_a_value_are_answered_by_example() -> None:
