@@ -24,7 +24,6 @@ from acoustics.bands import (
 from acoustics.loudness import VARYING_RATE_HZ, loudness_in_time, n5_sone
 from acoustics.radiation import P_REF_PA
 from acoustics.spectrum import checked_record
-from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
 
 AUDIBLE_PERCENT = 8.0
@@ -57,7 +56,6 @@ _ONE_SIGMA = float(ndtr(1.0))
 _SHARE_95 = 0.975  # of Student's distribution, two-sided 95 %
 
 
-@ignoring_underflow
 def default_room_db() -> dict[float, float]:
     """Return the third octaves of the default room: pink noise of 30 dB(A), 50 Hz to 10 kHz.
 
@@ -80,7 +78,6 @@ def default_room_db() -> dict[float, float]:
     return {nominal: level for nominal in NOMINAL_HZ if lowest <= nominal <= highest}
 
 
-@ignoring_underflow
 def room_noise(
     third_octaves_db: Mapping[float, float] | None,
     seconds: float,
@@ -179,7 +176,6 @@ class TooLoudError(ValueError):
     """A sound whose loudness is not defined, with a third octave up to 250 Hz above 120 dB."""
 
 
-@ignoring_underflow
 @dataclass(frozen=True)
 class Audibility:
     """Loudness of two sounds in a room, their difference, and a verdict on it.
@@ -224,7 +220,6 @@ class Audibility:
     verdict: str
 
 
-@ignoring_underflow
 def audible_difference(
     records_a: Sequence[Array],
     records_b: Sequence[Array],

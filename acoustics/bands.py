@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array, real_array, refuse_masked, within
-from acoustics.traps import ignoring_underflow
 
 # Nominal mid frequencies of IEC 61260-1:2014. They name the bands; they are not used to calculate.
 # fmt: off
@@ -39,7 +38,6 @@ MAX_ROOM_DB = 120.0  # of a third octave of the noise of a room
 OFF_DB = 1.0
 
 
-@ignoring_underflow
 def third_octave_mean_square(frequency_hz: Array, line_mean_square: Array) -> Array:
     """Sum the mean squares of the lines in each third octave.
 
@@ -89,7 +87,6 @@ def third_octave_mean_square(frequency_hz: Array, line_mean_square: Array) -> Ar
     return np.asarray(sums, dtype=float)
 
 
-@ignoring_underflow
 def band_uncertainty_db(duration_s: float) -> Array:
     """Return the standard uncertainty of band levels of Gaussian noise, 4.34 / sqrt(B T) dB.
 
@@ -120,7 +117,6 @@ def band_uncertainty_db(duration_s: float) -> Array:
     return np.asarray(10.0 / np.log(10.0) / np.sqrt(independent_lines))
 
 
-@ignoring_underflow
 def reliable(duration_s: float) -> NDArray[np.bool_]:
     """Return for each band whether a record is long enough for its level, B T >= 5.
 

@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array
-from acoustics.traps import ignoring_underflow
 
 LINES = 25  # over which a Hann window smooths, at most
 THIRD_OCTAVE = 2 ** (1 / 6) - 2 ** (-1 / 6)  # its width over its middle: the other limit
@@ -28,7 +27,6 @@ MIN_BLOCK = 2**16  # positions that are drawn at once
 _TURNS = np.array([1, 1j, -1, -1j])  # phases; the sum of many lines is Gaussian
 
 
-@ignoring_underflow
 class RandomRows:
     """Stationary Gaussian process of rows with zero mean.
 
@@ -201,7 +199,6 @@ class PlacedStretch(NamedTuple):
         return self.first + len(self.stretch.share)
 
 
-@ignoring_underflow
 class ContinuedRows:
     """Rows without an end: the given rows first, then random rows of equal cross-spectra.
 

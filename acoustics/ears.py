@@ -7,7 +7,6 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.loudness import heard_fluctuation
-from acoustics.traps import ignoring_underflow
 
 # Two windows of 0.2 s, so that a record is no single window.
 MIN_ROUGHNESS_S = 0.4
@@ -15,7 +14,6 @@ MIN_ROUGHNESS_S = 0.4
 MIN_TONES_S = 1.0
 
 
-@ignoring_underflow
 def roughness_asper(pressure_pa: Array, sample_rate_hz: float) -> float | None:
     """Compute the roughness of a record with mosqito: `roughness_dw`.
 
@@ -54,7 +52,6 @@ def roughness_asper(pressure_pa: Array, sample_rate_hz: float) -> float | None:
     return float(np.mean(roughness))
 
 
-@ignoring_underflow
 @dataclass(frozen=True)
 class Tone:
     """The tone of a record that stands out most, by one method.
@@ -71,7 +68,6 @@ class Tone:
     is_prominent: bool
 
 
-@ignoring_underflow
 @dataclass(frozen=True)
 class Tones:
     """The tones of a record that stand out most; None where no tone is found.
@@ -86,7 +82,6 @@ class Tones:
     prominence: Tone | None
 
 
-@ignoring_underflow
 def tones(pressure_pa: Array, sample_rate_hz: float) -> Tones | None:
     """Find the tones that stand out most with mosqito: `tnr_ecma_st` and `pr_ecma_st`.
 

@@ -6,13 +6,11 @@ import numpy as np
 
 from acoustics.arrays import Array, refuse_masked
 from acoustics.level import a_weighted_rms
-from acoustics.traps import ignoring_underflow
 
 _OVERLAP_S = 0.01  # [s], at most a sixth of the record
 _SEARCH = 2  # overlaps within which the beginning of a lap is chosen; more would leave out events
 
 
-@ignoring_underflow
 @dataclass(frozen=True)
 class Lap:
     """Part of a record that repeats: record[begin:end], whose last samples lead to its first.
@@ -48,7 +46,6 @@ class Lap:
         return self.factor * lap
 
 
-@ignoring_underflow
 def crossfaded_lap(record: Array, fade: int, sample_rate_hz: float) -> Lap:
     """Return a lap of a record that does not close, without the faded samples at its ends.
 

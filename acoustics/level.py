@@ -13,7 +13,6 @@ from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import P_REF_PA
 from acoustics.resampling import resample_closed
 from acoustics.spectrum import checked_record, line_spectrum
-from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
 
 # A part 200 dB below the record counts as rounding. Transforms leave -300 dB, or -200 dB of a
@@ -36,7 +35,6 @@ FAST_S = 0.125
 SLOW_S = 1.0
 
 
-@ignoring_underflow
 @dataclass(frozen=True)
 class RecordNumbers:
     """A number of dB for each level of a record; None where there is none."""
@@ -51,7 +49,6 @@ class RecordNumbers:
     third_octave_db: dict[str, float | None]
 
 
-@ignoring_underflow
 @dataclass(frozen=True, repr=False)
 class SoundLevels(RecordNumbers):
     """Levels of one record, dB re 20 uPa; None where there is no sound.
@@ -79,7 +76,6 @@ class SoundLevels(RecordNumbers):
     third_octave_a_db: dict[str, float | None]
 
 
-@ignoring_underflow
 def level_db(mean_square: float, reference: float = P_REF_PA**2) -> float | None:
     """Return 10 lg(mean square / reference) in dB, or None if there is no sound (<= 0).
 
@@ -117,7 +113,6 @@ def level_db(mean_square: float, reference: float = P_REF_PA**2) -> float | None
     return 10.0 * (math.log10(mean_square) - math.log10(reference))
 
 
-@ignoring_underflow
 def laeq_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
     """Return the A-weighted equivalent level LAeq of the whole record, or None for silence.
 
@@ -155,7 +150,6 @@ def laeq_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
     return level_db(a_weighted_rms(pressure_pa, sample_rate_hz) ** 2)
 
 
-@ignoring_underflow
 def lae_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
     """Return the A-weighted sound exposure level LAE of the whole record, or None for silence.
 
@@ -195,7 +189,6 @@ def lae_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
     return level_db(mean_square * len(pressure_pa) / sample_rate_hz)
 
 
-@ignoring_underflow
 def is_single_event(pressure_pa: Array, sample_rate_hz: float) -> bool:
     """Tell whether a record holds a single event, such as a knock, and little besides.
 
@@ -238,7 +231,6 @@ def is_single_event(pressure_pa: Array, sample_rate_hz: float) -> bool:
     return bool(lengths.min(initial=len(record)) <= _EVENT_SHARE * len(record))
 
 
-@ignoring_underflow
 def a_weighted_rms(pressure_pa: Array, sample_rate_hz: float) -> float:
     """Return the A-weighted rms of the whole record, in its unit; 0 if it is only rounding."""
     pressure_pa = checked_record(pressure_pa, sample_rate_hz, "pressure_pa")
@@ -247,7 +239,6 @@ def a_weighted_rms(pressure_pa: Array, sample_rate_hz: float) -> float:
     return math.sqrt(_above_rounding(weighted, mean_square.sum()))
 
 
-@ignoring_underflow
 def peak_pressure(pressure_pa: Array) -> float:
     """Return the maximum |p| of a record at and between its samples [Pa].
 
@@ -266,7 +257,6 @@ def peak_pressure(pressure_pa: Array) -> float:
     return float(max(fine.max(), -fine.min()))
 
 
-@ignoring_underflow
 def crest_factor_db(pressure_pa: Array) -> float | None:
     """Return the peak of a record over its rms, both without weighting [dB]; None for silence.
 
@@ -286,7 +276,6 @@ def crest_factor_db(pressure_pa: Array) -> float | None:
     return level_db(peak_pressure(pressure_pa) ** 2, mean_square)
 
 
-@ignoring_underflow
 def sound_levels(
     pressure_pa: Array, sample_rate_hz: float, highest_hz: float = math.inf, closed: bool = True
 ) -> SoundLevels:
@@ -396,7 +385,6 @@ def _above_rounding(mean_square: float, whole: float) -> float:
 # ---- time weighting
 
 
-@ignoring_underflow
 def running_mean_square(
     pressure_pa: Array, sample_rate_hz: float, time_constant_s: float, closed: bool
 ) -> Array:
@@ -441,7 +429,6 @@ def running_mean_square(
     return running
 
 
-@ignoring_underflow
 def a_weighted(pressure_pa: Array, sample_rate_hz: float) -> Array:
     """Return the A-weighted record, each line weighted by the exact curve.
 

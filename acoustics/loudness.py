@@ -13,7 +13,6 @@ import numpy as np
 
 from acoustics.arrays import Array, refuse_masked
 from acoustics.spectrum import checked_record
-from acoustics.traps import ignoring_underflow
 
 INSTALL = 'pip install "rolling-contact-noise[loudness]"'
 
@@ -37,7 +36,6 @@ _TOGETHER_S = 16.0
 _N5_SHARE = 0.05  # of the time
 
 
-@ignoring_underflow
 @dataclass(frozen=True)
 class Loudness:
     """Loudness and sharpness of a record.
@@ -55,7 +53,6 @@ class Loudness:
     acum: float | None
 
 
-@ignoring_underflow
 def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudness:
     """Compute loudness and sharpness of a steady record with mosqito.
 
@@ -102,7 +99,6 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
     return Loudness(float(sone), float(acum))
 
 
-@ignoring_underflow
 @dataclass(frozen=True)
 class VaryingLoudness:
     """Loudness of a record that changes in time.
@@ -120,7 +116,6 @@ class VaryingLoudness:
     max_sone: float | None
 
 
-@ignoring_underflow
 def varying_loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> VaryingLoudness:
     """Compute the loudness of a record that changes in time with mosqito.
 

@@ -217,7 +217,6 @@ def _over_periods(means: Array, gains: Array) -> Array:
     return np.asarray(sums / np.maximum(weights, np.finfo(float).tiny))
 
 
-@ignoring_underflow
 def modulated_octave(
     signal: Array,
     sample_rate_hz: float,
@@ -283,7 +282,6 @@ def modulated_octave(
     return prominent[int(np.argmax(heights))].band_hz
 
 
-@ignoring_underflow
 def loudest_octave(signal: Array, sample_rate_hz: float) -> tuple[float, float]:
     """Return the edges of the octave with the largest A-weighted mean square.
 
@@ -334,7 +332,6 @@ def _edges(band_hz: Sequence[float]) -> tuple[float, float]:
     return float(edges[0]), float(edges[1])
 
 
-@ignoring_underflow
 def envelope_spectrum(
     signal: Array,
     sample_rate_hz: float,

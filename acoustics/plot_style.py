@@ -22,7 +22,6 @@ from matplotlib.colors import to_hex
 
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
-from acoustics.traps import ignoring_underflow
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 LINE_STYLES: tuple[str | tuple[int, tuple[int, ...]], ...] = (
@@ -47,7 +46,6 @@ _COLUMNS = 1500
 # ---- axes and curves
 
 
-@ignoring_underflow
 def level_limits(levels_db: Iterable[float | None]) -> tuple[float, float]:
     """Return limits of a level axis, at most 70 dB apart.
 
@@ -174,7 +172,6 @@ def short_name(name: str) -> str:
 # ---- records as they are drawn
 
 
-@ignoring_underflow
 @dataclass(frozen=True, eq=False)
 class Lines:
     """A spectrum from 20 Hz to 20 kHz for a plot; its means and envelope are computed once.
@@ -241,7 +238,6 @@ class Lines:
         return [float(shown.min()), float(shown.max())]
 
 
-@ignoring_underflow
 def envelope(x: Array, y: Array) -> tuple[Array, Array]:
     """Return a curve over rising x, of which 3,000 points at most are drawn.
 

@@ -15,7 +15,6 @@ from scipy.special import roots_legendre
 
 from acoustics.arrays import Array, finite, positive, real_array, refuse_masked, within
 from acoustics.loss_factors import LossFactor, least_loss_factor, loss_factor_at
-from acoustics.traps import ignoring_underflow
 
 P_REF_PA = 20e-6  # reference sound pressure in air
 I_REF_W_M2 = 1e-12  # reference intensity
@@ -28,7 +27,6 @@ SOUND_M_S = 343.2  # speed of sound in air at 20 C
 legendre = cache(roots_legendre)  # nodes and weights of a quadrature from -1 to 1
 
 
-@ignoring_underflow
 def intensity(power_w: ArrayLike, distance_m: float, q: float = 1.0) -> Array:
     """Return the intensity q W / (4 pi r^2) of a compact omnidirectional source.
 
@@ -60,7 +58,6 @@ def intensity(power_w: ArrayLike, distance_m: float, q: float = 1.0) -> Array:
     return np.asarray(power / (4.0 * np.pi * distance_m**2))
 
 
-@ignoring_underflow
 def sound_pressure(
     intensity_fluctuation: ArrayLike, gain_pa_per_w_m2: float | None = None
 ) -> tuple[Array, float]:
@@ -109,7 +106,6 @@ def sound_pressure(
     return factor * fluctuation, factor
 
 
-@ignoring_underflow
 @dataclass(frozen=True)
 class ThinPlate:
     """Infinite plate in bending, with air above it.
@@ -171,7 +167,6 @@ class ThinPlate:
         return float(AIR_KG_M3 * SOUND_M_S / (np.pi * self.mass_per_area_kg_m2))
 
 
-@ignoring_underflow
 @dataclass(frozen=True)
 class HalfSpaceBody:
     """Elastic half-space with air above it.
@@ -186,7 +181,6 @@ class HalfSpaceBody:
     compression_m_s: float
 
 
-@ignoring_underflow
 @dataclass(frozen=True)
 class Ball:
     """Rigid ball that touches a rigid plane and moves along the normal.
@@ -208,7 +202,6 @@ class Ball:
 Body = ThinPlate | HalfSpaceBody | Ball
 
 
-@ignoring_underflow
 def axis_transfer(
     frequency_hz: ArrayLike, source: Body, distance_m: float, cosine: float = 1.0
 ) -> NDArray[np.complex128]:
@@ -257,7 +250,6 @@ def axis_transfer(
     return np.asarray(derivative * 3 / (8 * SOUND_M_S) * sphere * 2j * cosine * np.sin(ka * cosine))
 
 
-@ignoring_underflow
 def pressure_on_axis(
     force_n: ArrayLike, sample_rate_hz: float, sources: Sequence[Body], distance_m: float
 ) -> Array:

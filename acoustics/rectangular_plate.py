@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 from acoustics.arrays import Array, refuse_masked
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S, ThinPlate, legendre
-from acoustics.traps import ignoring_underflow
 
 Complex = NDArray[np.complex128]
 Edges = tuple[float, float]
@@ -37,7 +36,6 @@ SIDES = 2  # of the plate with air
 _BLOCK = 2**19  # values of all modes at once
 
 
-@ignoring_underflow
 @dataclass(frozen=True, kw_only=True)
 class RectangularPlate(ThinPlate):
     """Thin rectangular plate, simply supported at all four edges.
@@ -235,7 +233,6 @@ class RectangularPlate(ThinPlate):
 # ---- pressure at a listener
 
 
-@ignoring_underflow
 @dataclass(frozen=True, eq=False)
 class ModePressures:
     """Rayleigh integrals of modes at one listener, tabulated over frequency.
@@ -270,7 +267,6 @@ def polynomial_weights(place: Array, rows: int) -> tuple[NDArray[np.int64], Arra
     return first, weights
 
 
-@ignoring_underflow
 def mode_pressures(edges_m: Edges, orders: Orders, listener_m: Listener) -> ModePressures:
     """Tabulate the integrals of sin sin exp(-i k R) / R over a rectangle, up to hearing's end."""
 
@@ -280,7 +276,6 @@ def mode_pressures(edges_m: Edges, orders: Orders, listener_m: Listener) -> Mode
     return tabulated_pressures(edges_m, listener_m, integrals)
 
 
-@ignoring_underflow
 def tabulated_pressures(
     edges_m: Edges, listener_m: Listener, integrals: Callable[[float, float], Complex]
 ) -> ModePressures:
@@ -371,7 +366,6 @@ def _pressures(plate: RectangularPlate, listener_m: Listener) -> ModePressures:
 # ---- sound power
 
 
-@ignoring_underflow
 def power_of_modes(edges_m: Edges, orders: Orders, squares: Array, frequency_hz: Array) -> Array:
     """Return the sound power [W] to one side by mean square modal velocities `squares`, (n, modes).
 
@@ -385,7 +379,6 @@ def power_of_modes(edges_m: Edges, orders: Orders, squares: Array, frequency_hz:
     return power
 
 
-@ignoring_underflow
 def own_resistance(edges_m: Edges, orders: Orders, frequency_hz: Array) -> Array:
     """Return the sound power to one side per mean square velocity [W s2/m2] of each mode.
 

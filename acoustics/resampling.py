@@ -9,7 +9,6 @@ import numpy as np
 
 from acoustics.arrays import Array, refuse_masked
 from acoustics.bands import AUDIBLE_HZ
-from acoustics.traps import ignoring_underflow
 
 Edges = tuple[float, float]
 _OVERSAMPLING = 8
@@ -20,7 +19,6 @@ DECIMATOR_REACH = 20  # samples of the output that a decimating filter reaches t
 _ROUNDING = 1e-13
 
 
-@ignoring_underflow
 def undo_step_mean(means: Array) -> Array:
     """Return a signal at the step boundaries from its means over consecutive steps.
 
@@ -48,7 +46,6 @@ def undo_step_mean(means: Array) -> Array:
     return np.fft.irfft(lines, n)
 
 
-@ignoring_underflow
 def band_limit(signal: Array, sample_rate_hz: float, band_hz: Edges = AUDIBLE_HZ) -> Array:
     """Limit a closed record to low <= f < high by a brick wall, and remove its mean.
 
@@ -78,7 +75,6 @@ def band_limit(signal: Array, sample_rate_hz: float, band_hz: Edges = AUDIBLE_HZ
     return limited
 
 
-@ignoring_underflow
 def resample_closed(signal: Array, n_out: int) -> Array:
     """Resample a closed record to another number of samples over the same period.
 
@@ -110,7 +106,6 @@ def resample_closed(signal: Array, n_out: int) -> Array:
     return np.fft.irfft(spectrum, n_out) * (n_out / n)
 
 
-@ignoring_underflow
 def interpolate_closed(signal: Array, index: Array) -> Array:
     """Interpolate a closed record between its samples.
 
@@ -138,7 +133,6 @@ def interpolate_closed(signal: Array, index: Array) -> Array:
     return values
 
 
-@ignoring_underflow
 def fade(signal: Array, n: int) -> Array:
     """Fade the first and last n samples of an open record to zero by a raised cosine.
 

@@ -48,7 +48,6 @@ _SAME_LINE = 1e-3  # lines; tones that are nearer are one
 Indices = NDArray[np.int_]
 
 
-@ignoring_underflow
 @dataclass(frozen=True)
 class VelocityBands:
     """Velocity of a bearing's ring in the three bands of ISO 15242-1.
@@ -76,7 +75,6 @@ class VelocityBands:
     uncertainty_db: dict[str, float]
 
 
-@ignoring_underflow
 def velocity_bands(velocity_m_s: Array, sample_rate_hz: float) -> VelocityBands:
     """Compute the rms velocity of a bearing's ring in the three bands of ISO 15242-1.
 
@@ -399,7 +397,6 @@ class NarrowSpectrum:
         return [with_pull(tone, tones) for tone in tones]
 
 
-@ignoring_underflow
 def narrow_spectrum(signal: Array, sample_rate_hz: float) -> NarrowSpectrum:
     """Compute the spectrum of a record under a Blackman-Harris window, with the rms of tones.
 
@@ -443,7 +440,6 @@ def narrow_spectrum(signal: Array, sample_rate_hz: float) -> NarrowSpectrum:
     return NarrowSpectrum(np.asarray(frequency_hz, dtype=float), rms)
 
 
-@ignoring_underflow
 def squared_envelope_spectrum(
     signal: Array,
     sample_rate_hz: float,

@@ -33,7 +33,6 @@ from acoustics.rectangular_plate import (
     polynomial_weights,
     tabulated_pressures,
 )
-from acoustics.traps import ignoring_underflow
 
 # A free plate hangs on, or lies on, something so soft that its rigid-body motions have this natural
 # frequency at most, and critical damping.
@@ -47,7 +46,6 @@ _SMALL_RAD = 6.0  # phase of sound along the diagonal of a plate that is small
 _BEYOND_TURN = 5.0  # cube roots of a phase by which a degree may exceed it
 
 
-@ignoring_underflow
 @dataclass(frozen=True, kw_only=True)
 class RitzPlate(RectangularPlate):
     """Thin rectangular plate with edges that are free, clamped or simply supported.

@@ -7,7 +7,6 @@ from acoustics.arrays import Array, refuse_masked
 from acoustics.bands import AUDIBLE_HZ, third_octave_mean_square
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S, Ball, ThinPlate, legendre
 from acoustics.spectrum import audible_lines
-from acoustics.traps import ignoring_underflow
 
 _NODES = 300  # of the quadrature over directions; 600 change no band by 1e-3 dB
 # The power per force is interpolated between these frequencies [Hz] ...
@@ -16,7 +15,6 @@ _GRID = np.geomspace(AUDIBLE_HZ[0], AUDIBLE_HZ[1], 300)
 _NEAR = np.geomspace(1e-4, 0.3, 100)
 
 
-@ignoring_underflow
 def plate_power_per_force(frequency_hz: ArrayLike, plate: ThinPlate, sides: int = 1) -> Array:
     """Return the power that a plate radiates to one side, per mean square of the force.
 
@@ -69,7 +67,6 @@ def plate_power_per_force(frequency_hz: ArrayLike, plate: ThinPlate, sides: int 
     return np.asarray(AIR_KG_M3 / (2 * np.pi * SOUND_M_S * m**2) * integral)
 
 
-@ignoring_underflow
 def ball_power_per_force(frequency_hz: ArrayLike, ball: Ball, plane: bool = True) -> Array:
     """Return the power that an oscillating ball radiates, per mean square of the force.
 
@@ -97,7 +94,6 @@ def ball_power_per_force(frequency_hz: ArrayLike, ball: Ball, plane: bool = True
     return np.asarray(free * image)
 
 
-@ignoring_underflow
 def band_power(force_n: ArrayLike, sample_rate_hz: float, source: ThinPlate | Ball) -> Array:
     """Return the sound power of plate or ball in each third octave.
 

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from acoustics.arrays import Array, real_array, short_repr, within
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.radiation import I_REF_W_M2, P_REF_PA, intensity
-from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
 
 MIN_RATE_HZ = 1e-6  # of samples
@@ -33,7 +32,6 @@ _MIN_FRAME = 16
 _ROUNDING = 1e-20  # share of the maximum density, as for levels
 
 
-@ignoring_underflow
 @dataclass(frozen=True)
 class Psd:
     """One-sided power spectral density of a record.
@@ -70,7 +68,6 @@ class Psd:
     enbw_hz: float
 
 
-@ignoring_underflow
 def checked_record(record: ArrayLike, sample_rate_hz: float, name: str = "signal") -> Array:
     """Return a record (n,) as an array of floats; refuse others, and rates outside the limits.
 
@@ -84,7 +81,6 @@ def checked_record(record: ArrayLike, sample_rate_hz: float, name: str = "signal
     return real_array(name, record, 1)
 
 
-@ignoring_underflow
 def line_spectrum(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
     """Compute the mean square of each spectral line.
 
@@ -124,7 +120,6 @@ def line_spectrum(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
     return frequency_hz, mean_square
 
 
-@ignoring_underflow
 def audible_lines(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
     """Return frequencies [Hz] and mean squares of the lines of a record from 20 Hz to 20 kHz."""
     frequency_hz, mean_square = line_spectrum(signal, sample_rate_hz)
@@ -132,7 +127,6 @@ def audible_lines(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
     return frequency_hz[audible], mean_square[audible]
 
 
-@ignoring_underflow
 def welch(signal: Array, sample_rate_hz: float) -> Psd:
     """Compute the power spectral density by Welch's method with Hann windows that overlap by half.
 
@@ -184,7 +178,6 @@ def welch(signal: Array, sample_rate_hz: float) -> Psd:
     return Psd(frequency_hz, psd, "hann", sample_rate_hz / segment, bandwidth_hz)
 
 
-@ignoring_underflow
 def equivalent_noise_bandwidth(window: Array, sample_rate_hz: float) -> float:
     """Return the equivalent noise bandwidth of a line of this window [Hz].
 
@@ -198,7 +191,6 @@ def equivalent_noise_bandwidth(window: Array, sample_rate_hz: float) -> float:
     return sample_rate_hz * float(np.sum(np.square(window)) / np.sum(window) ** 2)
 
 
-@ignoring_underflow
 def article_line_level_db(
     power_w: Array, sample_rate_hz: float, distance_m: float, q: float = 1.0
 ) -> tuple[Array, Array]:
@@ -255,7 +247,6 @@ def _lines(signal: Array, sample_rate_hz: float) -> tuple[Array, NDArray[np.comp
 # ---- density against time
 
 
-@ignoring_underflow
 @dataclass(frozen=True)
 class Spectrogram:
     """Level of the spectral density against time.
@@ -281,7 +272,6 @@ class Spectrogram:
     enbw_hz: float
 
 
-@ignoring_underflow
 def spectrogram(
     pressure_pa: Array, sample_rate_hz: float, highest_hz: float = math.inf, closed: bool = True
 ) -> Spectrogram:

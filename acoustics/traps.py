@@ -1,7 +1,10 @@
 """Public functions and classes that ignore underflow, whatever traps a caller has set.
 
 Numbers that are too small for a double become zero or lose digits, which no result depends on.
-`numpy.seterr(all="raise")` in the session of a caller would make errors of them.
+`numpy.seterr(all="raise")` in the session of a caller would make errors of them. The doors stand
+where a caller comes in: at the names of the package `acoustics` and the functions of its modules
+`plots` and `wav`, at the functions and the objects that `rolling` hands out, and at the tasks of
+processes. What they call stands behind them, and has none of its own.
 """
 
 from collections.abc import Callable, Iterator

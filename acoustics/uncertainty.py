@@ -23,7 +23,6 @@ from acoustics.arrays import Array, instance, real_array, truth, within
 from acoustics.bands import EDGES_HZ, third_octave_mean_square
 from acoustics.level import FAST_S, SLOW_S, RecordNumbers, SoundLevels, a_weighted
 from acoustics.spectrum import checked_record, line_spectrum
-from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
 
 _DB = 10.0 / math.log(10.0)
@@ -37,7 +36,6 @@ _FEWEST_IN_BAND = 16  # lines of a third octave whose excess variance is known
 _STUDENT = 1.32  # 68 % of Student's distribution with two degrees of freedom lie within it
 
 
-@ignoring_underflow
 @dataclass(frozen=True, repr=False)
 class LevelUncertainty(RecordNumbers):
     """Standard uncertainty of each level of `SoundLevels`, dB; None where the level is None.
@@ -81,7 +79,6 @@ class LevelUncertainty(RecordNumbers):
         return type(self)(**changed(whole), third_octave_db=bands)
 
 
-@ignoring_underflow
 def level_uncertainty(
     pressure_pa: Array,
     sample_rate_hz: float,
@@ -189,7 +186,6 @@ def level_uncertainty(
     )
 
 
-@ignoring_underflow
 def steady_uncertainty_db(power: Array, sample_rate_hz: float) -> float | None:
     """Return the standard uncertainty of the level of a mean power, from its density at 0 Hz [dB].
 
@@ -216,7 +212,6 @@ def steady_uncertainty_db(power: Array, sample_rate_hz: float) -> float | None:
     return _DB * math.sqrt(float(low.mean()) / 2.0) / mean
 
 
-@ignoring_underflow
 def record_scatter_db(
     pressure_pa: Array, sample_rate_hz: float, weighted: bool = True
 ) -> float | None:
@@ -247,7 +242,6 @@ class ExcessVariance(NamedTuple):
     third_octave: Array
 
 
-@ignoring_underflow
 def excess_variance(pressure_pa: Array, sample_rate_hz: float) -> ExcessVariance:
     """Return how much more the mean squares of a closed record vary than those of Gaussian noise.
 
@@ -303,7 +297,6 @@ def with_excess(spreads: LevelUncertainty, excess: ExcessVariance) -> LevelUncer
     return replace(widened_by_laeq, level_db=level_db, third_octave_db=bands)
 
 
-@ignoring_underflow
 def widened(spreads: LevelUncertainty, laeq_db: float | None) -> LevelUncertainty:
     """Return uncertainties that are widened by one factor, LAeq to at least a value [dB]."""
     if laeq_db is None or not spreads.laeq_db or laeq_db <= spreads.laeq_db:
@@ -385,7 +378,6 @@ def _over_largest(record: Array) -> Array:
     return record / largest
 
 
-@ignoring_underflow
 def kurtosis(record: Array) -> float:
     """Return the mean fourth power over the square of the mean square; NaN for silence.
 
@@ -411,7 +403,6 @@ def kurtosis(record: Array) -> float:
     return float(np.mean(np.square(square)) / np.mean(square) ** 2)
 
 
-@ignoring_underflow
 def kurtosis_uncertainty(record: Array) -> float:
     """Return the standard uncertainty of the kurtosis of Gaussian noise with a record's spectrum.
 

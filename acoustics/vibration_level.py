@@ -13,7 +13,6 @@ from acoustics.arrays import Array, positive, short_repr
 from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.level import level_db, peak_pressure
 from acoustics.spectrum import checked_record, line_spectrum
-from acoustics.traps import ignoring_underflow
 
 # An octave has the third octave of its name and both neighbours; that of 20 Hz belongs to none.
 OCTAVE_NAMES: tuple[str, ...] = BAND_NAMES[2::3]
@@ -43,7 +42,6 @@ REFERENCES: dict[str, Reference] = {
 """Unit and reference value of each quantity (ISO 1683:2015)."""
 
 
-@ignoring_underflow
 @dataclass(frozen=True)
 class VibrationLevels:
     """Levels of one record of vibration or force; None where nothing moves or is known.
@@ -85,7 +83,6 @@ class VibrationLevels:
         return REFERENCES[self.quantity]
 
 
-@ignoring_underflow
 def vibration_levels(
     signal: Array, sample_rate_hz: float, quantity: str, highest_hz: float = math.inf
 ) -> VibrationLevels:

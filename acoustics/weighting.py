@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from acoustics.arrays import Array, real_array
-from acoustics.traps import ignoring_underflow
 
 _HIGHEST_HZ = 1e15  # beyond hearing by far; its powers stay finite
 # IEC 61672-1:2013, annex E: the poles follow from these four frequencies in Hz and D = sqrt(1/2).
@@ -43,7 +42,6 @@ def _response(frequency_hz: ArrayLike) -> Array:
 _RESPONSE_1KHZ = float(_response(_REFERENCE))
 
 
-@ignoring_underflow
 def a_weighting_db(frequency_hz: ArrayLike) -> Array:
     """Return the A-weighting: 0 dB at 1 kHz exactly, -inf at 0 Hz.
 

@@ -12,6 +12,7 @@ Examples
 >>> right = rolling.plot.contact_pressure(run, ax=ax[1])
 """
 
+from acoustics.traps import ignoring_underflow
 from rolling.figures.article import max_level_over_load, spectra_over_load
 from rolling.figures.channels import (
     channel_envelope,
@@ -33,3 +34,6 @@ __all__ = [
     "places", "power_density", "recovery_events", "release_power", "running_in", "sources",
     "spectra_over_load", "spectrogram", "spectrum", "surface", "third_octaves", "wavelengths",
 ]  # fmt: skip
+
+for _name in __all__:
+    globals()[_name] = ignoring_underflow(globals()[_name])

@@ -11,7 +11,6 @@ from functools import lru_cache
 import numpy as np
 
 from acoustics.arrays import positive
-from acoustics.traps import ignoring_underflow
 
 # Smallest and largest length, load, modulus and so on in SI: their powers and products stay finite.
 MIN_SIZE = 1e-50
@@ -26,7 +25,6 @@ def _size(name: str, value: float) -> float:
     return number
 
 
-@ignoring_underflow
 def contact_modulus(
     youngs_modulus: float,
     poissons_ratio: float,
@@ -71,7 +69,6 @@ def contact_modulus(
     return 1 / compliance
 
 
-@ignoring_underflow
 def hertz_radius(load: float, radius: float, contact_modulus: float) -> float:
     """Return the contact radius of a smooth elastic sphere: a^3 = 3 W R / (4 E*).
 
@@ -101,7 +98,6 @@ def hertz_radius(load: float, radius: float, contact_modulus: float) -> float:
     return float((3 * load * radius / (4 * contact_modulus)) ** (1 / 3))
 
 
-@ignoring_underflow
 def hertz_pressure(load: float, radius: float, contact_modulus: float) -> float:
     """Return the maximum contact pressure of a smooth elastic sphere: p0 = 3 W / (2 pi a^2).
 
@@ -125,7 +121,6 @@ def hertz_pressure(load: float, radius: float, contact_modulus: float) -> float:
     return float(3 * load / (2 * np.pi * contact_radius**2))
 
 
-@ignoring_underflow
 def hertz_approach(load: float, radius: float, contact_modulus: float) -> float:
     """Return the approach of a smooth elastic sphere: a^2 / R.
 
@@ -148,7 +143,6 @@ def hertz_approach(load: float, radius: float, contact_modulus: float) -> float:
     return hertz_radius(load, radius, contact_modulus) ** 2 / radius
 
 
-@ignoring_underflow
 def hertz_ellipse(radius: float, radius_across: float) -> tuple[float, float, float]:
     """Return the sphere that bears a load like a body of two radii, and the shape of its contact.
 
@@ -205,7 +199,6 @@ def _ellipse(radius: float, radius_across: float) -> tuple[float, float, float]:
     return equivalent, along, along * math.exp(log_k)
 
 
-@ignoring_underflow
 def hertz_force(energy: float, radius: float, contact_modulus: float) -> float:
     """Return the force of a smooth elastic sphere that stores an energy: U = 2/5 F a^2 / R.
 
@@ -235,7 +228,6 @@ def hertz_force(energy: float, radius: float, contact_modulus: float) -> float:
     return float((2.5 * energy) ** 0.6 * (16 / 9 * radius * contact_modulus**2) ** 0.2)
 
 
-@ignoring_underflow
 def hertz_impact_time(mass: float, speed: float, radius: float, contact_modulus: float) -> float:
     """Return the time of an elastic impact on a rigid base: 2.8683 (m^2 / (R E*^2 v))^(1/5).
 
@@ -263,7 +255,6 @@ def hertz_impact_time(mass: float, speed: float, radius: float, contact_modulus:
     return float(2.8683 * (mass**2 / (stiffness * speed)) ** 0.2)
 
 
-@ignoring_underflow
 def smooth_release_power(load: float, speed: float, radius: float, contact_modulus: float) -> float:
     """Return the release power of a smooth elastic rolling sphere: 3 W v a / (16 R).
 
@@ -298,7 +289,6 @@ def smooth_release_power(load: float, speed: float, radius: float, contact_modul
     return 3 * load * _size("speed", speed) * contact_radius / (16 * radius)
 
 
-@ignoring_underflow
 def left_end_excess(step: float, contact_radius: float) -> float:
     """Return the relative excess of the left-end release rule over the mean rule.
 

@@ -13,7 +13,6 @@ from matplotlib.axes import Axes
 from acoustics import plots
 from acoustics.plot_style import NOTHING_DB, PER_OCTAVE, Lines, curve_style, error_bars
 from acoustics.spectrum import article_line_level_db
-from acoustics.traps import ignoring_underflow
 from rolling.figures import picture, sweep
 from rolling.figures.picture import axes_of, compared, finish, subject
 from rolling.results.labels import SEED
@@ -44,7 +43,6 @@ def runs_by_surface(runs: Sequence[Run]) -> list[tuple[str, list[Run]]]:
 # ---- figure 9
 
 
-@ignoring_underflow
 def max_level_over_load(runs: Iterable[Run], ax: Axes | None = None) -> Axes:
     """Plot the maximum A-weighted line of the released power of runs against their load.
 
@@ -114,7 +112,6 @@ def max_level_table(runs: Sequence[Run]) -> pd.DataFrame:
 # ---- figure 8
 
 
-@ignoring_underflow
 def spectra_over_load(runs: Iterable[Run], ax: Axes | None = None) -> Axes:
     """Plot the A-weighted lines of the released power of runs, a curve for each load.
 

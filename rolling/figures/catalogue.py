@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 from matplotlib.axes import Axes
 from pandas import DataFrame
 
-from acoustics.traps import ignoring_underflow
 from rolling.ball.scene_surface import scene_surface
 from rolling.figures import (
     article,
@@ -229,7 +228,6 @@ def write_figures(runs: Sequence[Run], folder: Path) -> list[Path]:
     return plot_run(runs, names, out=folder / "figures")
 
 
-@ignoring_underflow
 def plot_run(
     runs: Run | Iterable[Run], names: Sequence[str] = (), form: str = "png", out: Path | str = "."
 ) -> list[Path]:

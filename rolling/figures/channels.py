@@ -10,7 +10,6 @@ from acoustics import plots
 from acoustics.arrays import instance
 from acoustics.bands import BAND_NAMES, MID_HZ, NOMINAL_HZ
 from acoustics.plot_style import Lines, curve_style, gridded
-from acoustics.traps import ignoring_underflow
 from acoustics.vibration_level import REFERENCES
 from rolling.figures.picture import axes_of, duration_text, finish
 from rolling.results.channels import Channel
@@ -20,7 +19,6 @@ MOST_HZ = 200.0  # of the modulations that are drawn
 _ISO = "reference values of ISO 1683 stand behind the names"
 
 
-@ignoring_underflow
 def channel_third_octaves(run: Run, ax: Axes | None = None) -> Axes:
     """Plot third-octave levels of the channels of a run, without weighting.
 
@@ -76,7 +74,6 @@ def channel_third_octave_table(run: Run) -> pd.DataFrame:
     return pd.concat(frames, ignore_index=True)
 
 
-@ignoring_underflow
 def channel_spectrum(run: Run, ax: Axes | None = None) -> Axes:
     """Plot narrow bands of the channels of a run: densities by Welch's method.
 
@@ -135,7 +132,6 @@ def channel_spectrum_table(run: Run) -> pd.DataFrame:
     return pd.concat(frames, ignore_index=True).replace(-np.inf, np.nan)
 
 
-@ignoring_underflow
 def channel_envelope(run: Run, ax: Axes | None = None) -> Axes:
     """Plot the envelope spectra of the channels of a run, each of its octave with the most power.
 

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from acoustics.arrays import Array, instance
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS
-from acoustics.traps import ignoring_underflow
 from rolling.ball import scene_surface
 from rolling.figures.picture import axes_of, finish, listed, number
 from rolling.marches.observers import Snapshot
@@ -38,7 +37,6 @@ _LEAST_UM = 1e-3  # end of a scale of heights; it hides the rounding of a smooth
 # ---- surfaces
 
 
-@ignoring_underflow
 def surface(shown: Run | Scene, ax: Axes | None = None) -> Axes:
     """Plot the heights that the ball rolls over as a map, with a colour bar.
 
@@ -79,7 +77,6 @@ def surface(shown: Run | Scene, ax: Axes | None = None) -> Axes:
     return finish(ax, f"{name}: {title}", facts)
 
 
-@ignoring_underflow
 def ball_surface(shown: Run | Scene, ax: Axes | None = None) -> Axes:
     """Plot the heights of a ball along its rolling line as a map, with a colour bar.
 
@@ -190,7 +187,6 @@ def _fault_text(faults: Sequence[SurfaceFault], x: float) -> str:
 # ---- contact
 
 
-@ignoring_underflow
 def contact_pressure(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> Axes:
     """Plot the contact pressure at the snapshot of a run as a map, with a colour bar.
 
@@ -321,7 +317,6 @@ def _draw_map(
     ax.set(xlabel="along the track [µm]", ylabel="across [µm]")
 
 
-@ignoring_underflow
 def recovery_events(run: Run, ax: Axes | None = None) -> Axes:
     """Plot the distribution of the recovery events of a run over their energy.
 

@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, MaxNLocator
 
 from acoustics.plot_style import curve_style, error_bars
-from acoustics.traps import ignoring_underflow
 from rolling.figures import picture, sweep
 from rolling.figures.picture import axes_of, compared, finish, subject
 from rolling.results.labels import SEED
@@ -42,7 +41,6 @@ _FAST_MAXIMUM = _Quantity(
 )
 
 
-@ignoring_underflow
 def levels(runs: Iterable[Run], key: str | None = None, ax: Axes | None = None) -> Axes:
     """Plot the vibration and the released power of runs against a swept key or another number.
 

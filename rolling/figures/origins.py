@@ -12,7 +12,6 @@ from acoustics.arrays import instance
 from acoustics.modulation import envelope_spectrum
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, MARKERS
-from acoustics.traps import ignoring_underflow
 from rolling.figures.picture import axes_of, distance_text, duration_text, finish, level_of
 from rolling.numbers import views
 from rolling.numbers.ball_numbers import DB_A, PassNumbers
@@ -25,7 +24,6 @@ MULTIPLES = 10  # of the turn's frequency that are shown and marked
 # ---- waves of the surface
 
 
-@ignoring_underflow
 def wavelengths(run: Run, ax: Axes | None = None) -> Axes:
     """Plot the share of each octave of roughness wavelength in the A-weighted energy of a run.
 
@@ -127,7 +125,6 @@ def wavelength_table(run: Run) -> pd.DataFrame:
 # ---- turns of the sphere
 
 
-@ignoring_underflow
 def modulation(run: Run, ax: Axes | None = None) -> Axes:
     """Plot the envelope spectrum of the octave of a run that the turns of the sphere modulate most.
 
@@ -209,7 +206,6 @@ def _heard_turns(run: Run) -> HeardTurns:
 # ---- passes over a plate that remembers
 
 
-@ignoring_underflow
 def running_in(run: Run, ax: Axes | None = None) -> Axes:
     """Plot level, release, plastic work and depth of the passes of a run over the first pass.
 

@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from acoustics.arrays import Array
 from acoustics.numbers import micrometres, rounded
 from acoustics.plot_style import curve_style
-from acoustics.traps import ignoring_underflow
 from rolling.ball.records import smooth_contact_of
 from rolling.ball.scene_surface import heights
 from rolling.figures import picture
@@ -30,7 +29,6 @@ _HIDDEN = 0.002  # of the heights at either end, which have no colour of their o
 _LEAST_UM = 1e-3  # end of a scale of heights; it hides the rounding of a smooth surface
 
 
-@ignoring_underflow
 def places(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     """Plot the level of each patch of the track of runs, above the heights under the track.
 

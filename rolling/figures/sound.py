@@ -17,7 +17,6 @@ from acoustics.plot_style import COLOURS, DENSE, Lines, envelope, unit_prefix
 from acoustics.radiation import P_REF_PA
 from acoustics.spectrum import Spectrogram, line_spectrum, welch
 from acoustics.spectrum import spectrogram as spectrogram_of
-from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
 from rolling.figures import picture
 from rolling.figures.picture import axes_of, compared, finish, listed, subject
@@ -33,7 +32,6 @@ _Levels = Mapping[str, float | None]
 # ---- runs compared
 
 
-@ignoring_underflow
 def third_octaves(
     runs: Run | Iterable[Run], ax: Axes | None = None, a_weighted: bool = False
 ) -> Axes:
@@ -130,7 +128,6 @@ def third_octave_a_table(runs: Sequence[Run]) -> pd.DataFrame:
     return third_octave_table(runs, a_weighted=True)
 
 
-@ignoring_underflow
 def spectrum(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     """Plot A-weighted line spectra of the sound pressure of runs.
 
@@ -164,7 +161,6 @@ def spectrum(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     )
 
 
-@ignoring_underflow
 def power_density(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     """Plot power spectral densities of the sound pressure of runs, by Welch's method.
 
@@ -237,7 +233,6 @@ def _spectrum(
 # ---- a run over time
 
 
-@ignoring_underflow
 def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> Axes:
     """Plot the release power of a run over time, with its mean.
 
@@ -312,7 +307,6 @@ def release_power_table(run: Run) -> pd.DataFrame:
     return pd.DataFrame({"time_s": run.sound.time, "release_power_w": run.sound.power})
 
 
-@ignoring_underflow
 def spectrogram(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> Axes:
     """Plot the spectrogram of the sound pressure of a run, with a colour bar.
 

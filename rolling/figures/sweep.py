@@ -17,7 +17,6 @@ from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ, NOMINAL_HZ
 from acoustics.numbers import rounded
 from acoustics.plot_style import LINE_STYLES, band_ticks, curve_style, error_bars
 from acoustics.texts import printable
-from acoustics.traps import ignoring_underflow
 from rolling.figures import picture
 from rolling.figures.picture import MAX_NAMED, axes_of, compared, finish, subject
 from rolling.figures.settings import left_out_if_it_fails
@@ -45,7 +44,6 @@ _MAX_CELLS = 100  # of a map whose numbers are written in it
 # ---- figures of runs
 
 
-@ignoring_underflow
 def contact_areas(runs: Iterable[Run], key: str | None = None, ax: Axes | None = None) -> Axes:
     """Plot the mean contact area and plastic area of runs against a number of their scenes.
 
@@ -87,7 +85,6 @@ def contact_areas(runs: Iterable[Run], key: str | None = None, ax: Axes | None =
     return finish(ax, f"Contact areas against {x_quantity(ax)}: {subject(shown)}", facts)
 
 
-@ignoring_underflow
 def mean_third_octaves(runs: Iterable[Run], ax: Axes | None = None) -> Axes:
     """Plot the mean A-weighted third octaves of runs that differ in their seed alone.
 

@@ -13,7 +13,6 @@ from acoustics.bands import BAND_NAMES
 from acoustics.numbers import rounded
 from acoustics.plot_style import unit_prefix
 from acoustics.plots import COLOURS, third_octaves
-from acoustics.traps import ignoring_underflow
 from rolling.ball.records import smooth_contact_of
 from rolling.ball.scene_surface import scene_surface
 from rolling.figures.picture import axes_of, duration_text, finish, number
@@ -54,7 +53,6 @@ def _draw_columns(ax: Axes, table: pd.DataFrame, labels: dict[str, str]) -> None
 # ---- sources side by side
 
 
-@ignoring_underflow
 def sources(run: Run, ax: Axes | None = None) -> Axes:
     """Plot the third octaves of vibration, release and sound power of a run with dynamics.
 
@@ -161,7 +159,6 @@ def _falls(run: Run) -> bool:
 # ---- contact force
 
 
-@ignoring_underflow
 def contact_force(run: Run, ax: Axes | None = None) -> Axes:
     """Plot the contact force over the load of a run with dynamics against time.
 
@@ -241,7 +238,6 @@ def contact_force_table(run: Run) -> pd.DataFrame:
 # ---- contact filter
 
 
-@ignoring_underflow
 def contact_filter(run: Run, ax: Axes | None = None) -> Axes:
     """Plot surface and approach of a run over wavelength, and their difference, the filter.
 
@@ -316,7 +312,6 @@ def contact_filter_table(run: Run) -> pd.DataFrame:
 # ---- mobilities
 
 
-@ignoring_underflow
 def mobilities(run: Run, ax: Axes | None = None) -> Axes:
     """Plot the mobilities of sphere, contact and plate of a run, with the resonance marked.
 
