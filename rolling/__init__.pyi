@@ -20,9 +20,6 @@ from rolling.contact.solver import ContactError as ContactError
 from rolling.contact.state import ContactState as ContactState
 from rolling.contact.state import RollingContact as RollingContact
 from rolling.heights.measured import HeightArray as HeightArray
-from rolling.interface.bearings import open_bearing as open_bearing
-from rolling.interface.bearings import save_bearing as save_bearing
-from rolling.interface.bearings import simulate_bearing as simulate_bearing
 from rolling.interface.choices import choose as choose
 from rolling.interface.choices import coarsest_below as coarsest_below
 from rolling.interface.choices import sensitivities as sensitivities

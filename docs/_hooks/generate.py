@@ -106,9 +106,9 @@ def keys_of(section: str) -> str:
 
 
 def _schema() -> Json:
-    from rolling.scene.file import schema
+    from rolling.kinds.reading import schema
 
-    return schema()
+    return schema("ball")
 
 
 def _bearing_schema() -> Json:

@@ -12,6 +12,7 @@ from acoustics.texts import printable
 from rolling.check import refusals
 from rolling.check.findings import Findings, check_scene, conclusion
 from rolling.check.in_short import lines_in_short
+from rolling.heights.measured import with_copy
 from rolling.kinds.kind import Each, Kind, Read
 from rolling.kinds.march import March, MarchStore
 from rolling.kinds.run_folder import LISTEN, RESULT, RunFolder
@@ -28,7 +29,6 @@ from rolling.run.taken import OTHER_CONTACT, TakenMarches
 from rolling.scene import file
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.surface.measured import with_copy
 from rolling.terminal import progress
 from rolling.terminal.files import FolderError
 
@@ -46,11 +46,11 @@ class ResultsOfRuns(MarchStore):
     def __init__(self, by_identity: Mapping[str, RunFolder]) -> None:
         self._by_identity = by_identity
 
-    def begin(self, march: March, identity: str) -> Result:
-        """Return the result with which a run begins: empty, or with the march of another run."""
+    def begin(self, march: March, identity: str) -> Result | None:
+        """Return the march of another run with which a run begins; None without one."""
         source = self._by_identity.get(identity)
         if source is None:
-            return Result.empty(march.scene)
+            return None
         result = result_file.read_result(source.folder / RESULT, source.scene)
         film = result.slow_motion
         if film is not None and len(film.positions) == 0:
@@ -104,7 +104,8 @@ class BallOnPlate(Kind):
 
     def kept_scene(self, scene: Scene, folder: Path) -> Scene:
         """Return the scene as a folder keeps it, which gets a copy of heights in memory."""
-        return with_copy(scene.with_auto_steps(), folder)
+        kept: Scene = with_copy(scene.with_auto_steps(), folder)
+        return kept
 
     # ---- marches
 

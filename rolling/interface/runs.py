@@ -33,7 +33,6 @@ from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.swept import SweptScene
-from rolling.surface.measured import HeightArray
 from rolling.terminal import defaults
 from rolling.terminal import progress as terminal
 from rolling.terminal.files import write_temporary

@@ -15,7 +15,6 @@ from rolling.kinds.run_folder import RunFolder
 from rolling.scene.swept import SweptScene
 
 if TYPE_CHECKING:  # a scene is read without the solver
-    from rolling.check.findings import Findings
     from rolling.kinds.march import March, MarchStore
 
 Read = Callable[[RunFolder, str], Any]  # a run that is done, under a label
@@ -76,15 +75,15 @@ class Kind(ABC):
         """
 
     @abstractmethod
-    def check(self, scene: Any, solve: bool = True) -> Findings:
+    def check(self, scene: Any, solve: bool = True) -> Any:
         """Judge all runs of a scene before anything is computed; solve a contact if asked to."""
 
     @abstractmethod
-    def conclusion(self, scene: Any, findings: Findings) -> str:
+    def conclusion(self, scene: Any, findings: Any) -> str:
         """State in a sentence how long a scene takes, and with which verdict at best."""
 
     @abstractmethod
-    def lines_in_short(self, scene: Any, findings: Findings) -> list[str]:
+    def lines_in_short(self, scene: Any, findings: Any) -> list[str]:
         """Return the conclusion of a check, and the lines that a person reads first."""
 
     @abstractmethod

@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any, NamedTuple
 
-from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 
 
@@ -46,12 +45,12 @@ class MarchStore(ABC):
         """Return what is kept of a whole march of a contact identity; None where it is lacking."""
         return None
 
-    def begin(self, march: March, identity: str) -> Result:
-        """Return the result with which a march begins, which may hold pieces of other runs."""
-        return Result.empty(march.scene)
+    def begin(self, march: March, identity: str) -> Any | None:
+        """Return the result of other runs with which a march begins; None for an empty one."""
+        return None
 
     @abstractmethod
-    def keep(self, march: March, identity: str, result: Result) -> Any:
+    def keep(self, march: March, identity: str, result: Any) -> Any:
         """Return what the run needs of a whole march, and write it where it is to last.
 
         Raises

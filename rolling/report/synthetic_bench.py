@@ -25,8 +25,6 @@ from rolling.run.solving import open_runs, solve_folder
 from rolling.scene import library
 from rolling.scene.file import read_as
 from rolling.scene.scene import Scene
-from rolling.surface.measured import write
-from rolling.surface.scene_surface import heights
 from rolling.terminal import progress
 from rolling.terminal.files import FolderError, write_bytes
 

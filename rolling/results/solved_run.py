@@ -18,7 +18,6 @@ from rolling.ball.scene_surface import scene_surface
 from rolling.contact.recovery import EventStatistics, event_statistics
 from rolling.kinds.run_folder import RunFolder
 from rolling.marches.march_variables import STATE_SERIES, STEP_SERIES
-from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result, released_energy
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.quantity import Quantity

@@ -23,7 +23,6 @@ from rolling.run.backlog import Backlog
 from rolling.run.pools import Pool, Task
 from rolling.run.worker import KILLED, MAX_BREAKS, finish_run, first_sound, solve_piece
 from rolling.scene.messages import SceneError
-from rolling.surface import scene_surface
 from rolling.terminal import progress, shortage
 
 POLL_SECONDS = 0.5  # between two polls of the pool
@@ -248,7 +247,8 @@ class RunLoop:
             if not own.runs:  # they have failed
                 self._forget(number)
                 continue
-            self._results[number] = self._store.begin(own.march, own.identity)
+            begun = self._store.begin(own.march, own.identity)
+            self._results[number] = Result.empty(own.march.scene) if begun is None else begun
             self._plan(number)
 
     def _plan(self, number: int) -> None:

@@ -28,7 +28,6 @@ if __name__ == "__main__":
 
 import numpy as np
 from against_peers import SEQUENCES, loosest, ours, quickest, theirs
-from rolling.surface.contact_of_scene import rolling_contact
 from whole_run import scene_20_n
 
 from rolling.ball.contact_of_scene import rolling_contact
@@ -38,7 +37,6 @@ from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import ContactState, RollingContact, Window
 from rolling.marches.march_variables import STATE_SERIES, STEP_SERIES
-from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 
 HERE = Path(__file__).parent
 REFERENCE_TOLERANCE = 1e-8

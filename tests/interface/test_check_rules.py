@@ -22,8 +22,9 @@ from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
+from rolling.kinds.reading import read_scene
 from rolling.scene import grid_error
-from rolling.scene.file import loads, read_scene
+from rolling.scene.file import loads
 from rolling.scene.identity import contact_keys
 from rolling.scene.scene import Scene
 

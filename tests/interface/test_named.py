@@ -9,10 +9,11 @@ import pytest
 from checked import checked
 
 from rolling import Scene, SceneError, read_scene
+from rolling.kinds.reading import schema
 from rolling.kinds.run_folder import RunFolder
 from rolling.results.labels import labels
 from rolling.scene import library
-from rolling.scene.file import dump, loads, schema
+from rolling.scene.file import dump, loads
 from rolling.scene.identity import contact_keys, scene_identity
 from rolling.scene.surfaces import Gaussian
 
@@ -168,10 +169,10 @@ def test_a_wrong_name_is_one_message(changes: dict[str, Any], message: str) -> N
 
 
 def test_editors_accept_a_name_in_place_of_its_values() -> None:
-    plate = schema()["$defs"]["Plate"]
+    plate = schema("ball")["$defs"]["Plate"]
     assert plate["anyOf"][0] == {"required": ["material"]}
     assert plate["required"] == []
-    gaussian = schema()["$defs"]["Gaussian"]
+    gaussian = schema("ball")["$defs"]["Gaussian"]
     assert gaussian["required"] == ["spacing_um", "width_um", "seed"]
 
 

@@ -30,11 +30,12 @@ from rolling import plot
 from rolling.figures.catalogue import comparing_pictures
 from rolling.figures.picture import picture as picture_of
 from rolling.figures.topography import topography
+from rolling.kinds.reading import read_scene
 from rolling.numbers.ball_numbers import TurnNumbers
 from rolling.report import film
 from rolling.report.charts import chart_of
 from rolling.results.run_result import Run
-from rolling.scene.file import loads, read_scene
+from rolling.scene.file import loads
 from rolling.surface.parameters import parameters
 
 
@@ -249,7 +250,8 @@ from scene_text import TINY
 variables, place = dict(os.environ), os.getcwd()
 from rolling import plot
 from rolling.figures.picture import picture
-from rolling.scene.file import loads, read_scene
+from rolling.scene.file import loads
+from rolling.kinds.reading import read_scene
 
 draw = partial(plot.surface, loads(TINY))
 print(hashlib.sha256(picture("surface", draw).file("png")).hexdigest())

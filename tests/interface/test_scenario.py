@@ -10,7 +10,8 @@ from typing import get_args
 import pytest
 from scene_text import PLAIN, SCENES, TEXT
 
-from rolling.scene.file import loads, read_scene
+from rolling.kinds.reading import read_scene
+from rolling.scene.file import loads
 from rolling.scene.laws import AUTOCORRELATIONS
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian

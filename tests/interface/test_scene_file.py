@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from ruamel.yaml import YAML
 from scene_text import PLAIN, SCENES, TEXT, faults
 
-from rolling.scene.file import RESOUND_KEYS, dump, loads, read_scene, resound, schema
+from rolling.kinds.reading import read_scene, schema
+from rolling.scene.file import RESOUND_KEYS, dump, loads, resound
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
@@ -231,7 +232,7 @@ def test_resound_refusals() -> None:
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda p: p.stem)
 def test_schema_knows_the_keys_of_the_scenes(path: Path) -> None:
-    root = schema()
+    root = schema("ball")
     assert root["$schema"] == "https://json-schema.org/draft/2020-12/schema"
     assert root["additionalProperties"] is False and "name" in root["required"]
     for data in (YAML(typ="safe").load(path.read_text()), read_scene(path).to_dict()):
@@ -245,7 +246,7 @@ def test_schema_knows_the_keys_of_the_scenes(path: Path) -> None:
 
 
 def test_schema_describes_every_key() -> None:
-    root = schema()
+    root = schema("ball")
     for section in root["$defs"].values():
         assert section["additionalProperties"] is False
         for name, key in section["properties"].items():

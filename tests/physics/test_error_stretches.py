@@ -16,13 +16,14 @@ from rolling.ball.contact_of_scene import rolling_contact
 from rolling.ball.scene_surface import has_detail, heights
 from rolling.check import error_cost
 from rolling.check.error_cost import LEVELS
+from rolling.kinds.reading import read_scene
 from rolling.marches import error_stretches
 from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import next_pieces
 from rolling.marches.piece import Piece, contact_identity
 from rolling.marches.result import Result
 from rolling.results import run_lines
-from rolling.scene.file import loads, read_scene
+from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 from rolling.sound.error_estimate import (
     LevelErrors,

@@ -13,7 +13,8 @@ from scene_text import SCENES
 from acoustics import resampling
 from rolling.check import resolution
 from rolling.contact import closed_forms
-from rolling.scene.file import loads, read_scene
+from rolling.kinds.reading import read_scene
+from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
 from rolling.studies import lee2025 as reproduce
 

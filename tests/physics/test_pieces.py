@@ -20,6 +20,7 @@ from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
+from rolling.kinds.reading import read_scene
 from rolling.marches import march_piece as marching
 from rolling.marches.march_piece import march_piece
 from rolling.marches.march_variables import STATE_SERIES, STEP_SERIES
@@ -27,7 +28,7 @@ from rolling.marches.next_pieces import next_pieces
 from rolling.marches.piece import PIECE_STEPS, Piece, contact_identity
 from rolling.marches.result import Result
 from rolling.results.numbers import joint_error
-from rolling.scene.file import loads, read_scene
+from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 
 SHORT = ("rolling.load_n=0.3", "rolling.duration_s=0.0088", "surface.width_um=96")  # 440 steps

@@ -245,9 +245,9 @@ def test_a_damaged_piece_is_marched_again(damage: bytes | str, scene: Path, tmp_
 
 def test_a_strange_piece_is_not_read(scene: Path, tmp_path: Path) -> None:
     """Names, types and shapes are judged first: one that states a terabyte is marched again."""
+    from rolling.kinds.reading import read_scene
     from rolling.marches.next_pieces import next_pieces
     from rolling.marches.result import Result
-    from rolling.scene.file import read_scene
 
     single = read_scene(scene)
     (piece,) = next_pieces(single, Result.empty(single))

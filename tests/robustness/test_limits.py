@@ -19,8 +19,9 @@ import rolling
 from rolling import cli
 from rolling.bearing_run import simulation
 from rolling.check import cost, findings, refusals
+from rolling.kinds.reading import read_scene
 from rolling.run.executor import RunLoop
-from rolling.scene.file import loads, read_scene
+from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
 
 

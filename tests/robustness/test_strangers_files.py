@@ -19,9 +19,10 @@ from finished import run_of
 from scene_text import TINY
 
 from rolling import cli, open_run
+from rolling.kinds.reading import read_scene
 from rolling.marches.piece import contact_identity
 from rolling.results.run_result import write_run
-from rolling.scene.file import loads, read_scene
+from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
 from rolling.terminal.files import FolderError, write_bytes
 
