@@ -21,7 +21,7 @@ from rolling.scene.yaml_text import parse, read_text
 
 USUAL = "ball"
 SCENE_TYPES: Mapping[str, type[SweptScene]] = {USUAL: Scene, "bearing": BearingScene}
-MODULES = {USUAL: "rolling.built_in.ball_on_plate", "bearing": "rolling.built_in.bearing"}
+MODULES = {USUAL: "rolling.built_in.rolling_ball", "bearing": "rolling.built_in.bearing"}
 _added: dict[str, Kind] = {}
 
 

@@ -63,7 +63,7 @@ class ResultsOfRuns(MarchStore):
         return own_part(march.scene, result, march.film)
 
 
-class BallOnPlate(Kind):
+class RollingBall(Kind):
     """A ball that rolls over a rough plate under a load, or falls on it."""
 
     name = NAME
@@ -261,4 +261,4 @@ class BallOnPlate(Kind):
         command.print_choice(choice)
 
 
-KIND = BallOnPlate()
+KIND = RollingBall()
