@@ -13,9 +13,9 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.loss_factors import least_loss_factor
 from acoustics.numbers import rounded, si
-from acoustics.radiation import Body, axis_transfer
+from acoustics.radiation import axis_transfer
 from acoustics.weighting import a_weighting_db
-from rolling.ball.records import bodies_of, plate_of
+from rolling.ball.records import bodies_of, listener_of, plate_of
 from rolling.ball.scene_surface import heights
 from rolling.check.finding import Finding
 from rolling.check.force_estimate import contact_axes, mean_heights
@@ -32,6 +32,7 @@ from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.scene import Scene
 from rolling.scene.sections import loss_text
 from rolling.scene.surfaces import HeightFile
+from rolling.sound.radiators import sources
 
 KEY = "comb"  # of the finding
 _SPEEDS_OF_MODES = 20  # a plate with modes is slow to compute
@@ -173,9 +174,7 @@ def _weighted_gain(scene: Scene, chain: Chain, frequency: Array) -> Array:
     force = chain.force(frequency, np.ones(len(frequency)))
     plate = plate_of(scene.plate).with_edges
     if plate is None:
-        bodies: list[Body] = [plate_of(scene.plate).ground]
-        if scene.sound.ball:
-            bodies.append(bodies_of(scene).ball)
+        bodies = sources(bodies_of(scene), listener_of(scene))
         parts = [axis_transfer(frequency, body, scene.sound.distance_m) for body in bodies]
         transfer = np.sum(parts, axis=0)
     else:

@@ -248,22 +248,14 @@ def contact_sound(
 
     Parameters
     ----------
-    release_energy : (steps,) array, J
-        Energy of each step.
-    step : float, m
-        Length of a step.
-    motion : Motion
-        Distance and speed over time.
-    listener : Listener
-        Listener of the released power.
-    tolerance : float
-        Tolerance of the solver that the energy was solved with.
-    closed : bool
-        If true, the steps are whole laps of the track.
-    lap_steps : int, optional
-        Steps after which the release repeats. Default: it does not repeat.
-    has_seam : bool
-        If true, the step from the end of the surface to its beginning stands out. Default: false.
+    release_energy : (steps,) array, J. Energy of each step.
+    step : float, m. Length of a step.
+    motion : Motion. Distance and speed over time.
+    listener : Listener. Listener of the released power.
+    tolerance : float. Tolerance of the solver that the energy was solved with.
+    closed : bool. If true, the steps are whole laps of the track.
+    lap_steps : int. Steps after which the release repeats. Default: it does not repeat.
+    has_seam : bool. If true, the step from the end of the surface to its beginning stands out.
     """
     steps = len(release_energy)
     per_metre = release_energy / step
@@ -271,19 +263,16 @@ def contact_sound(
     constant = motion.is_constant(duration)
     highest = motion.fastest(duration) / (2 * step)
     looped = closed and constant
-    times = np.asarray(motion.time(np.arange(steps + 1) * step))
     time, speed = middle_speeds(motion, steps, step)
     power = per_metre * speed
-    step_duration = np.diff(times)
+    step_duration = np.diff(motion.time(np.arange(steps + 1) * step))
     mean_power = float(per_metre.mean()) * steps * step / duration
     rate = wav.SAMPLE_RATE_HZ
     samples = max(2, round(duration * rate))
     if constant:
-        signal = power if closed else faded(power, duration)
-        fluctuation = resampling.resample_closed(resampling.undo_step_mean(signal), samples)
+        fluctuation = _at_constant_speed(power, duration, closed, samples)
     else:
         fluctuation = _at_changing_speed(motion, per_metre, step, closed, samples)
-
     audible = resampling.band_limit(_intensity(listener, fluctuation), rate)
     audible_rms = float(np.sqrt(np.mean(np.square(audible))) / _intensity(listener, np.ones(1))[0])
     white_rms = _white_rms(per_metre, step, speed, step_duration)
@@ -293,12 +282,9 @@ def contact_sound(
     pressure, factor = radiation.sound_pressure(audible, listener.gain_pa_per_w_m2)
     levels = level.sound_levels(pressure, rate, highest, looped)
     lap = per_metre[:lap_steps]
-    spread = uncertainty.level_uncertainty(
-        pressure, rate, levels, listener.has_own_factor, steps / len(lap)
-    )
+    own_factor = listener.has_own_factor
+    spread = uncertainty.level_uncertainty(pressure, rate, levels, own_factor, steps / len(lap))
     mean_intensity = float(_intensity(listener, np.array([mean_power]))[0])
-    steady_level = level.level_db(mean_intensity, radiation.I_REF_W_M2)
-    steady_spread = uncertainty.steady_uncertainty_db(lap, steps / duration)
     return ContactSound(
         pressure=pressure,
         factor=float(factor),
@@ -308,8 +294,8 @@ def contact_sound(
         highest=highest,
         levels=levels,
         uncertainty=spread,
-        steady_level=steady_level,
-        steady_uncertainty=steady_spread,
+        steady_level=level.level_db(mean_intensity, radiation.I_REF_W_M2),
+        steady_uncertainty=uncertainty.steady_uncertainty_db(lap, steps / duration),
         time=time,
         step_duration=step_duration,
         power=power,
@@ -343,6 +329,12 @@ def _white_rms(per_metre: Array, step: float, speed: Array, step_duration: Array
 def _intensity(listener: Listener, power: Array) -> Array:
     """Return the intensity [W/m2] that a release power [W] makes at the listener."""
     return radiation.intensity(power, listener.distance_m, listener.q)
+
+
+def _at_constant_speed(power: Array, duration: float, closed: bool, samples: int) -> Array:
+    """Return the fluctuation of the release power [W] at the samples of the sound."""
+    signal = power if closed else faded(power, duration)
+    return resampling.resample_closed(resampling.undo_step_mean(signal), samples)
 
 
 def _at_changing_speed(

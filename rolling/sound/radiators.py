@@ -161,13 +161,7 @@ def contact_loss(
     approach = law.approach(law.position_m, bodies.load_n)
     if closed:
         approach = np.append(approach, approach[0])
-    step = law.spacing_m
-    duration = motion.duration((len(approach) - 1) * step)
-    looped = closed and motion.is_constant(duration)
-    signal = approach_in_time(motion, approach, step, looped)
-    if not looped:
-        signal = faded(signal, duration)
-    frequency, mean_square = audible_lines(signal - signal.mean(), len(signal) / duration)
+    duration, _, frequency, mean_square = _approach_lines(motion, approach, law.spacing_m, closed)
     if not mean_square.sum() > 0:
         return None
     points = _places_of_resonance(chain, frequency, 1 / duration)
@@ -284,18 +278,11 @@ def vibration_estimate(
     stiffness_n_m : (positions,) array or float, N/m. Stiffness of the contact at positions along
         the track.
     """
-    steps = len(approach) - 1
-    duration = motion.duration(steps * step)
     silence = VibrationEstimate(laeq_db=None, parts_db={}, force_ratio=0.0, contact_loss_db=0.0)
-    if bodies.is_smooth or steps < 4:
+    if bodies.is_smooth or len(approach) < 5:
         return silence
-    looped = closed and motion.is_constant(duration)
-    signal = approach_in_time(motion, approach, step, looped)
-    if not looped:
-        signal = faded(signal, duration)
-    rate = len(signal) / duration
+    duration, looped, frequency, mean_square = _approach_lines(motion, approach, step, closed)
     resolved_hz = motion.fastest(duration) / (2 * step)
-    frequency, mean_square = audible_lines(signal - signal.mean(), rate)
     if not mean_square.sum() > 0:
         return silence
     stiffness = np.atleast_1d(stiffness_n_m)
@@ -326,9 +313,6 @@ def vibration_estimate(
     local = weighted_squares(stiffness)
     following = float(local.sum(axis=0).mean())
     within = float(local[frequency < resolved_hz].sum(axis=0).mean())
-    square = math.sqrt(mean * following)
-    of_softer = _apart_db(float(softer.mean()), mean)
-    of_stiffer = _apart_db(float(stiffer.mean()), mean)
     contact_loss_db = 0.0
     if bodies.contact_loss_factor is None:
         damped = replace(chain, contact_loss_factor=UNKNOWN_LOSS)
@@ -336,7 +320,7 @@ def vibration_estimate(
         contact_loss_db = 10 * math.log10(float(with_loss) / mean)
     parts_db = {
         "chain": LINEAR_DB,
-        "stiffness": max(of_softer, of_stiffer),
+        "stiffness": max(_apart_db(float(x.mean()), mean) for x in (softer, stiffer)),
         "stiffness_changes": HALF * _apart_db(following, mean),
         "band": HALF * _apart_db(within, following),
         "contact_loss": HALF * abs(contact_loss_db),
@@ -344,7 +328,7 @@ def vibration_estimate(
     if looped:
         parts_db["comb"] = math.sqrt(np.mean([_apart_db(place, mean) ** 2 for place in at_mean]))
     return VibrationEstimate(
-        laeq_db=level.level_db(square),
+        laeq_db=level.level_db(math.sqrt(mean * following)),
         parts_db=parts_db,
         force_ratio=math.sqrt(float(mean_square @ forces.mean(axis=1))) / bodies.load_n,
         contact_loss_db=contact_loss_db,
@@ -360,6 +344,32 @@ def force_gain(chain: Chain, frequency: Array) -> Array:
 def _apart_db(square: float, other: float) -> float:
     """Return the distance of two levels [dB] from their mean squares."""
     return abs(10 * math.log10(max(square, 1e-12 * other) / other))
+
+
+class _ApproachLines(NamedTuple):
+    """Audible lines of an approach as it passes in time.
+
+    duration : float, s. Duration of the record.
+    looped : bool. Whether the record repeats; otherwise it is faded.
+    frequency : (lines,) array, Hz. Frequencies.
+    mean_square : (lines,) array, m2. Mean squares.
+    """
+
+    duration: float
+    looped: bool
+    frequency: Array
+    mean_square: Array
+
+
+def _approach_lines(motion: Motion, approach: Array, step: float, closed: bool) -> _ApproachLines:
+    """Return the lines of an approach [m] at the ends of steps [m], of whole laps if `closed`."""
+    duration = motion.duration((len(approach) - 1) * step)
+    looped = closed and motion.is_constant(duration)
+    signal = approach_in_time(motion, approach, step, looped)
+    if not looped:
+        signal = faded(signal, duration)
+    frequency, mean_square = audible_lines(signal - signal.mean(), len(signal) / duration)
+    return _ApproachLines(duration, looped, frequency, mean_square)
 
 
 def approach_in_time(motion: Motion, approach: Array, step: float, looped: bool) -> Array:

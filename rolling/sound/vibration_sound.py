@@ -241,11 +241,7 @@ def vibrate(
         spreads["record"] = spread.laeq_db
     if combed is not None:
         spreads["comb"] = combed.spread_db
-    step_error_db = None
-    if levels.laeq_db is not None and _is_short(motion):
-        twice = motion_of_ball(bodies, travel, law, 2 * motion.time_step_s)
-        _, coarse = radiated_by_motion(bodies, listener, travel.motion, twice, closed, count=1)
-        step_error_db = _change_db(levels.laeq_db, coarse[0])
+    step_error_db = _step_error(bodies, listener, travel, law, motion, closed, levels.laeq_db)
     if step_error_db is not None:
         spreads["time_step"] = step_error_db
     loss = None
@@ -339,17 +335,24 @@ def radiated(
     return force, _audible_samples(pressure, samples)[None]
 
 
-def _is_short(motion: BodyMotion) -> bool:
-    """Tell whether a motion with its run-in is short enough to be computed twice."""
-    return (motion.laps + 1) * len(motion.force_n) <= MAX_STEPS
-
-
-def _change_db(laeq_db: float, coarse: Array) -> float:
-    """Return the change of LAeq [dB] by the pressure of steps twice as long, at most UNKNOWN_DB."""
-    coarse_db = level.sound_levels(coarse, wav.SAMPLE_RATE_HZ).laeq_db
-    if coarse_db is None:
+def _step_error(
+    bodies: BallOnPlate,
+    listener: Listener,
+    travel: Travel,
+    law: ForceLaw,
+    motion: BodyMotion,
+    closed: bool,
+    laeq_db: float | None,
+) -> float | None:
+    """Return the change of LAeq by steps twice as long [dB]; None for silence or a long run-in."""
+    if laeq_db is None or (motion.laps + 1) * len(motion.force_n) > MAX_STEPS:
+        return None
+    twice = motion_of_ball(bodies, travel, law, 2 * motion.time_step_s)
+    _, pressures = radiated_by_motion(bodies, listener, travel.motion, twice, closed, count=1)
+    coarse = level.sound_levels(pressures[0], wav.SAMPLE_RATE_HZ).laeq_db
+    if coarse is None:
         return UNKNOWN_DB
-    return min(abs(laeq_db - coarse_db), UNKNOWN_DB)
+    return min(abs(laeq_db - coarse), UNKNOWN_DB)
 
 
 def _weighted_squares(levels: level.SoundLevels) -> Array:
