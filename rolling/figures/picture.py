@@ -12,11 +12,9 @@ from typing import Any, NamedTuple, Self
 import matplotlib
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
-from matplotlib.legend import Legend
 from matplotlib.text import Text
 from pandas import DataFrame
 
@@ -43,6 +41,7 @@ _NORMAL_PT = 10  # size of the letters of a title
 _SMALL_PT = 7  # size of the letters on small axes
 _SMALL_IN = 2.4  # shorter side of small axes, as in a grid
 _MAX_HIGH = 0.7  # largest height of a legend over that of its axes
+_LEFT_BY_LAYOUT = 0.5  # of small axes, whose labels take the other half in a layout
 _DENSE: dict[str, Any] = {"labelspacing": 0.15, "borderpad": 0.2, "handlelength": 1.5}
 _TITLE_LETTERS = 88  # of a line of the title across a figure
 _NOTE_LETTERS = 125  # of a line of the note
@@ -103,21 +102,17 @@ class Caption(NamedTuple):
     note: str
 
 
-def set_caption(ax: Axes, caption: Caption) -> None:
-    """Keep title and note of a figure in the label of its axes, which matplotlib never draws."""
-    ax.set_label(f"{caption.title}\n{caption.note}")
+class CaptionedFigure(Figure):
+    """Figure of a picture, around whose axes `picture` writes the caption and the legend."""
 
-
-def caption_of(ax: Axes) -> Caption:
-    """Return title and note of a figure from the label of its axes."""
-    title, note = str(ax.get_label()).split("\n")
-    return Caption(title, note)
+    caption = Caption("", "")
 
 
 def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
     """Set title, note and legend of axes, and the grid of curves.
 
-    Axes of a grid have small letters, and a legend only where it leaves room for the curves.
+    Axes of a grid have small letters, and a legend only where it leaves room for the curves. The
+    figure of a picture takes the title and the note itself.
     """
     if not ax.images:
         gridded(ax)
@@ -126,10 +121,12 @@ def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
     if len(names) > MAX_NAMED:
         note += f"; {len(names)} curves"
     caption = Caption(title, note[:1].upper() + note[1:])
-    set_caption(ax, caption)
     size = _Size.of(ax)
-    _write_title(ax, caption, size)
     _fit_labels(ax, size)
+    if isinstance(ax.figure, CaptionedFigure):
+        ax.figure.caption = caption
+        return ax
+    _write_title(ax, caption, size)
     if 0 < len(names) <= MAX_NAMED:
         _add_legend(ax, handles, names, size)
     return ax
@@ -184,26 +181,18 @@ def _fit_labels(ax: Axes, size: _Size) -> None:
 
 
 def _add_legend(ax: Axes, handles: Sequence[Any], names: Sequence[str], size: _Size) -> None:
-    """Add a legend that is drawn only where its axes have room for it."""
+    """Add a legend where the axes have room for it beside their curves."""
     wrapped = [textwrap.fill(drawable(name), size.letters_across - 6) for name in names]
     if size.is_small:
         legend = ax.legend(handles, wrapped, framealpha=0.6, fontsize=_SMALL_PT - 1, **_DENSE)
     else:
         legend = ax.legend(handles, wrapped, framealpha=0.6, fontsize="small")
-    legend.__class__ = _Legend  # its axes have their final size when they are drawn
     legend.set_in_layout(False)
     _plain(legend.get_texts())
-
-
-class _Legend(Legend):
-    """A legend that is drawn where it leaves room for the curves of its axes."""
-
-    def draw(self, renderer: RendererBase) -> None:
-        """Draw the legend if its axes have room for it."""
-        own = self.get_window_extent(renderer)
-        room = self.axes.bbox
-        if own.height < _MAX_HIGH * room.height and own.width < room.width:
-            super().draw(renderer)
+    own = legend.get_window_extent()
+    room = _LEFT_BY_LAYOUT if size.is_small else 1.0
+    if own.height > _MAX_HIGH * room * ax.bbox.height or own.width > room * ax.bbox.width:
+        legend.remove()
 
 
 def _broken(label: str, letters: int) -> str:
@@ -316,11 +305,12 @@ def duration_text(runs: Sequence[Run]) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A figure on one pair of axes with its name and its curves as a table."""
+    """A figure on one pair of axes with its name, its curves as a table, and its caption."""
 
     name: str
     figure: Figure
     table: DataFrame | None
+    caption: Caption | None = None
 
     @own_settings()
     def file(self, form: str, facts: Mapping[str, str] | None = None) -> bytes | None:
@@ -340,29 +330,26 @@ class Picture:
 @own_settings()
 def picture(name: str, draw: Callable[..., Axes], table: DataFrame | None = None) -> Picture:
     """Draw axes in a figure of their own, with the title above and the legend below."""
-    figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN), dpi=DPI)
+    figure = CaptionedFigure(figsize=(WIDTH_IN, HEIGHT_IN), dpi=DPI)
     figure.set_layout_engine("constrained", w_pad=0.12, h_pad=0.08)
     FigureCanvasAgg(figure)
     ax = draw(ax=figure.add_subplot())
-    caption = caption_of(ax)
-    title = textwrap.fill(caption.title, _TITLE_LETTERS)
-    note = textwrap.fill(caption.note, _NOTE_LETTERS)
+    title = textwrap.fill(figure.caption.title, _TITLE_LETTERS)
+    note = textwrap.fill(figure.caption.note, _NOTE_LETTERS)
     above = figure.suptitle(title, x=0.012, ha="left", fontsize=12)
     below = ax.set_title(note, loc="left", fontsize=8.5, color="0.25")
     _plain([above, below])
     _shrink_to_width(above, [above])
-    rows = _move_legend_below(figure, ax)
+    rows = _add_legend_below(figure, ax)
     figure.set_size_inches(WIDTH_IN, HEIGHT_IN + _ROW_IN * rows)
-    return Picture(name, figure, table)
+    return Picture(name, figure, table, figure.caption)
 
 
-def _move_legend_below(figure: Figure, ax: Axes) -> int:
-    """Move the legend of axes below the figure, and return the number of its rows."""
-    legend = ax.get_legend()
-    if legend is None:
-        return 0
-    legend.remove()
+def _add_legend_below(figure: Figure, ax: Axes) -> int:
+    """Add the legend of axes below the figure, and return the number of its rows."""
     handles, texts = ax.get_legend_handles_labels()
+    if not 0 < len(texts) <= MAX_NAMED:
+        return 0
     names = [drawable(text) for text in texts]
     longest = max(len(name) for name in names)
     columns = max(1, int(WIDTH_IN / (0.8 + 0.07 * longest)))

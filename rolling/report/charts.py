@@ -17,7 +17,7 @@ from matplotlib.patches import Patch, Rectangle, StepPatch
 from matplotlib.ticker import FixedLocator
 
 from acoustics.arrays import Array
-from rolling.figures.picture import Picture, caption_of
+from rolling.figures.picture import Picture
 from rolling.figures.settings import own_settings
 from rolling.report import maps
 
@@ -38,7 +38,8 @@ def chart_of(picture: Picture) -> Chart:
     ax, *others = picture.figure.axes
     sides = [ax]  # the second has its y axis at the right
     sides += [other for other in others if other.get_shared_x_axes().joined(ax, other)]
-    caption = caption_of(ax)
+    caption = picture.caption
+    assert caption is not None  # as all pictures of the page have one
     curves = _named_curves(ax)
     parts = list[Part]()
     places = list[list[float | None]]()  # along x, which curves share

@@ -14,7 +14,7 @@ from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, unit_prefix
 from rolling.ball.records import smooth_contact_of
 from rolling.ball.scene_surface import scene_surface
-from rolling.figures.picture import Caption, Picture, set_caption
+from rolling.figures.picture import Caption, Picture
 from rolling.figures.settings import own_settings
 from rolling.marches.observers import SlowMotion
 from rolling.report import maps
@@ -260,10 +260,10 @@ def curves(run: Run) -> list[Chart]:
 def _power_chart(run: Run, slow: SlowMotion) -> Chart:
     """Draw the release power of a film."""
     times = run.position_time[slow.positions]
-    ax = _axes_over_time("Released power in slow motion", run, times)
+    ax = _axes_over_time(times)
     ax.plot(1e3 * times[1:], 1e6 * _power(run, slow)[1:], color=COLOURS[0], linewidth=1)
     ax.set_ylabel("released power [µW]")
-    return _chart("film_power", ax)
+    return _chart("film_power", ax, Caption("Released power in slow motion", run.label))
 
 
 def _motion_chart(run: Run, slow: SlowMotion, vibration: Vibration) -> Chart:
@@ -274,7 +274,7 @@ def _motion_chart(run: Run, slow: SlowMotion, vibration: Vibration) -> Chart:
     shown = slice(max(0, first - 1), last + 1)
     time_ms = 1e3 * motion.time_s[shown]
     height_nm = 1e9 * (motion.displacement_m.mean() - motion.displacement_m[shown])
-    ax = _axes_over_time("Motion of the ball", run, times)
+    ax = _axes_over_time(times)
     right = ax.twinx()
     for k, (start, end) in enumerate(flights(run, times)):
         label = "flight" if k == 0 else "_flight"  # one of them is in the legend
@@ -285,21 +285,19 @@ def _motion_chart(run: Run, slow: SlowMotion, vibration: Vibration) -> Chart:
     ax.plot([], [], color=COLOURS[1], label="contact force; straight line: load")
     ax.set_ylabel("height [nm]")
     right.set_ylabel("contact force [N]")
-    return _chart("film_motion", ax)
+    return _chart("film_motion", ax, Caption("Motion of the ball", run.label))
 
 
-def _axes_over_time(title: str, run: Run, times: Array) -> Axes:
+def _axes_over_time(times: Array) -> Axes:
     """Return axes over the time of a film [ms], in a figure of their own."""
-    ax = Figure().add_subplot(xlim=(1e3 * times[0], 1e3 * times[-1]), xlabel="time [ms]")
-    set_caption(ax, Caption(title, run.label))
-    return ax
+    return Figure().add_subplot(xlim=(1e3 * times[0], 1e3 * times[-1]), xlabel="time [ms]")
 
 
-def _chart(name: str, ax: Axes) -> Chart:
+def _chart(name: str, ax: Axes, caption: Caption) -> Chart:
     """Return axes as a chart beside a film."""
     figure = ax.figure
     assert isinstance(figure, Figure)
-    chart = chart_of(Picture(name, figure, None))
+    chart = chart_of(Picture(name, figure, table=None, caption=caption))
     return chart | {"second": 1e-3, "high": CURVES_PX}
 
 

@@ -20,7 +20,7 @@ from report_runs import runs_of
 
 import rolling.report
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
-from rolling.figures.picture import Picture
+from rolling.figures.picture import Caption, Picture
 from rolling.report import templates, text
 from rolling.report.charts import COLUMNS, chart_of, numbers
 
@@ -47,9 +47,9 @@ def chart(name: str, runs: str) -> tuple[dict[str, Any], Picture]:
 def drawing(plot, name: str = "any") -> dict[str, Any]:
     """Return the chart of axes that a function draws on."""
     ax = Figure().subplots()
-    ax.set_label("a title\na note")
     plot(ax)
-    return json.loads(json.dumps(chart_of(Picture(name, ax.figure, None)), allow_nan=False))
+    picture = Picture(name, ax.figure, table=None, caption=Caption("a title", "a note"))
+    return json.loads(json.dumps(chart_of(picture), allow_nan=False))
 
 
 def points(chart: dict[str, Any], part: dict[str, Any], key: str = "y") -> np.ndarray:
@@ -119,7 +119,7 @@ def test_every_figure_keeps_its_axes_and_the_names_of_its_curves(name: str) -> N
         named = [curve["name"] for curve in read["curves"] if curve["name"]]
         legend = ax.get_legend_handles_labels()[1]
         assert list(dict.fromkeys(named)) == list(dict.fromkeys(legend))
-        assert f"{read['title']}\n{read['note']}" == picture.figure.axes[0].get_label()
+        assert picture.caption == (read["title"], read["note"])
         kinds = {part["kind"] for part in read["parts"]}
         assert kinds and (kinds == {"image"}) == bool(ax.images)
         assert read["texts"] == [text.get_text() for text in ax.texts]

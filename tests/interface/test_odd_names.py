@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 from scene_text import TINY
 
-from rolling.figures.picture import DPI, WIDTH_IN, drawable, picture
+from rolling.figures.picture import DPI, WIDTH_IN, drawable, finish, picture
 from rolling.kinds.run_folder import RunFolder
 from rolling.results.labels import labels, printable
 from rolling.results.run_lines import levels_table
@@ -46,9 +46,7 @@ def test_pictures_take_any_label_as_it_stands(name: str) -> None:
     def draw(ax):
         for text in texts:
             ax.plot([0, 1], [0, 1], label=text)
-        ax.legend()
-        ax.set_label("\n".join(texts))
-        return ax
+        return finish(ax, texts[0], texts[1:])
 
     with warnings.catch_warnings():
         warnings.simplefilter("error")

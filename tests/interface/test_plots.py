@@ -132,15 +132,18 @@ def test_a_grid_of_plots_has_whole_titles_and_legends_within_the_axes(
     for first in range(0, len(plot.__all__), sides**2):
         figure = Figure((6.4, 4.8), layout=layout)
         grid = figure.subplots(sides, sides).ravel()
+        titles = dict.fromkeys(grid, "")  # of the axes that are left free
         for name, ax in zip(plot.__all__[first:], grid, strict=False):
-            drawing(name)(ax)
+            draw = drawing(name)
+            draw(ax)
+            titles[ax] = picture_of(name, draw).caption.title
         for _ in range(2):  # letters that were laid out once
             figure.draw_without_rendering()
         figure.set_layout_engine("none")
         drawn = pixels(figure)
         for ax in grid:
             title = ax.get_title("left").replace("\n", " ")
-            assert title.startswith(str(ax.get_label()).partition("\n")[0])
+            assert title.startswith(titles[ax])
             extent = ax._left_title.get_window_extent()
             assert extent.x0 >= -2 and extent.x1 <= figure.bbox.x1 + 2
             if legend := ax.get_legend():
