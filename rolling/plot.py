@@ -1,8 +1,8 @@
 """Plots of runs: each function draws on given or new axes and returns them.
 
 Title and note stand above the axes; `ax.set_title("", loc="left")` takes them away. In the
-examples `run` comes from `simulate`, `runs` come from a sweep over loads and seeds, and `worn` is a
-run over a plate of permanent plasticity.
+examples `run` comes from `simulate`, `runs` come from a sweep over loads and seeds, `worn` is a run
+over a plate of permanent plasticity, and `turning` is a run of a bearing.
 
 Examples
 --------
@@ -12,8 +12,14 @@ Examples
 >>> right = rolling.plot.contact_pressure(run, ax=ax[1])
 """
 
+from typing import Any
+
+from matplotlib.axes import Axes
+
 from acoustics.traps import ignoring_underflow
+from rolling.bearing_run.figures import ball_forces, envelope, load_distribution
 from rolling.figures.article import max_level_over_load, spectra_over_load
+from rolling.figures.catalogue import draw
 from rolling.figures.channels import (
     channel_envelope,
     channel_spectrum,
@@ -23,17 +29,50 @@ from rolling.figures.contact import ball_surface, contact_pressure, recovery_eve
 from rolling.figures.levels import levels
 from rolling.figures.origins import modulation, running_in, wavelengths
 from rolling.figures.places import places
-from rolling.figures.sound import power_density, release_power, spectrogram, spectrum, third_octaves
+from rolling.figures.sound import power_density, release_power, spectrogram, third_octaves
 from rolling.figures.sweep import contact_areas, mean_third_octaves
 from rolling.figures.vibration import contact_filter, contact_force, mobilities, sources
 
 __all__ = [
-    "ball_surface", "channel_envelope", "channel_spectrum", "channel_third_octaves",
-    "contact_areas", "contact_filter", "contact_force", "contact_pressure",
-    "levels", "max_level_over_load", "mean_third_octaves", "mobilities", "modulation",
-    "places", "power_density", "recovery_events", "release_power", "running_in", "sources",
-    "spectra_over_load", "spectrogram", "spectrum", "surface", "third_octaves", "wavelengths",
+    "ball_forces", "ball_surface", "channel_envelope", "channel_spectrum", "channel_third_octaves",
+    "contact_areas", "contact_filter", "contact_force", "contact_pressure", "envelope",
+    "levels", "load_distribution", "max_level_over_load", "mean_third_octaves", "mobilities",
+    "modulation", "places", "power_density", "recovery_events", "release_power", "running_in",
+    "sources", "spectra_over_load", "spectrogram", "spectrum", "surface", "third_octaves",
+    "wavelengths",
 ]  # fmt: skip
+
+
+def spectrum(runs: Any, ax: Axes | None = None) -> Axes:
+    """Plot the spectrum of what a kind of run is heard or judged by.
+
+    Parameters
+    ----------
+    runs : run or iterable of runs
+        Runs of balls, whose sound pressure is compared; or one run of a bearing, whose ring has
+        velocities in three bands and lines.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with levels of lines, dB re 20 µPa, or with rms velocities of lines, µm/s, over
+        frequency, Hz.
+
+    Raises
+    ------
+    ValueError
+        There is no run, or runs of bearings are compared.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> ax = rolling.plot.spectrum([run])
+    >>> ax = rolling.plot.spectrum(turning)
+    """
+    return draw(runs, "spectrum", ax)
+
 
 for _name in __all__:
     globals()[_name] = ignoring_underflow(globals()[_name])

@@ -15,17 +15,17 @@ from rolling.bearing_run import sentences
 from rolling.bearing_run.former_bearing import former_names
 from rolling.bearing_run.numbers import MarchFindings, bearing_numbers
 from rolling.bearing_run.solved_bearing import SolvedBearing
+from rolling.kinds.shown_run import ShownRun
 from rolling.numbers.bearing_numbers import BearingNumbers
 from rolling.numbers.run_file import StoredBearing
 
 if TYPE_CHECKING:
     import xarray
-    from matplotlib.axes import Axes
 
 
 @ignoring_underflow
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class BearingRun(SolvedBearing):
+class BearingRun(SolvedBearing, ShownRun):
     """A run of a bearing. It equals no other run, so it can be the key of a dictionary.
 
     Attributes
@@ -89,43 +89,6 @@ class BearingRun(SolvedBearing):
         from rolling.bearing_run import stored_run
 
         return stored_run.result_dataset(self)
-
-    def plot(self, name: str = "spectrum", ax: Axes | None = None) -> Axes:
-        """Draw a figure of the run.
-
-        Parameters
-        ----------
-        name : str
-            spectrum, envelope, load_distribution (on polar axes) or ball_forces.
-        ax : Axes
-            Axes of matplotlib. Default: new ones.
-
-        Returns
-        -------
-        ax : Axes
-
-        Raises
-        ------
-        ValueError
-            There is no figure of this name.
-        """
-        from rolling.bearing_run import figures
-
-        return figures.drawn(self, name, ax)
-
-    def play(self) -> Any:
-        """Return a player of the ring's acceleration for a notebook; a script gets the file named.
-
-        With a housing plate its sound is played. The gain makes all runs equally loud, so levels
-        are compared by their numbers.
-
-        Returns
-        -------
-        player : IPython.display.Audio, or None
-        """
-        from rolling.bearing_run import stored_run
-
-        return stored_run.play(self)
 
     def _repr_html_(self) -> str:
         """Write the sentences of a run and its bands for a notebook."""

@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 import math
-import textwrap
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from pandas import DataFrame
 
-from acoustics.arrays import Array
-from acoustics.plot_style import COLOURS, gridded
+from acoustics.arrays import Array, instance
+from acoustics.plot_style import COLOURS
 from acoustics.plot_style import envelope as thinned
+from acoustics.traps import ignoring_underflow
 from rolling.bearing import lines
 from rolling.bearing.geometry import contact_lines
 from rolling.bearing.lines import BearingLine
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_record import AXIAL, PLACES, RADIAL, UM_S
 from rolling.bearing_run import sentences
-from rolling.figures.picture import DPI, HEIGHT_IN, WIDTH_IN, Picture, axes_of, drawable
-from rolling.figures.settings import own_settings
+from rolling.bearing_run.solved_bearing import SolvedBearing
+from rolling.figures.picture import axes_of, drawable, finish
+from rolling.kinds.figure_kind import FigureKind
 from rolling.numbers import views
 from rolling.numbers.bearing_numbers import EnvelopeLine, VelocityLine
+from rolling.results import labels
 
 if TYPE_CHECKING:
     from rolling.bearing_run.bearing_run import BearingRun
@@ -37,8 +37,6 @@ _ENVELOPE_LINES = 20  # at least, where the bearing hardly turns in the record
 _ENVELOPE_MULTIPLES = 3.2  # of the highest line of a fault, up to which an envelope is drawn
 _FIRST_LINE = 3  # of an envelope that is drawn; those below are its slow drift
 _TURNS = 2  # of the cage, over which ball forces are drawn
-_LETTERS_PER_IN = 14  # of a note
-_POLAR_IN = 5.3  # width of a figure with polar axes
 _NAMED_BALLS = 4  # of which the forces are drawn
 _NOTHING_UM_S = 1e-12  # in the place of 0 on a logarithmic axis
 _BAND_COLOURS = ("0.93", "0.88", "0.93")
@@ -47,8 +45,29 @@ _BAND_COLOURS = ("0.93", "0.88", "0.93")
 # ---- curves
 
 
-def spectrum(run: BearingRun, ax: Axes) -> Axes:
-    """Draw velocity over frequency with the three bands and the lines of a bearing."""
+@ignoring_underflow
+def spectrum(run: BearingRun, ax: Axes | None = None) -> Axes:
+    """Plot the velocity of the ring over frequency with the three bands and the lines of a bearing.
+
+    Parameters
+    ----------
+    run : BearingRun
+        Run to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with rms velocities of lines, µm/s, over frequency, Hz.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> ax = rolling.plot.spectrum(turning)
+    """
+    instance("run", run, SolvedBearing)
+    ax = axes_of(ax)
     largest = 0.0
     for direction, colour in ((AXIAL, COLOURS[1]), (RADIAL, COLOURS[0])):
         narrow = run.record.spectra[direction]
@@ -86,13 +105,34 @@ def spectrum(run: BearingRun, ax: Axes) -> Axes:
     if run.scene.ring_bending_hz < _SHOWN_HZ[1]:
         ax.axvspan(run.scene.ring_bending_hz, _SHOWN_HZ[1], fill=False, hatch="//", alpha=0.25)
         ax.text(run.scene.ring_bending_hz, 0.02, " rings bend", transform=ax.get_xaxis_transform())
-    gridded(ax, xlabel="frequency [Hz]", ylabel="rms velocity of a line [µm/s]")
+    ax.set(xlabel="frequency [Hz]", ylabel="rms velocity of a line [µm/s]")
     ax.xaxis.set_major_formatter("{x:g}")
-    return ax
+    return finish(ax, f"Velocity of the {run.moving} ring: {_title(run)}", _facts(run))
 
 
-def envelope(run: BearingRun, ax: Axes) -> Axes:
-    """Draw the spectrum of the squared envelope with the lines of faults."""
+@ignoring_underflow
+def envelope(run: BearingRun, ax: Axes | None = None) -> Axes:
+    """Plot the spectrum of the squared envelope, from 1,800 to 10,000 Hz, with the lines of faults.
+
+    Parameters
+    ----------
+    run : BearingRun
+        Run to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with shares of the mean square, %, over frequency, Hz.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> ax = rolling.plot.envelope(turning)
+    """
+    instance("run", run, SolvedBearing)
+    ax = axes_of(ax)
     narrow = run.record.envelope
     highest = highest_envelope_hz(run)
     shown = shown_of_envelope(run)
@@ -101,8 +141,8 @@ def envelope(run: BearingRun, ax: Axes) -> Axes:
     ax.set_xlim(0, highest)
     ax.set_ylim(0, 1.3 * max(float(y.max()), _NOTHING_UM_S))
     _draw_lines(ax, lines.envelope_lines(run.kinematics))
-    gridded(ax, xlabel="frequency [Hz]", ylabel="share of the mean square [%]")
-    return ax
+    ax.set(xlabel="frequency [Hz]", ylabel="share of the mean square [%]")
+    return finish(ax, f"Envelope from 1,800 to 10,000 Hz: {_title(run)}", _facts(run))
 
 
 def shown_of_envelope(run: BearingRun) -> NDArray[np.bool_]:
@@ -155,8 +195,29 @@ def _draw_lines(ax: Axes, shown: Sequence[BearingLine]) -> None:
             )
 
 
-def ball_forces(run: BearingRun, ax: Axes) -> Axes:
-    """Draw the loads of some balls over two turns of the cage."""
+@ignoring_underflow
+def ball_forces(run: BearingRun, ax: Axes | None = None) -> Axes:
+    """Plot the loads of some balls over two turns of the cage.
+
+    Parameters
+    ----------
+    run : BearingRun
+        Run to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with loads, N, over time, ms.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> ax = rolling.plot.ball_forces(turning)
+    """
+    instance("run", run, SolvedBearing)
+    ax = axes_of(ax)
     record = run.record
     turns = _TURNS / run.kinematics.cage_hz
     samples = max(2, min(len(record.ball_load_n), round(turns * record.rate_hz)))
@@ -166,24 +227,53 @@ def ball_forces(run: BearingRun, ax: Axes) -> Axes:
         x, y = thinned(np.asarray(time_ms, dtype=float), record.ball_load_n[:samples, ball])
         ax.plot(x, y, color=COLOURS[ball], linewidth=0.8, label=f"ball {ball}")
     ax.set_xlim(0, time_ms[-1])
-    return gridded(ax, xlabel="time [ms]", ylabel="load of a ball [N]")
+    ax.set(xlabel="time [ms]", ylabel="load of a ball [N]")
+    return finish(ax, f"Loads of balls on the {run.moving} ring: {_title(run)}", _facts(run))
 
 
-def load_distribution(run: BearingRun, ax: Axes) -> Axes:
-    """Draw the mean load of a ball over its angle on polar axes, with its range."""
-    angle = 2 * np.pi * np.arange(PLACES + 1) / PLACES
+@ignoring_underflow
+def load_distribution(run: BearingRun, ax: Axes | None = None) -> Axes:
+    """Plot the mean load of a ball over its angle, beside that of the static balance.
+
+    Parameters
+    ----------
+    run : BearingRun
+        Run to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new polar axes.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with loads, N, over the angle from the middle of the load zone, degrees.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> ax = rolling.plot.load_distribution(turning)
+    """
+    instance("run", run, SolvedBearing)
+    ax = axes_of(ax, is_polar=True)
+    turn = 2 * np.pi * np.arange(PLACES + 1) / PLACES
     around = mean_loads_n(run)
     loads = np.append(around, around[0])
     known = ~np.isnan(loads)
-    ax.plot(angle[known], loads[known], color=COLOURS[0], linewidth=1.6, label="mean, in motion")
-    static = static_loads(run.model, angle)
-    ax.plot(angle, static, color="0.3", linestyle="--", linewidth=1, label="static balance")
-    ax.fill(angle[known], loads[known], color=COLOURS[0], alpha=0.15)
+    static = static_loads(run.model, turn)
     polar: Any = ax  # matplotlib's types know no polar axes here
-    polar.set_theta_zero_location("S")
-    polar.set_rlabel_position(135)
-    polar.set_ylim(0, 1.08 * max(float(np.nanmax(loads)), float(static.max())))
-    return ax
+    is_polar = ax.name == "polar"
+    angle = turn if is_polar else np.degrees(turn)
+    ax.plot(angle[known], loads[known], color=COLOURS[0], linewidth=1.6, label="mean, in motion")
+    ax.plot(angle, static, color="0.3", linestyle="--", linewidth=1, label="static balance")
+    largest = max(float(np.nanmax(loads)), float(static.max()))
+    if is_polar:
+        ax.fill(angle[known], loads[known], color=COLOURS[0], alpha=0.15)
+        polar.set_theta_zero_location("S")
+        polar.set_rlabel_position(135)
+        ax.set_xlabel("angle [degrees]")
+    else:
+        ax.set(xlabel="angle [degrees]", ylabel="load of a ball [N]", xlim=(0, 360))
+    ax.set_ylim(0, 1.08 * largest)
+    return finish(ax, f"Load of a ball over its angle [N]: {_title(run)}", _facts(run))
 
 
 def mean_loads_n(run: BearingRun) -> Array:
@@ -265,62 +355,24 @@ def load_table(run: BearingRun) -> DataFrame:
     )
 
 
-class _Figure(NamedTuple):
-    """A figure of a run: its title, how it is drawn, and its table."""
-
-    title: str
-    draw: Callable[[BearingRun, Axes], Axes]
-    table: Callable[[BearingRun], DataFrame] | None
-    polar: bool = False
+# ---- the figures
 
 
-_FIGURES = {
-    "spectrum": _Figure("Velocity of the {ring} ring", spectrum, spectrum_table),
-    "envelope": _Figure("Envelope from 1,800 to 10,000 Hz", envelope, envelope_table),
-    "load_distribution": _Figure(
-        "Load of a ball over its angle [N]", load_distribution, load_table, True
+def _title(run: BearingRun) -> str:
+    """Return the scene of a run with its label."""
+    return labels.title(run.scene.name, run.label)
+
+
+def _facts(run: BearingRun) -> list[str]:
+    """Return the condition of a run and the length of its record, for the note of a figure."""
+    return [sentences.condition(run.scene), f"{run.record.duration_s:.3g} s"]
+
+
+FIGURES = {
+    "spectrum": FigureKind(spectrum, spectrum_table, is_single=True, is_written=True),
+    "envelope": FigureKind(envelope, envelope_table, is_single=True, is_written=True),
+    "load_distribution": FigureKind(
+        load_distribution, load_table, is_single=True, is_written=True, is_polar=True
     ),
-    "ball_forces": _Figure("Loads of balls on the {ring} ring", ball_forces, None),
+    "ball_forces": FigureKind(ball_forces, is_single=True, is_written=True),
 }
-NAMES = tuple(_FIGURES)
-
-
-def drawn(run: BearingRun, name: str, ax: Axes | None) -> Axes:
-    """Draw a figure of a run on axes, or on new ones.
-
-    Raises
-    ------
-    ValueError : there is no figure of this name.
-    """
-    if name not in _FIGURES:
-        raise ValueError(f"name: got {name!r}, allowed: {', '.join(NAMES)}")
-    if ax is None and _FIGURES[name].polar:
-        from matplotlib import pyplot
-
-        ax = pyplot.figure().add_subplot(projection="polar")
-    return _FIGURES[name].draw(run, axes_of(ax))
-
-
-@own_settings()
-def picture(run: BearingRun, name: str) -> Picture:
-    """Draw a figure of a run: spectrum, envelope, load_distribution or ball_forces."""
-    kind = _FIGURES[name]
-    size = (_POLAR_IN, HEIGHT_IN) if kind.polar else (WIDTH_IN, HEIGHT_IN)
-    figure = Figure(figsize=size, dpi=DPI)
-    figure.set_layout_engine("constrained", w_pad=0.12, h_pad=0.08)
-    FigureCanvasAgg(figure)
-    ax = figure.add_subplot(projection="polar" if kind.polar else None)
-    kind.draw(run, ax)
-    title = kind.title.format(ring=run.moving)
-    above = figure.suptitle(drawable(title), x=0.012, ha="left", fontsize=12)
-    said = sentences.condition(run.scene)
-    note = f"{said[0].upper()}{said[1:]}; {run.record.duration_s:.3g} s"
-    letters = round(figure.get_figwidth() * _LETTERS_PER_IN)
-    below = ax.set_title(
-        drawable(textwrap.fill(note, letters)), loc="left", fontsize=8.5, color="0.25"
-    )
-    for text in (above, below):
-        text.set_parse_math(False)
-    figure.legend(loc="outside lower left", ncols=4, fontsize=8.5, frameon=False)
-    table = None if kind.table is None else kind.table(run)
-    return Picture(name, figure, table)

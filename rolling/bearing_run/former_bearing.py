@@ -209,8 +209,9 @@ def _nested_listen(listen: Mapping[str, Any]) -> dict[str, Any]:
     """Return the facts about listen.wav."""
     return {
         "duration_s": listen["seconds"],
-        "own_full_scale_m_s2": listen["own_full_scale_m_s2"],
-        "full_scale_m_s2": listen["full_scale_m_s2"],
+        "unit": "m/s2",
+        "own_full_scale": listen["own_full_scale_m_s2"],
+        "full_scale": listen["full_scale_m_s2"],
     }
 
 

@@ -19,6 +19,7 @@ from rolling.bearing import lines
 from rolling.bearing.ring_record import NOTHING_UM_S, RADIAL, UM_S
 from rolling.bearing.tracks import BodyTrack
 from rolling.bearing_run import figures, sentences, stored_run
+from rolling.figures.catalogue import single_picture
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.numbers.bearing_numbers import AXIAL_NAMES, AngleNumbers, BearingNumbers, VelocityLine
 from rolling.numbers.quantity import Quantity
@@ -88,21 +89,22 @@ class PageGains(NamedTuple):
 
 def common_gains(runs: Sequence[BearingRun]) -> PageGains:
     """Return the gains at which all runs sound and none clips."""
-    rings = [stored_run.ring_sound(run).gain for run in runs]
+    rings = [stored_run.ring_sound(run).own_gain for run in runs]
     sounds = [stored_run.housing_sound(run) for run in runs]
-    housings = [sound.gain for sound in sounds if sound is not None]
+    housings = [sound.own_gain for sound in sounds if sound is not None]
     return PageGains(ring=min(rings), housing=min(housings, default=1.0))
 
 
 def _view(run: BearingRun, gains: PageGains) -> dict[str, Any]:
     """Return the words, tables, sound and pictures of a run."""
-    heard = stored_run.ring_sound(run).acceleration_m_s2
+    heard = stored_run.ring_sound(run).record
     pictures = {}
     for name, words in PICTURES.items():
-        with left_out_if_it_fails(name):
-            content = figures.picture(run, name).file("png")
-            assert content is not None
-            pictures[name] = maps.uri("image/png", content), words
+        drawn = single_picture(name, run)
+        with left_out_if_it_fails(f"{name} of {run.label}"):
+            content = None if drawn is None else drawn.file("png")
+            if content is not None:
+                pictures[name] = maps.uri("image/png", content), words
     numbers = run.numbers
     duration_s = numbers.motion.duration_s
     first, _, *others = numbers.sentences  # the second has the axial velocities
@@ -182,9 +184,9 @@ def _cell(velocity: Quantity) -> tuple[str, str]:
 def _housing_src(run: BearingRun, gain: float) -> str | None:
     """Return the sound of the housing plate at a gain, None where there is none."""
     sound = stored_run.housing_sound(run)
-    if sound is None or not sound.pressure.any():
+    if sound is None or not sound.record.any():
         return None
-    return records.compressed(gain * sound.pressure)
+    return records.compressed(gain * sound.record)
 
 
 def _on_page(sentence: str) -> str:
@@ -274,7 +276,7 @@ def data_of(run: BearingRun) -> dict[str, Any]:
         "ranges": _ranges(run),
         "bandsHz": [list(edges) for edges in run.bands_below_bending_hz.values()],
         "bands": _bands_m_s(run.numbers),
-        "gain": stored_run.ring_sound(run).gain,
+        "gain": stored_run.ring_sound(run).own_gain,
         "spectrum": {"hz": _digits(np.exp(log_hz), 6), "um_s": _digits(um_s, 4)},
         "envelope": {"hz": _digits(pulse_hz, 6), "share": _digits(share, 4)},
         "lines": [_mark(line) for line in run.lines],

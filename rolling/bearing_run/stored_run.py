@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,11 +20,10 @@ from rolling.bearing_run.moved_ring import moved_ring
 from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.contact.processor_time import ProcessorTime
 from rolling.figures.picture import csv_bytes
-from rolling.figures.settings import left_out_if_it_fails
-from rolling.kinds.kind import Read
-from rolling.kinds.run_folder import LISTEN, RESULT, RunFolder
+from rolling.kinds.heard_sound import HeardSound, PlainSound
+from rolling.kinds.run_folder import LISTEN, RESULT
 from rolling.marches import effort
-from rolling.numbers.files import BearingFiles, RingListenFacts
+from rolling.numbers.files import BearingFiles
 from rolling.numbers.run_file import StoredBearing
 from rolling.record.definition import (
     LETTERS,
@@ -42,9 +39,9 @@ from rolling.record.definition import (
 from rolling.record.hdf5_writer import to_xarray
 from rolling.record.record_file import largest_size, read_record, record_bytes, refusing
 from rolling.results.provenance import program_provenance
-from rolling.results.stored_numbers import read_stored, with_parts, write_stored
+from rolling.results.stored_numbers import with_parts, write_stored
 from rolling.scene.bearing_scene import BearingScene
-from rolling.terminal import files, progress
+from rolling.terminal import files
 
 if TYPE_CHECKING:
     import xarray
@@ -56,7 +53,6 @@ LINES = "lines.csv"
 ACCELERATION = "acceleration.wav"
 LONG = "long.wav"
 HOUSING = "housing.wav"
-FIGURES = "figures"
 _TITLE_LETTERS = 400
 FADE_S = 0.05  # at the ends of a sound
 _AXES = ("x", "y", "z")
@@ -239,75 +235,62 @@ def _finite(arrays: Arrays, name: str) -> Array:
 # ---- sounds
 
 
-class RingSound(NamedTuple):
-    """Acceleration of the ring along x, to listen to: its samples [m/s2] and its gain.
+def sounds(run: SolvedBearing) -> list[HeardSound]:
+    """Return the acceleration of the ring to listen to, and the sound of a housing plate."""
+    heard: list[HeardSound] = [ring_sound(run)]
+    housing = housing_sound(run)
+    if housing is not None:
+        heard.append(housing)
+    return heard
 
-    gain : float. Full scale per m/s2.
-    """
 
-    acceleration_m_s2: Array
-    gain: float
-
-
-def ring_sound(run: SolvedBearing) -> RingSound:
+def ring_sound(run: SolvedBearing) -> PlainSound:
     """Return the acceleration of a run as it is heard: `sound.listen_s` long, with faded ends."""
     rate = wav.SAMPLE_RATE_HZ
     record = run.record.acceleration_m_s2[:, 0]
     samples = min(len(record), round(run.scene.listened * rate))
     faded = resampling.fade(record[:samples] - record[:samples].mean(), round(FADE_S * rate))
-    return RingSound(faded, wav.listening_gain(faded))
+    return PlainSound(
+        file=LISTEN,
+        unit="m/s2",
+        group="listen",
+        record=faded,
+        heard=f"{_heard(run)} for listening",
+        title=_title(run),
+    )
 
 
-def write_acceleration(run: SolvedBearing, folder: Path) -> RingSound:
-    """Write acceleration.wav, in which 1.0 is 1 m/s2, and return its sound."""
-    sound = ring_sound(run)
-    comment = f"{_heard(run)}; 1.0 is 1 m/s2"
-    content = wav.calibrated(sound.acceleration_m_s2, comment, _title(run))
-    files.write_bytes(folder / ACCELERATION, content)
-    return sound
-
-
-def write_listen(run: SolvedBearing, folder: Path, sound: RingSound, gain: float) -> None:
-    """Write listen.wav, the sound with a gain [full scale per m/s2]."""
-    comment = f"{_heard(run)} for listening; full scale is {1 / gain:.6g} m/s2"
-    content = wav.listening(sound.acceleration_m_s2, gain, comment, _title(run))
-    files.write_bytes(folder / LISTEN, content)
-
-
-def write_housing(run: SolvedBearing, folder: Path, common: float | None = None) -> None:
-    """Write housing.wav, the sound of the housing plate with a gain, where there is one.
-
-    The gain [full scale per Pa] is that of the sound, unless it is given.
-    """
-    sound = housing_sound(run)
-    if sound is None:
-        return
-    gain = sound.gain if common is None else common
-    distance = run.scene.sound.distance_m
-    comment = f"housing plate at {distance:g} m; full scale is {1 / gain:.6g} Pa"
-    content = wav.listening(sound.pressure, gain, comment, _title(run))
-    files.write_bytes(folder / HOUSING, content)
-
-
-class HousingRecord(NamedTuple):
-    """Sound of the housing plate to listen to: its samples [Pa] and its gain.
-
-    gain : float. Full scale per Pa.
-    """
-
-    pressure: Array
-    gain: float
-
-
-def housing_sound(run: SolvedBearing) -> HousingRecord | None:
+def housing_sound(run: SolvedBearing) -> PlainSound | None:
     """Return the sound of the housing plate as it is heard, None for a scene without one."""
     if run.housing is None:
         return None
     rate = wav.SAMPLE_RATE_HZ
     record = run.housing.pressure
     samples = min(len(record), round(run.scene.listened * rate))
-    faded = resampling.fade(record[:samples], round(FADE_S * rate))
-    return HousingRecord(faded, wav.listening_gain(faded))
+    return PlainSound(
+        file=HOUSING,
+        unit="Pa",
+        group="housing",
+        record=resampling.fade(record[:samples], round(FADE_S * rate)),
+        heard=f"housing plate at {run.scene.sound.distance_m:g} m",
+        title=_title(run),
+    )
+
+
+def write_acceleration(run: SolvedBearing, folder: Path) -> None:
+    """Write acceleration.wav, in which 1.0 is 1 m/s2."""
+    comment = f"{_heard(run)}; 1.0 is 1 m/s2"
+    content = wav.calibrated(ring_sound(run).record, comment, _title(run))
+    files.write_bytes(folder / ACCELERATION, content)
+
+
+def write_sounds(run: SolvedBearing, folder: Path) -> BearingFiles:
+    """Write the sounds of a run with their own gains; return the facts about their files."""
+    facts = {}
+    for sound in sounds(run):
+        files.write_bytes(folder / sound.file, sound.wav())
+        facts[Path(sound.file).stem] = sound.facts()
+    return BearingFiles(**facts)
 
 
 def _heard(run: SolvedBearing) -> str:
@@ -319,33 +302,6 @@ def _title(run: SolvedBearing) -> str:
     """Return the title of the sounds of a run."""
     name = run.scene.title or run.scene.name
     return printable(f"{name}, {run.label}" if run.label else name)[:_TITLE_LETTERS]
-
-
-def listen_facts(sound: RingSound, gain: float) -> RingListenFacts:
-    """Return length and gains of a sound."""
-    return RingListenFacts(
-        duration_s=len(sound.acceleration_m_s2) / wav.SAMPLE_RATE_HZ,
-        own_full_scale_m_s2=1 / sound.gain,
-        full_scale_m_s2=1 / gain,
-    )
-
-
-def play(run: SolvedBearing) -> Any:
-    """Return a player in a notebook; in a script, write a sound to listen to and name it."""
-    housing = housing_sound(run)
-    if housing is not None:
-        samples = housing.gain * housing.pressure
-    else:
-        sound = ring_sound(run)
-        samples = sound.gain * sound.acceleration_m_s2
-    if progress.in_notebook():
-        from IPython.display import Audio
-
-        return Audio(samples, rate=wav.SAMPLE_RATE_HZ, normalize=False)
-    content = wav.listening(samples, 1.0, _heard(run), _title(run))
-    path = files.write_temporary(f"{run.scene.name}-listen-", ".wav", content)
-    print(f"listen: {path}")
-    return None
 
 
 # ---- a run folder
@@ -362,55 +318,18 @@ def write_run(run: BearingRun) -> None:
     folder = run.folder
     files.make_below(run.home, folder)
     files.write_bytes(folder / RESULT, result_bytes(run))
-    sound = write_acceleration(run, folder)
-    write_listen(run, folder, sound, sound.gain)
-    write_housing(run, folder)
+    write_acceleration(run, folder)
+    facts = write_sounds(run, folder)
     files.write_bytes(folder / SPECTRUM, csv_bytes(figures.spectrum_table(run)))
     files.write_bytes(folder / LINES, csv_bytes(figures.line_table(run)))
     stored = StoredBearing(
         numbers=run.numbers,
-        files=BearingFiles(listen=listen_facts(sound, sound.gain)),
+        files=facts,
         provenance=program_provenance(run.label),
     )
     spent = ProcessorTime.now().since(began)
     known = run.numbers.effort.parts_cpu_s or {}
     write_stored(folder, with_parts(stored, effort.with_work(known, effort.SOUND, spent)))
-
-
-def write_figures(run: BearingRun, folder: Path) -> None:
-    """Write the figures of a run as PNG files."""
-    files.make_below(folder, folder / FIGURES)
-    for name in figures.NAMES:
-        with left_out_if_it_fails(name):
-            content = figures.picture(run, name).file("png")
-            assert content is not None
-            files.write_bytes(folder / FIGURES / f"{name}.png", content)
-
-
-# ---- runs of a sweep with one gain
-
-
-def write_with_common_gain(done: Sequence[RunFolder], reader_of: Callable[..., Read]) -> None:
-    """Write the sounds of the runs of a sweep with one gain, that of the loudest run."""
-    stored = {run: read_stored(run.folder) for run in done}
-    common = max((one.files.listen.own_full_scale_m_s2 for one in stored.values()), default=1.0)
-    opened = {}
-    for place, one in stored.items():
-        listen = one.files.listen
-        if listen.full_scale_m_s2 == common:
-            continue
-        opened[place] = reader_of(place)(place, one.provenance.label)
-        write_listen(opened[place], place.folder, ring_sound(opened[place]), 1 / common)
-        facts = replace(one.files, listen=replace(listen, full_scale_m_s2=common))
-        write_stored(place.folder, replace(one, files=facts))
-    housings = {}
-    for place in done:
-        if place.scene.plate is not None:
-            run = opened.get(place) or reader_of(place)(place, stored[place].provenance.label)
-            housings[place] = run, housing_sound(run)
-    gains = [sound.gain for _, sound in housings.values() if sound is not None]
-    for place, (run, _) in housings.items():
-        write_housing(run, place.folder, min(gains, default=1.0))
 
 
 def write_long(run: BearingRun, seconds: float) -> Path:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.texts import printable
 from rolling.bearing_contacts.bearing_check import check_bearing, conclusion, lines_in_short
 from rolling.bearing_contacts.plan import contact_plan
@@ -16,14 +17,18 @@ from rolling.bearing_contacts.solving import (
     march_of_contact,
     take_march,
 )
-from rolling.bearing_run import run_lines, simulation, stored_run
+from rolling.bearing_run import run_lines, sentences, simulation, stored_run
 from rolling.bearing_run.bearing_run import BearingRun
 from rolling.bearing_run.former_bearing import former_bearing
 from rolling.check.findings import Findings
-from rolling.kinds.kind import Each, Kind, Read
+from rolling.kinds.figure_kind import FigureKind
+from rolling.kinds.heard_sound import HeardSound
+from rolling.kinds.kind import Kind, Still
 from rolling.kinds.march import March
 from rolling.kinds.run_folder import LISTEN, RunFolder
 from rolling.marches.piece import contact_identity
+from rolling.numbers.bearing_numbers import BearingNumbers
+from rolling.numbers.quantity import Quantity
 from rolling.numbers.run_file import BEARING_KIND, StoredBearing
 from rolling.run import folder as folders
 from rolling.run.taken import TakenMarches
@@ -49,6 +54,11 @@ class TurningBearing(Kind):
     )
     stored_type = StoredBearing
     former_format = 1
+    gallery_note = (
+        "Bearings: velocities of the ring that vibrates, in the three bands of ISO 15242-1 as far"
+        " as the ring is rigid. Pictures: the spectrum of the velocity with its lines."
+    )
+    leading = tuple(f"below_bending_radial_{band}_um_s" for band in VELOCITY_BANDS_HZ)
 
     # ---- scenes
 
@@ -135,9 +145,10 @@ class TurningBearing(Kind):
         plan = contact_plan(place.scene)
         bearing = simulation.move_bearing(place, label, plan, marches)
         files.make_below(place.home, place.folder)
-        sound = stored_run.write_acceleration(bearing, place.folder)
-        stored_run.write_listen(bearing, place.folder, sound, sound.gain)
-        return place.folder / LISTEN
+        stored_run.write_acceleration(bearing, place.folder)
+        sound = stored_run.ring_sound(bearing)
+        files.write_bytes(place.folder / sound.file, sound.wav())
+        return place.folder / sound.file
 
     def write_run(self, run: BearingRun) -> None:
         """Write the files of a run into its folder."""
@@ -154,13 +165,9 @@ class TurningBearing(Kind):
         """Return the numbers of a run of version 0.8."""
         return former_bearing(content)
 
-    def write_with_common_gain(
-        self, runs: Sequence[RunFolder], reader_of: Callable[[RunFolder], Read], each: Each
-    ) -> None:
-        """Write the sounds of the runs of a sweep with the gain that they share."""
-        done = [run for run in runs if run.is_done and run.values]
-        if done:
-            stored_run.write_with_common_gain(done, reader_of)
+    def sounds(self, run: BearingRun) -> list[HeardSound]:
+        """Return the acceleration of the ring, and the sound of a housing plate."""
+        return stored_run.sounds(run)
 
     def write_long(self, run: BearingRun, seconds: float, speed: Any, seed: int) -> Path:
         """Let the ring move for longer, and write long.wav."""
@@ -190,10 +197,33 @@ class TurningBearing(Kind):
             lines.append(f"listen to the housing: {printable(str(folder / stored_run.HOUSING))}")
         return lines
 
-    def write_figures(self, runs: Sequence[BearingRun], folder: Path) -> None:
-        """Write the figures of each run into its folder."""
-        for run in runs:
-            stored_run.write_figures(run, run.folder)
+    def quantities(self, numbers: BearingNumbers) -> dict[str, Quantity]:
+        """Return the radial velocities of the ring in the bands below its bending."""
+        words = sentences.band_words(numbers.ring.bending_hz)
+        by_band = numbers.below_bending.radial.by_band
+        return {f"Radial, {words[band]}": by_band[band] for band in words}
+
+    def card_sentence(self, run: BearingRun) -> str:
+        """Return the first sentence of the answer."""
+        return run.numbers.sentences[0].replace(" um/s", " µm/s")
+
+    def still(self, run: BearingRun) -> Still | None:
+        """Draw the spectrum of the velocity."""
+        from rolling.figures.catalogue import single_picture
+        from rolling.report import maps
+
+        drawn = single_picture("spectrum", run)
+        content = None if drawn is None else drawn.file("png")
+        if content is None:
+            return None
+        words = f"Spectrum of the velocity of the ring, {run.label or run.scene.name}"
+        return Still(maps.uri("image/png", content), words)
+
+    def figures(self) -> Mapping[str, FigureKind]:
+        """Return spectrum, envelope, load distribution and ball forces of a run."""
+        from rolling.bearing_run.figures import FIGURES
+
+        return FIGURES
 
     def page(
         self, runs: Sequence[BearingRun], unsolved: Sequence[str], folder: Path | None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -13,16 +13,19 @@ from rolling.check import refusals
 from rolling.check.findings import Findings, check_scene, conclusion
 from rolling.check.in_short import lines_in_short
 from rolling.heights.measured import with_copy
-from rolling.kinds.kind import Each, Kind, Read
+from rolling.kinds.figure_kind import FigureKind
+from rolling.kinds.heard_sound import FileGain, HeardSound
+from rolling.kinds.kind import Kind, Still
 from rolling.kinds.march import March, MarchStore
 from rolling.kinds.run_folder import LISTEN, RESULT, RunFolder
 from rolling.marches.next_pieces import own_part
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
+from rolling.numbers.ball_numbers import RunNumbers
+from rolling.numbers.quantity import RELEASED_POWER, VIBRATION, Quantity
 from rolling.numbers.run_file import KIND as NAME
 from rolling.numbers.run_file import StoredNumbers
-from rolling.results import labels, listening, result_file, run_lines
-from rolling.results.common_gain import write_with_common_gain
+from rolling.results import answer, labels, listening, result_file, run_lines
 from rolling.results.former_numbers import former_numbers
 from rolling.results.run_result import PASSES, Run, make_run, read_run, write_run
 from rolling.run.taken import OTHER_CONTACT, TakenMarches
@@ -73,6 +76,13 @@ class RollingBall(Kind):
     )
     stored_type = StoredNumbers
     former_format = None
+    gallery_note = (
+        "Vibration is what a listener would hear: ball and plate vibrate. Released power is an"
+        " upper bound: all elastic energy that asperities give back, all of it sound (q = 1)."
+        " Pictures: the surface (grey), the pressure on its asperities (warm) and the energy that"
+        " they release (blue), from above; the ball rolls to the right."
+    )
+    leading = (f"{VIBRATION}_db", f"{RELEASED_POWER}_db")
 
     # ---- scenes
 
@@ -185,11 +195,13 @@ class RollingBall(Kind):
         """Return the numbers of a run of version 0.8."""
         return former_numbers(content)
 
-    def write_with_common_gain(
-        self, runs: Sequence[RunFolder], reader_of: Callable[[RunFolder], Read], each: Each
-    ) -> None:
-        """Write listen.wav of the runs of a sweep with the gain that they share."""
-        write_with_common_gain(runs, reader_of, each)
+    def sounds(self, run: Run) -> list[HeardSound]:
+        """Return the record for the ear."""
+        return [listening.ListenSound(run)]
+
+    def file_gains(self, stored: StoredNumbers) -> Iterator[FileGain]:
+        """Yield the gains of listen.wav, unless it is silent."""
+        return listening.listen_gains(stored)
 
     def write_long(
         self, run: Run, seconds: float, speed: float | tuple[float, float] | None, seed: int
@@ -227,15 +239,31 @@ class RollingBall(Kind):
             lines.append(f"pass by pass: {printable(str(first.folder / PASSES))}")
         return lines
 
-    def has_figures(self, runs: int) -> bool:
-        """Tell whether there is something to compare; a single run has its figures on its page."""
-        return runs > 1
+    def quantities(self, numbers: RunNumbers) -> dict[str, Quantity]:
+        """Return vibration and released power."""
+        return {"Vibration": numbers.vibration, "Released power": numbers.released_power}
 
-    def write_figures(self, runs: Sequence[Run], folder: Path) -> None:
-        """Write the figures that compare runs."""
-        from rolling.figures import write_figures
+    def card_sentence(self, run: Run) -> str:
+        """Return what follows from a run."""
+        return answer.follows([run])
 
-        write_figures(runs, folder)
+    def heard(self, run: Run, is_alone: bool) -> str:
+        """Say what one hears of a run, or why it is silent."""
+        from rolling.report import text
+
+        return text.heard(run, is_alone)
+
+    def still(self, run: Run) -> Still | None:
+        """Draw the loudest moment of a run from above."""
+        from rolling.report import film
+
+        return film.still(run)
+
+    def figures(self) -> Mapping[str, FigureKind]:
+        """Return the figures that compare runs, those of one run, and those on request."""
+        from rolling.figures.ball_figures import FIGURES
+
+        return FIGURES
 
     def page(self, runs: Sequence[Run], unsolved: Sequence[str], folder: Path | None) -> bytes:
         """Return the page of runs."""

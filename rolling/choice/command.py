@@ -88,7 +88,7 @@ def _write_sounds(choice: Choice, runs: Mapping[str, Run]) -> None:
     """Write a WAV of each candidate, all with one gain."""
     gain = page.common_gain(runs)
     for contender in choice.contenders:
-        content, _ = listening.listen_wav(runs[contender.label], gain)
+        content = listening.ListenSound(runs[contender.label]).wav(gain)
         files.write_bytes(choice.folder / f"{contender.candidate.folder_name}.wav", content)
 
 

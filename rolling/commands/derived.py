@@ -10,11 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from acoustics.traps import ignoring_underflow
+from rolling import figures
 from rolling.contact.processor_time import ProcessorTime
 from rolling.figures.settings import PictureWarning
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import BANDS, PAGE, SUMMARY, TABLE, RunFolder
 from rolling.results import labels, runs_table
+from rolling.results.common_gain import write_with_common_gain
 from rolling.results.stored_numbers import read_stored, with_page, write_stored
 from rolling.run import folder as folders
 from rolling.run.ending import Ending
@@ -60,8 +62,7 @@ def write_derived(ending: Ending, runs: Sequence[RunFolder], report: bool) -> No
         ending.kept.remove_others()
     if not done:
         return
-    kind = kind_of(runs[0].scene)
-    kind.write_with_common_gain(runs, lambda run: ending.kept.only(run).read, ending.each)
+    write_with_common_gain(runs, lambda run: ending.kept.only(run).read, ending.each)
     newest = max((run.folder / SUMMARY).stat().st_mtime_ns for run in done)
     report = report and len(runs) <= defaults.MAX_RUNS_COMPARED
     last = folder / TABLE
@@ -91,7 +92,7 @@ def _drawn(
     page_file = ending.folder / f".{PAGE}{files.PARTIAL}"
     names = labels.labels(unsolved) if unsolved else []
     calls: list[tuple[Any, ...]] = []
-    if kind_of(done[0].scene).has_figures(len(done)):
+    if figures.has_written_figures(done):
         calls.append((_figure_files, (ending.kept, done, ending.folder)))
     calls.append((_page_file, (ending.kept, done, page_file, names, ending.folder)))
     with progress.step("drawing the figures and the page"):
@@ -130,7 +131,7 @@ def _with_warnings(
 
 def _figure_files(kept: KeptRuns, done: Sequence[RunFolder], folder: Path) -> None:
     """Write the figures of runs into a folder."""
-    kind_of(done[0].scene).write_figures(open_runs(done, kept.read), folder)
+    figures.write_figures(open_runs(done, kept.read), folder)
 
 
 def _page_file(
@@ -161,12 +162,11 @@ def write_table(frame: pd.DataFrame, path: Path) -> None:
 
 def write_report(runs: Sequence[Any], folder: Path, unsolved: Sequence[RunFolder]) -> None:
     """Write the figures and the page of runs into their folder."""
-    kind = kind_of(runs[0].scene)
-    if kind.has_figures(len(runs)):
+    if figures.has_written_figures(runs):
         with progress.step("drawing the figures"):
-            kind.write_figures(runs, folder)
+            figures.write_figures(runs, folder)
     with progress.step("writing the page"):
         names: list[str] = []
         if unsolved:
             names = labels.labels(unsolved)
-        files.write_bytes(folder / PAGE, kind.page(runs, names, folder))
+        files.write_bytes(folder / PAGE, kind_of(runs[0].scene).page(runs, names, folder))

@@ -13,9 +13,10 @@ from rolling.commands.derived import write_report, write_table, write_tables
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import BANDS, PAGE, TABLE, RunFolder
 from rolling.kinds.stored import refuse_former
-from rolling.numbers.quantity import RELEASED_POWER, VIBRATION
+from rolling.numbers import views
 from rolling.results import labels, runs_table
 from rolling.results.run_result import Run
+from rolling.results.stored_numbers import numbers_of
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs
 from rolling.scene.messages import nearest
@@ -159,7 +160,7 @@ def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None)
     ------
     FolderError : a run is not done, or there is no such figure of the runs.
     """
-    from rolling.figures.catalogue import FIGURES, plot_run
+    from rolling.figures.catalogue import figures_of, plot_run
 
     with progress.step("reading the runs, making their sound"):
         runs = open_runs(folders.done_runs(folder))
@@ -167,7 +168,7 @@ def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None)
         out = folder / "figures"  # made with the first figure that can be drawn
         files.refuse_link_below(folder, out)
     else:
-        drawn = names or FIGURES
+        drawn = names or figures_of(runs)
         for path in out.glob(f"*.{form}"):
             if path.stem.split("-")[0] in drawn:
                 raise FolderError(f"{path}: exists; take another folder, or remove it")
@@ -227,14 +228,16 @@ def table(
 
     files.make_below(folder, folder / "figures")
     done = [run for run in runs if run.is_done]
-    columns = numbers or _answers_to_plot(solved)
+    columns = numbers or _answers_to_plot(done, solved)
     return paths + figures.write_number_figures(done, columns, axes, folder / "figures")
 
 
-def _answers_to_plot(solved: pd.DataFrame) -> list[str]:
-    """Return the columns of the two numbers that runs have, the vibration first."""
-    columns = [f"{name}_db" for name in (VIBRATION, RELEASED_POWER)]
-    return [column for column in columns if solved[column].notna().any()]
+def _answers_to_plot(runs: Sequence[RunFolder], solved: pd.DataFrame) -> list[str]:
+    """Return the columns of the numbers that lead, as far as runs have them."""
+    columns = kind_of(runs[0].scene).leading
+    if not columns:
+        columns = tuple(views.quantity_columns(numbers_of(runs[0])))
+    return [column for column in columns if column in solved and solved[column].notna().any()]
 
 
 def _refuse_unknown(name: str, known: Sequence[str], kind: str) -> None:

@@ -50,8 +50,8 @@ _NOTE_LETTERS = 125  # of a line of the note
 # ---- axes
 
 
-def axes_of(ax: Axes | None) -> Axes:
-    """Return the given axes, or new axes in a figure of their own.
+def axes_of(ax: Axes | None, is_polar: bool = False) -> Axes:
+    """Return the given axes, or new axes in a figure of their own, which may be polar.
 
     A figure without a layout engine gets the tight layout, so that nothing overlaps.
     """
@@ -63,8 +63,9 @@ def axes_of(ax: Axes | None) -> Axes:
         return ax
     import matplotlib.pyplot as plt
 
+    projection = {"projection": "polar" if is_polar else None}
     try:
-        return plt.subplots(layout="constrained")[1]
+        return plt.subplots(layout="constrained", subplot_kw=projection)[1]
     except ImportError as error:  # of a backend that is not installed, or that needs a screen
         warnings.warn(
             "matplotlib cannot show the new figure, because its backend cannot be loaded"
@@ -73,7 +74,7 @@ def axes_of(ax: Axes | None) -> Axes:
         )
         figure = Figure(layout="constrained")
         FigureCanvasAgg(figure)
-        return figure.add_subplot()
+        return figure.add_subplot(**projection)
 
 
 def listed(runs: Run | Iterable[Run]) -> list[Run]:
@@ -328,12 +329,17 @@ class Picture:
 
 
 @own_settings()
-def picture(name: str, draw: Callable[..., Axes], table: DataFrame | None = None) -> Picture:
+def picture(
+    name: str,
+    draw: Callable[..., Axes],
+    table: DataFrame | None = None,
+    is_polar: bool = False,
+) -> Picture:
     """Draw axes in a figure of their own, with the title above and the legend below."""
     figure = CaptionedFigure(figsize=(WIDTH_IN, HEIGHT_IN), dpi=DPI)
     figure.set_layout_engine("constrained", w_pad=0.12, h_pad=0.08)
     FigureCanvasAgg(figure)
-    ax = draw(ax=figure.add_subplot())
+    ax = draw(ax=figure.add_subplot(projection="polar" if is_polar else None))
     title = textwrap.fill(figure.caption.title, _TITLE_LETTERS)
     note = textwrap.fill(figure.caption.note, _NOTE_LETTERS)
     above = figure.suptitle(title, x=0.012, ha="left", fontsize=12)

@@ -26,7 +26,7 @@ from rolling.results import labels
 from rolling.results.labels import SEED
 from rolling.results.run_result import Run
 from rolling.results.stored_numbers import numbers_of
-from rolling.scene.scene import Scene
+from rolling.scene.swept import SweptScene
 from rolling.terminal.files import write_bytes
 
 SCENE = "scene"  # column of the scene's name beside the swept keys
@@ -224,11 +224,11 @@ def other_keys(runs: Sequence[RunFolder], key: str) -> list[str]:
     return [*keys]
 
 
-def _number_at(scene: Scene, key: str) -> float:
+def _number_at(scene: SweptScene, key: str) -> float:
     """Read the number at a dotted key of a scene."""
     value = labels.value_at(scene, key)
     if key == "rolling.load_n":  # which may be the weight, a number too
-        value = scene.load
+        value = getattr(scene, "load", value)
     if not isinstance(value, int | float) or isinstance(value, bool):
         raise ValueError(f"{key}: the scene {scene.name} has no number there")
     return float(value)
@@ -255,11 +255,12 @@ def write_number_figures(
     """
     title = runs[0].scene.name
     frame = sweep_table(runs)
-    swept = [key for key in frame if key.partition(".")[0] in Scene.model_fields and key != SEED]
+    swept = [key for key in runs[0].values if key != SEED]
     draw: Callable[..., Axes]
-    draw = partial(mean_bands, runs, swept, title=title)
     contents = dict[Path, bytes]()
-    _draw_into(contents, folder, "mean_third_octaves", draw)
+    if any(_a_weighted_bands(run) for run in runs):
+        draw = partial(mean_bands, runs, swept, title=title)
+        _draw_into(contents, folder, "mean_third_octaves", draw)
     for column in numbers:
         number = number_of(runs, column)
         if len(against) == 2:
@@ -446,8 +447,7 @@ def mean_band_table(runs: Sequence[RunFolder], curves: Sequence[str]) -> pd.Data
 
 def _a_weighted_bands(run: RunFolder) -> Mapping[str, float | None]:
     """Return the A-weighted third octaves of the sound of a run by their names [dB(A)]."""
-    numbers = numbers_of(run)
-    bands = None if numbers is None else numbers.played_bands_a
+    bands = getattr(numbers_of(run), "played_bands_a", None)  # a kind need not have any
     return {} if bands is None else bands.by_name
 
 

@@ -7,21 +7,34 @@ its motion, its numbers and its pictures, and neither pools nor folders of sweep
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from rolling.kinds.run_folder import RunFolder
+from rolling.numbers import views
+from rolling.numbers.quantity import Quantity
 from rolling.scene.swept import SweptScene
 
 if TYPE_CHECKING:  # a scene is read without the solver
+    from rolling.kinds.figure_kind import FigureKind
+    from rolling.kinds.heard_sound import FileGain, HeardSound
     from rolling.kinds.march import March, MarchStore
 
-Read = Callable[[RunFolder, str], Any]  # a run that is done, under a label
-Each = Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], Any]  # calls, in some process
-
-
 NOT_IN_0_8 = -1
+
+
+class Still(NamedTuple):
+    """A picture of a run.
+
+    png : str. The picture, a PNG in a data URI.
+    words : str. What it shows, for those who do not see it.
+    at : int. Where it is looked at, percent of its width.
+    """
+
+    png: str
+    words: str
+    at: int = 50
 
 
 class Kind(ABC):
@@ -41,6 +54,11 @@ class Kind(ABC):
     former_format : int or None
         What version 0.8 wrote as the format of a summary.json, None where it wrote no format;
         NOT_IN_0_8 for a kind that it did not know.
+    gallery_note : str
+        What the numbers and pictures of its cards mean. Default: empty.
+    leading : tuple of str
+        Columns of runs.csv that are plotted unasked, the first one leads. Default: the values of
+        all quantities.
     """
 
     name: ClassVar[str]
@@ -48,6 +66,8 @@ class Kind(ABC):
     description: ClassVar[str]
     stored_type: ClassVar[type[Any]]
     former_format: ClassVar[int | None] = NOT_IN_0_8
+    gallery_note: ClassVar[str] = ""
+    leading: ClassVar[tuple[str, ...]] = ()
 
     # ---- scenes
 
@@ -181,11 +201,20 @@ class Kind(ABC):
         ValueError : it is none.
         """
 
-    @abstractmethod
-    def write_with_common_gain(
-        self, runs: Sequence[RunFolder], reader_of: Callable[[RunFolder], Read], each: Each
-    ) -> None:
-        """Write the sounds of the runs of a sweep with the gain that they share."""
+    # ---- sounds of runs
+
+    def sounds(self, run: Any) -> Sequence[HeardSound]:
+        """Return the sounds of a run that a person listens to, that of listen.wav first."""
+        return ()
+
+    def file_gains(self, stored: Any) -> Iterable[FileGain]:
+        """Return the gains of the sound files of a run that share a gain with other runs.
+
+        The default finds all facts of plain sounds among the facts of the files.
+        """
+        from rolling.kinds.heard_sound import plain_gains
+
+        return plain_gains(stored.files)
 
     @abstractmethod
     def write_long(
@@ -216,13 +245,31 @@ class Kind(ABC):
     def listen_lines(self, done: Sequence[RunFolder]) -> list[str]:
         """Return the lines that name the sounds that a person opens first."""
 
-    def has_figures(self, runs: int) -> bool:
-        """Tell whether so many runs get figures beside their page."""
-        return True
+    def quantities(self, numbers: Any) -> Mapping[str, Quantity]:
+        """Return the numbers that lead, by the names that people read, the first one first.
 
-    @abstractmethod
-    def write_figures(self, runs: Sequence[Any], folder: Path) -> None:
-        """Write the figures that `rolling run` writes for runs into their folder."""
+        The default has all quantities of the numbers.
+        """
+        return views.quantities(numbers)
+
+    def card_sentence(self, run: Any) -> str:
+        """Return what follows from a run in a sentence; empty without one."""
+        return ""
+
+    def heard(self, run: Any, is_alone: bool) -> str:
+        """Say what one hears of a run, and what is special about it unless it is alone."""
+        from rolling.kinds.heard_sound import played_sound
+
+        sound = played_sound(self.sounds(run))
+        return "" if sound is None else f"You hear: {sound.words}."
+
+    def still(self, run: Any) -> Still | None:
+        """Return a picture of a run for its card; None without one."""
+        return None
+
+    def figures(self) -> Mapping[str, FigureKind]:
+        """Return the figures that runs of this kind may have, by name; the first one leads."""
+        return {}
 
     @abstractmethod
     def page(self, runs: Sequence[Any], unsolved: Sequence[str], folder: Path | None) -> bytes:

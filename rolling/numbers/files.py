@@ -68,21 +68,23 @@ class Provenance:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RingListenFacts:
-    """Length and gains of the listen.wav of a bearing."""
+class SoundFacts:
+    """Length and gains of a sound file to listen to, in the unit of its samples."""
 
     duration_s: float = number("length", "s")
-    own_full_scale_m_s2: float = number(
-        "acceleration at full scale, with the gain that makes all runs equally loud", "m/s2"
+    unit: str = number("unit of the samples", "")
+    own_full_scale: float = number(
+        "amplitude at full scale in this unit, with the gain that makes all runs equally loud"
     )
-    full_scale_m_s2: float = number("acceleration at full scale of the file", "m/s2")
+    full_scale: float = number("amplitude at full scale of the file in this unit")
 
 
 @dataclass(frozen=True, kw_only=True)
 class BearingFiles:
     """Facts about the files of a run of a bearing."""
 
-    listen: RingListenFacts = group("listen.wav")
+    listen: SoundFacts = group("listen.wav, the acceleration of the ring")
+    housing: SoundFacts | None = group("housing.wav, the sound of a housing plate", default=None)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -98,6 +98,25 @@ def quantity_cells(name: str, said: NumberField, quantity: Quantity) -> dict[str
     }
 
 
+def quantities(numbers: Any) -> dict[str, Quantity]:
+    """Return all quantities in a data class of numbers by their words, or by their paths."""
+    named = {}
+    for leaf in walk(numbers):
+        if isinstance(leaf.value, Quantity):
+            words = leaf.said.word or " ".join(leaf.path).replace("_", " ")
+            named[words[:1].upper() + words[1:]] = leaf.value
+    return named
+
+
+def quantity_columns(numbers: Any) -> list[str]:
+    """Return the columns of the values of all quantities in a data class of numbers."""
+    columns = []
+    for path, said, value in leaves(numbers):
+        if isinstance(value, Quantity):
+            columns.append(next(iter(quantity_cells("_".join(path), said, value))))
+    return columns
+
+
 def bands_of(numbers: Any) -> dict[str, BandQuantity]:
     """Return the band quantities of a data class of numbers by the names of their columns."""
     return {

@@ -16,6 +16,7 @@ from rolling.ball.records import smooth_contact_of
 from rolling.ball.scene_surface import scene_surface
 from rolling.figures.picture import Caption, Picture
 from rolling.figures.settings import own_settings
+from rolling.kinds.kind import Still
 from rolling.marches.observers import SlowMotion
 from rolling.report import maps
 from rolling.report.charts import Chart, chart_of
@@ -152,17 +153,19 @@ def _ground(run: Run, slow: SlowMotion) -> maps.Pixels:
     return maps.upright(np.rint(255 * share).astype(np.uint8))
 
 
-def still(run: Run) -> dict[str, Any] | None:
-    """Draw the loudest moment of a run as `png`, with the contact `at` [percent of the width].
+def still(run: Run) -> Still | None:
+    """Draw the loudest moment of a run, which is looked at where the contact is.
 
     Without a slow motion it is the map in the middle of the record; None without maps, and for a
     ball that falls.
     """
     if run.scene.rolling.drop_mm is not None:
         return None
+    words = f"The contact of {run.label} seen from above"
     slow = slow_motion(run)
     if slow is None:
-        return maps.middle_map(run)
+        drawn = maps.middle_map(run)
+        return None if drawn is None else Still(drawn["png"], words, drawn["at"])
     number = loudest(run, slow)
     picture = Image.fromarray(_ground(run, slow)).convert("RGB")
     shades = maps.shades(slow.pressure[number], float(slow.pressure.max()) or 1.0)
@@ -170,10 +173,8 @@ def still(run: Run) -> dict[str, Any] | None:
     _paste(picture, colours=_dimmed()[shades], opacity=VEIL * (shades > 0))
     _paste(picture, colours=LIT[lit], opacity=lit)
     middle, _ = _centres(run, slow)[number]
-    return {
-        "png": maps.png(np.asarray(picture)),
-        "at": round(100 * middle / slow.pressure.shape[1]),
-    }
+    at = round(100 * middle / slow.pressure.shape[1])
+    return Still(maps.png(np.asarray(picture)), words, at)
 
 
 def _paste(picture: Image.Image, *, colours: NDArray[Any], opacity: NDArray[Any]) -> None:

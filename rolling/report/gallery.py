@@ -1,7 +1,7 @@
 """The gallery: a page of many runs, each with a picture, a sound, its level and a sentence."""
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -14,13 +14,12 @@ from acoustics.arrays import Array
 from acoustics.texts import printable
 from rolling import __version__
 from rolling.figures.settings import left_out_if_it_fails
+from rolling.kinds.heard_sound import HeardSound, played_sound
+from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import PAGE
-from rolling.report import film, quantities, records, text
+from rolling.report import quantities, records, text
 from rolling.report.templates import environment
-from rolling.results import answer
-from rolling.results.listening import record_for_ear
 from rolling.results.notes import UNVALIDATED
-from rolling.results.run_result import Run
 
 MAX_CARDS = 200
 # All sounds together weigh about 5 MB: an MP3 of a rough contact takes up to 25 kB per second.
@@ -31,7 +30,7 @@ FADE_S = 0.02
 
 
 def gallery_page(
-    runs: Iterable[Run], count: int, folder: Path, unsolved: Sequence[str] = ()
+    runs: Iterable[Any], count: int, folder: Path, unsolved: Sequence[str] = ()
 ) -> bytes:
     """Write the page of many runs.
 
@@ -40,7 +39,7 @@ def gallery_page(
 
     Parameters
     ----------
-    runs : iterable of Run. The runs in the order of the page; each is dropped after its card.
+    runs : iterable of runs of any kinds, in the order of the page; each is dropped after its card.
     count : int. Number of the runs.
     folder : Path. The folder of the page, from which it links to the pages of the runs.
     unsolved : sequence of str. Labels of runs that are not solved. Default: none.
@@ -52,11 +51,11 @@ def gallery_page(
     """
     seconds = min(SECONDS, max(MIN_SECONDS, ALL_SECONDS / count))
     cards = [_card(run, seconds, folder) for run in runs]
-    gains = records.gains([card["peak"] for card in cards], [card["level_db"] for card in cards])
     template = environment().get_template("gallery.html")
     return template.render(
         version=__version__,
-        cards=[*zip(cards, gains, strict=True)],
+        cards=[*zip(cards, _gains(cards), strict=True)],
+        notes=[*dict.fromkeys(card["note"] for card in cards if card["note"])],
         seconds=seconds,
         unsolved=unsolved,
         remark=UNVALIDATED,
@@ -64,33 +63,41 @@ def gallery_page(
     ).encode()
 
 
-def _card(run: Run, seconds: float, folder: Path) -> dict[str, Any]:
+def _card(run: Any, seconds: float, folder: Path) -> dict[str, Any]:
     """Return title, picture, sound, level and sentence of a run, and the link to its page."""
-    sound = _excerpt(run, seconds)
-    peak = float(np.abs(sound).max())
+    kind = kind_of(run.scene)
+    heard = played_sound(kind.sounds(run))
+    sound = _excerpt(heard, seconds)
+    peak = float(np.abs(sound).max(initial=0.0))
     still = None
-    with left_out_if_it_fails(f"of the contact of {run.label}"):
-        still = film.still(run)
+    with left_out_if_it_fails(f"of the card of {run.label}"):
+        still = kind.still(run)
     return {
         "title": text.titles([run]),
         "label": run.label,
         "answers": quantities.shown_columns([run]),
         "sentence": _sentence(run),
-        "heard": text.heard(run, is_alone=True),
+        "heard": kind.heard(run, is_alone=True),
         "picture": still,
         "sound": records.compressed(wav.PEAK / peak * sound) if peak > 0 else None,
         "peak": peak,
-        "level_db": _heard_laeq_db(run),
+        "unit": "" if heard is None else heard.unit,
+        "level_db": None if heard is None else heard.level_db,
         "report": _link(run.home / PAGE, folder),
+        "note": kind.gallery_note,
     }
 
 
-def _heard_laeq_db(run: Run) -> float | None:
-    """Return LAeq of the record that is heard [dB(A)]: of the long record if there is one."""
-    long = run.numbers.listening
-    if long is not None and long.refused is None:
-        return long.laeq_db
-    return run.numbers.played.laeq_db
+def _gains(cards: Sequence[Mapping[str, Any]]) -> list[dict[str, float | None]]:
+    """Return the gains of the sounds of cards: equal loudness for all, one scale for each unit."""
+    peaks = [card["peak"] for card in cards]
+    levels = [card["level_db"] for card in cards]
+    equal = records.gains(peaks, levels)
+    calibrated = records.gains_by_source([card["unit"] for card in cards], peaks, levels)
+    return [
+        {"equal": of_all["equal"], "calibrated": of_unit["calibrated"]}
+        for of_all, of_unit in zip(equal, calibrated, strict=True)
+    ]
 
 
 def _link(page: Path, folder: Path) -> str | None:
@@ -100,18 +107,20 @@ def _link(page: Path, folder: Path) -> str | None:
     return quote(Path(os.path.relpath(page.resolve(), folder.resolve())).as_posix())
 
 
-def _excerpt(run: Run, seconds: float) -> Array:
-    """Return the beginning of the record for the ear [Pa], with a fade at its end."""
-    rate = run.sound.sample_rate
-    part = np.array(record_for_ear(run).pressure[: round(seconds * rate)], dtype=float)
+def _excerpt(sound: HeardSound | None, seconds: float) -> Array:
+    """Return the beginning of a sound in its unit, with a fade at its end; nothing of no sound."""
+    if sound is None:
+        return np.zeros(0)
+    rate = wav.SAMPLE_RATE_HZ
+    part = np.array(sound.samples[: round(seconds * rate)], dtype=float)
     fade = min(len(part), round(FADE_S * rate))
     part.T[..., len(part) - fade :] *= np.linspace(1, 0, fade)  # of all channels
     return part
 
 
-def _sentence(run: Run) -> str:
+def _sentence(run: Any) -> str:
     """Return the description of a scene of one run; in a sweep, what follows from the run."""
-    description = " ".join((run.scene.description or "").split())
+    description = " ".join((getattr(run.scene, "description", None) or "").split())
     if run.values or not description:
-        return answer.follows([run])
+        return kind_of(run.scene).card_sentence(run)
     return printable(description).rstrip(".") + "."

@@ -16,7 +16,7 @@ from acoustics.bands import BAND_NAMES
 from acoustics.plot_style import PREFIXES
 from acoustics.texts import printable
 from rolling import __version__
-from rolling.figures.catalogue import COMPARING, SINGLE, comparing_pictures, single_picture
+from rolling.figures.catalogue import comparing_pictures, single_names, single_picture
 from rolling.figures.picture import Picture
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.numbers.doubt import Doubt
@@ -203,7 +203,7 @@ def _pictures(run: Run, number: int, runs: Sequence[Run]) -> dict[str, Chart]:
     if run.result.maps:
         left_out.add("contact_pressure")  # the page has maps that move
     pictures = {}
-    for name in SINGLE:
+    for name in single_names(run):
         if name in left_out:
             continue
         picture = single_picture(name, run, runs)
@@ -220,7 +220,8 @@ def _places(run: Run) -> Chart:
     """Return the chart of the sound by place of a run, with the times of its patches."""
     places = run.sound_by_place
     assert places is not None  # as the caller has checked
-    chart = _exhibit(COMPARING["places"].picture("places", [run]))
+    (picture,) = comparing_pictures([run], ["places"])
+    chart = _exhibit(picture)
     patches = []
     for middle, begin, end in zip(places.position, places.first_s, places.left_s, strict=True):
         if math.isfinite(begin):

@@ -1,21 +1,20 @@
-"""The two numbers of runs as the page shows them: value, uncertainty, verdict, and their words.
+"""The numbers of runs that lead as pages show them: value, uncertainty, verdict, and their words.
 
-The vibration leads. A bound or an assumption has a word and a look of its own, and its numerical
-error beside it.
+A bound or an assumption has a word and a look of its own, and its numerical error beside it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from acoustics.numbers import rounded_up
+from rolling.kinds.registry import kind_of
 from rolling.numbers.doubt import Severity
 from rolling.numbers.quantity import ASSUMED, BOUND, Quantity, Verdict
 from rolling.results import description, verdict
 from rolling.results.quantities import LAE
 from rolling.results.run_result import Run
-
-NAMES = ("Vibration", "Released power")  # in the order in which they are read
 
 WORDS = {  # of verdicts
     "trust": "no error above 1 dB is known",
@@ -56,22 +55,25 @@ class ShownQuantity(NamedTuple):
 
 
 class ShownColumn(NamedTuple):
-    """A column of one of the two numbers: its name, how it was found and its unit, its cells."""
+    """A column of a number: its name, how it was found and its unit, its cells."""
 
     name: str
     remark: str
     cells: list[ShownQuantity]
 
 
-def shown_columns(runs: Sequence[Run]) -> list[ShownColumn]:
-    """Return vibration and released power of runs as the page shows them.
+def shown_columns(runs: Sequence[Any]) -> list[ShownColumn]:
+    """Return the quantities of runs of one kind as the page shows them.
 
-    The first of them that a run has leads; all others stand in its shadow.
+    Where they have different meanings, as vibration and released power, the first one that a run
+    has leads, and all others stand in its shadow.
     """
-    is_mixed = len({run.vibration.measure for run in runs}) > 1
+    by_name = _quantities(runs)
+    first = next(iter(by_name.values()))
+    is_mixed = len({quantity.measure for quantity in first}) > 1
     columns = []
     is_led = False
-    for name, quantities in zip(NAMES, _quantities(runs), strict=True):
+    for name, quantities in by_name.items():
         has_number = any(one.value is not None for one in quantities)
         leads = has_number and not is_led
         column = ShownColumn(
@@ -84,16 +86,21 @@ def shown_columns(runs: Sequence[Run]) -> list[ShownColumn]:
     return columns
 
 
-def _quantities(runs: Sequence[Run]) -> tuple[list[Quantity], list[Quantity]]:
-    """Return the vibrations and the released powers of runs."""
-    return [run.vibration for run in runs], [run.released_power for run in runs]
+def _quantities(runs: Sequence[Any]) -> dict[str, list[Quantity]]:
+    """Return the quantities of runs of one kind by their names, one of each run."""
+    kind = kind_of(runs[0].scene)
+    of_runs = [kind.quantities(run.numbers) for run in runs]
+    names = dict.fromkeys(name for quantities in of_runs for name in quantities)
+    return {name: [quantities[name] for quantities in of_runs] for name in names}
 
 
 def _remark(quantities: Sequence[Quantity], is_mixed: bool) -> str:
     """Say how quantities were found, and in which unit they are."""
     hows = dict.fromkeys(one.how for one in quantities if one.value is not None)
     of_event = not is_mixed and quantities[0].measure == LAE
-    unit = f"LAE {quantities[0].unit}" if of_event else quantities[0].unit
+    unit = quantities[0].unit.replace("um/", "µm/")
+    if of_event:
+        unit = f"LAE {unit}"
     return ", ".join(filter(None, (" or ".join(hows), unit)))
 
 
@@ -103,6 +110,8 @@ def _shown(quantity: Quantity, is_mixed: bool, leads: bool) -> ShownQuantity:
     if judged is None:
         return ShownQuantity(missing=quantity.reason, leads=leads)
     value, _, spread = quantity.number.partition(" ± ")
+    if quantity.uncertainty_unit and quantity.uncertainty is not None:
+        spread = f"{rounded_up(quantity.uncertainty)} {quantity.uncertainty_unit}"
     return ShownQuantity(
         value=value,
         spread=f"± {spread}" if spread else "",
@@ -124,7 +133,7 @@ def _error(judged: Verdict) -> str:
 # ---- words
 
 
-def verdict_words(runs: Sequence[Run]) -> list[tuple[str, str]]:
+def verdict_words(runs: Sequence[Any]) -> list[tuple[str, str]]:
     """Explain the words of the verdicts on the numbers of runs."""
     found = [*_judged(runs)]
     words = {one.word for one in found}
@@ -134,18 +143,18 @@ def verdict_words(runs: Sequence[Run]) -> list[tuple[str, str]]:
     return explained
 
 
-def _judged(runs: Sequence[Run]) -> Iterator[Verdict]:
+def _judged(runs: Sequence[Any]) -> Iterator[Verdict]:
     """Yield the verdicts on the numbers of runs."""
-    for quantities in _quantities(runs):
+    for quantities in _quantities(runs).values():
         for quantity in quantities:
             if quantity.judged is not None:
                 yield quantity.judged
 
 
-def meanings(runs: Sequence[Run]) -> list[tuple[str, str]]:
+def meanings(runs: Sequence[Any]) -> list[tuple[str, str]]:
     """Explain the numbers that runs have: name and the rest of the sentence, each meaning once."""
     explained = []
-    for name, quantities in zip(NAMES, _quantities(runs), strict=True):
+    for name, quantities in _quantities(runs).items():
         for meaning in dict.fromkeys(one.meaning for one in quantities if one.value is not None):
             rest = meaning.removeprefix(name)
             if rest == meaning:
@@ -167,11 +176,11 @@ def units(runs: Sequence[Run]) -> str:
 # ---- doubts
 
 
-def doubts(runs: Sequence[Run]) -> list[str]:
+def doubts(runs: Sequence[Any]) -> list[str]:
     """Return the doubts about the numbers of runs as sentences, the worst of each number first."""
     sentences = []
     told = set[str]()
-    for name, quantities in zip(NAMES, _quantities(runs), strict=True):
+    for name, quantities in _quantities(runs).items():
         by_reason: dict[str, dict[str, Verdict]] = {}
         for run, quantity in zip(runs, quantities, strict=True):
             judged = quantity.judged

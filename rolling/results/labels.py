@@ -65,7 +65,9 @@ def labels(runs: Sequence[RunFolder]) -> list[str]:
 
 
 def title(name: str, label: str) -> str:
-    """Put the scene's name before a label, unless the label begins with it."""
+    """Put the scene's name before a label, unless the label begins with it or is empty."""
+    if not label:
+        return name
     return label if label.partition(", ")[0] == name else f"{name}, {label}"
 
 

@@ -10,7 +10,9 @@ import math
 import os
 import sys
 import webbrowser
+from collections.abc import Iterator
 from contextlib import suppress
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -20,15 +22,17 @@ import soundfile
 from acoustics import level, resampling, wav
 from acoustics.arrays import Array
 from acoustics.numbers import decibels_a, rounded
-from rolling.kinds.run_folder import RunFolder
+from rolling.kinds.heard_sound import FileGain, HeardSound, played_sound
+from rolling.kinds.registry import kind_of
+from rolling.kinds.run_folder import LISTEN, RunFolder
 from rolling.numbers.files import ListenFacts, RaisedEnd, SignalFacts
+from rolling.numbers.run_file import StoredNumbers
 from rolling.results.solved_run import NumberedRun
 from rolling.sound.contact_sound import FADE_S, ContactSound
 from rolling.sound.long_listening import Listening
 from rolling.terminal import progress
 from rolling.terminal.files import (
     make_below,
-    open_regular,
     read_regular,
     write_bytes,
     write_temporary,
@@ -209,7 +213,7 @@ def _stored_long_record(run: NumberedRun) -> Listening | None:
     if run.stored is None or numbers is None or numbers.seconds is None:
         return None
     with suppress(OSError, ValueError, soundfile.LibsndfileError):
-        content = read_regular(run.folder / "listen.wav", MAX_BYTES)
+        content = read_regular(run.folder / LISTEN, MAX_BYTES)
         with soundfile.SoundFile(io.BytesIO(content)) as file:
             if file.frames * file.channels > len(content):  # packed, so not of this program
                 return None
@@ -262,49 +266,115 @@ def describe_long_record(run: NumberedRun, long: Listening) -> str:
 # ---- files
 
 
-def listen_wav(run: NumberedRun, common: float | None = None) -> tuple[bytes, ListenFacts]:
-    """Write listen.wav of a run; return its bytes, and the content and meaning of its samples.
+class ListenSound(HeardSound):
+    """The record for the ear of a run of a ball, and its listen.wav.
 
-    A long record is made anew, so that the bytes do not depend on an earlier file.
-
-    Parameters
-    ----------
-    run : NumberedRun
-    common : float, full scale per Pa. The gain that it shares with the other runs of its sweep.
-        Default: its own gain.
+    Its file has a long record that is made anew, so that the bytes do not depend on an earlier
+    file; it plays the one that an earlier file holds.
     """
-    record = record_in_laps_of(run) if run.long is None else long_ear_record(run, run.long)
-    repeats = run.sound.loops or len(record.pressure) > len(run.sound.pressure)
-    own = own_gain(record)
-    used = own
-    if common is not None and own.rule != SILENCE:
-        used = Gain(common, COMMON_GAIN)
-    scale = used.full_scale_per_pa
-    meaning = _meaning(run.numbers.record.source, own, used)
-    raised = None
-    if record.raised is not None:
-        meaning += (
-            " From raised.begin_s on, the factor is raised.pascal_per_full_scale: what follows the"
-            " impacts has a gain of its own, so that it is heard."
+
+    file = LISTEN
+    unit = "Pa"
+
+    def __init__(self, run: NumberedRun) -> None:
+        self._run = run
+        self.group = run.numbers.record.source
+
+    @cached_property
+    def _for_the_ear(self) -> EarRecord:
+        return record_for_ear(self._run)
+
+    @cached_property
+    def _written(self) -> EarRecord:
+        run = self._run
+        return record_in_laps_of(run) if run.long is None else long_ear_record(run, run.long)
+
+    @property
+    def samples(self) -> Array:
+        """The pressure [Pa]."""
+        return self._for_the_ear.pressure
+
+    @property
+    def words(self) -> str:
+        """What the record holds."""
+        return self._for_the_ear.content
+
+    @property
+    def level_db(self) -> float | None:
+        """LAeq of the record that is heard [dB(A)]: of the long record if there is one."""
+        long = self._run.numbers.listening
+        if long is not None and long.refused is None:
+            return long.laeq_db
+        return self._run.numbers.played.laeq_db
+
+    def _gains(self, common: float | None) -> tuple[Gain, Gain]:
+        """Return its own gain, and the gain that is used."""
+        own = own_gain(self._written)
+        if common is not None and own.rule != SILENCE:
+            return own, Gain(common, COMMON_GAIN)
+        return own, own
+
+    def wav(self, common: float | None = None) -> bytes:
+        """Return listen.wav with a common gain [full scale per Pa], or with its own gain."""
+        run = self._run
+        record = self._written
+        repeats = run.sound.loops or len(record.pressure) > len(run.sound.pressure)
+        _, used = self._gains(common)
+        return _wav(run, record, used, loops=repeats and run.long is None)
+
+    def facts(self, common: float | None = None) -> ListenFacts:
+        """Return the content of listen.wav and the meaning of its samples."""
+        record = self._written
+        rate = self._run.sound.sample_rate
+        own, used = self._gains(common)
+        scale = used.full_scale_per_pa
+        meaning = _meaning(self.group, own, used)
+        raised = None
+        if record.raised is not None:
+            meaning += (
+                " From raised.begin_s on, the factor is raised.pascal_per_full_scale: what follows"
+                " the impacts has a gain of its own, so that it is heard."
+            )
+            raised = RaisedEnd(
+                begin_s=record.raised.begin / rate,
+                raised_db=record.raised.decibels,
+                pascal_per_full_scale=1.0 / (scale * record.raised.factor),
+            )
+        return ListenFacts(
+            content=record.content,
+            meaning=meaning,
+            duration_s=len(record.pressure) / rate,
+            rule=used.rule,
+            pascal_per_full_scale=1.0 / scale,
+            gain_full_scale_per_pa=scale,
+            gain_db_re_1_per_pa=20.0 * math.log10(scale),
+            own_gain_full_scale_per_pa=own.full_scale_per_pa,
+            common_gain_full_scale_per_pa=common,
+            raised=raised,
         )
-        raised = RaisedEnd(
-            begin_s=record.raised.begin / run.sound.sample_rate,
-            raised_db=record.raised.decibels,
-            pascal_per_full_scale=1.0 / (scale * record.raised.factor),
-        )
-    facts = ListenFacts(
-        content=record.content,
-        meaning=meaning,
-        duration_s=len(record.pressure) / run.sound.sample_rate,
-        rule=used.rule,
-        pascal_per_full_scale=1.0 / scale,
-        gain_full_scale_per_pa=scale,
-        gain_db_re_1_per_pa=20.0 * math.log10(scale),
-        own_gain_full_scale_per_pa=own.full_scale_per_pa,
-        common_gain_full_scale_per_pa=common,
-        raised=raised,
+
+
+def listen_gains(stored: StoredNumbers) -> Iterator[FileGain]:
+    """Yield the gains of the listen.wav of a run of a ball; a silent one shares none.
+
+    Vibration and release have gains of their own, because one does not compare the two by ear.
+    """
+    listen = stored.files.listen
+    own = listen.own_gain_full_scale_per_pa
+    if own <= 0.0 or listen.rule == SILENCE:
+        return
+    yield FileGain(
+        file=LISTEN,
+        group=stored.numbers.record.source,
+        own=own,
+        used=listen.common_gain_full_scale_per_pa,
+        words=words_of_common_gain,
     )
-    return _wav(run, record, used, loops=repeats and run.long is None), facts
+
+
+def words_of_common_gain(gain: float) -> str:
+    """Return the words with which the comment of a listen.wav names a common gain."""
+    return comment_of_gain(Gain(gain, COMMON_GAIN))
 
 
 def own_gain(record: EarRecord) -> Gain:
@@ -381,15 +451,6 @@ def comment_of_gain(gain: Gain) -> str:
     return f"{gain.full_scale_per_pa:.6g} full scale per Pa, {gain.rule}"
 
 
-def has_gain(path: Path, gain: Gain, title: str) -> bool:
-    """Tell whether a sound file has a gain and a title; a file that cannot be read has none."""
-    try:
-        with open_regular(path) as stream, soundfile.SoundFile(stream) as file:
-            return gain_of_comment(file.comment) == gain and file.title == title
-    except (OSError, ValueError, soundfile.LibsndfileError):
-        return False
-
-
 def gain_of_comment(comment: str) -> Gain:
     """Return the gain that the comment of a file names; raise ValueError where it names none."""
     words, _, _ = comment.partition(";")
@@ -459,20 +520,27 @@ def _source(run: NumberedRun) -> str:
 # ---- players
 
 
-def play(run: NumberedRun) -> Any:
-    """Return a player in a notebook; in a script, name listen.wav and open a player for it."""
-    record = record_for_ear(run)
+def play(run: Any) -> Any:
+    """Return a player in a notebook; in a script, name a sound file and open a player for it.
+
+    Raises
+    ------
+    ValueError : the kind of the run has no sounds.
+    """
+    kind = kind_of(run.scene)
+    sound = played_sound(kind.sounds(run))
+    if sound is None:
+        raise ValueError(f"{kind.name}: runs of this kind have no sound")
     if progress.in_notebook():
         from IPython.display import Audio
 
-        samples = record.pressure * wav.listening_gain(record.pressure)
-        return Audio(samples.T, rate=run.sound.sample_rate, normalize=False)
-    path = run.folder / "listen.wav"
+        samples = sound.samples * wav.listening_gain(sound.samples)
+        return Audio(samples.T, rate=wav.SAMPLE_RATE_HZ, normalize=False)
+    path = run.folder / sound.file
     is_stored = run.stored is not None and path.is_file()
     if not is_stored:
-        content, _ = listen_wav(run)
-        path = write_temporary(f"{run.scene.name}-listen-", ".wav", content)
-    print(f"listen: {path}   {record.content}")
+        path = write_temporary(f"{run.scene.name}-listen-", ".wav", sound.wav())
+    print(f"listen: {path}   {sound.words}")
     _open_player(path)
     return None
 

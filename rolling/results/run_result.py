@@ -17,7 +17,8 @@ from acoustics.traps import ignoring_underflow
 from rolling.ball.records import bodies_of, listener_of
 from rolling.ball.scene_surface import scene_surface
 from rolling.contact.processor_time import ProcessorTime
-from rolling.kinds.run_folder import RESULT, RunFolder
+from rolling.kinds.run_folder import LISTEN, RESULT, RunFolder
+from rolling.kinds.shown_run import ShownRun
 from rolling.marches import effort, force_law
 from rolling.marches.result import Result, released_energy
 from rolling.numbers.ball_numbers import RunNumbers
@@ -46,13 +47,12 @@ if TYPE_CHECKING:
     import xarray
 
 SIGNAL = "signal.wav"
-LISTEN = "listen.wav"
 PASSES = "passes.wav"  # of a plate that remembers
 
 
 @ignoring_underflow
 @dataclass(frozen=True, eq=False, repr=False)
-class Run(NumberedRun):
+class Run(NumberedRun, ShownRun):
     """A run with its sound. It equals no other run, so it can be the key of a dictionary.
 
     Attributes
@@ -96,20 +96,6 @@ class Run(NumberedRun):
 
     # `save` writes a run folder. Its module stands above this one and binds it.
     save: ClassVar[Callable[..., Path]]
-
-    def play(self) -> Any:
-        """Return a player for a notebook; in a script, name listen.wav and open a player for it.
-
-        The record is heard for at least five seconds, in laps, or as the long record of a scene
-        with `sound.listen_s`. The gain makes all runs equally loud, so levels are compared by their
-        numbers. A run without files writes a temporary one. The system's player is opened on a
-        terminal only, and the script goes on at once.
-
-        Returns
-        -------
-        player : IPython.display.Audio, or None
-        """
-        return listening.play(self)
 
     def write_wav(self, path: Path | str, comment: str = "", title: str = "") -> Path:
         """Write the record of the sound as a 32-bit float WAV in which 1.0 is 1 Pa.
@@ -284,8 +270,8 @@ def write_run(run: Run) -> None:
     OSError : a file cannot be written. An earlier file of this name is kept.
     """
     began = ProcessorTime.now()
-    listen_wav, listen_facts = listening.listen_wav(run)
-    contents = {LISTEN: listen_wav, RESULT: result_file.write_result(run)}
+    listen = listening.ListenSound(run)
+    contents = {LISTEN: listen.wav(), RESULT: result_file.write_result(run)}
     if run.result.passes is not None:
         contents[PASSES], _ = listening.passes_wav(run)
     contents |= channel_wavs(run, listening.wav_title(run, run.label))
@@ -297,7 +283,7 @@ def write_run(run: Run) -> None:
     groups = by_quantity(run.channels)
     facts = FileFacts(
         signal=listening.signal_facts(run.sound),
-        listen=listen_facts,
+        listen=listen.facts(),
         channel_wavs={name: wav_facts(channels) for name, channels in groups.items()} or None,
     )
     stored = StoredNumbers(

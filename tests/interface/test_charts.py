@@ -19,7 +19,7 @@ from report_browser import MINUS, data_of, without_browser
 from report_runs import runs_of
 
 import rolling.report
-from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
+from rolling.figures.catalogue import comparing_pictures, single_names, single_picture
 from rolling.figures.picture import Caption, Picture
 from rolling.report import templates, text
 from rolling.report.charts import COLUMNS, chart_of, numbers
@@ -36,7 +36,7 @@ TABLES = {
 def chart(name: str, runs: str) -> tuple[dict[str, Any], Picture]:
     """Return the chart of a figure, as it comes out of JSON, and its picture."""
     shown = runs_of(runs)
-    if name in SINGLE:
+    if name in single_names(shown[0]):
         drawn = single_picture(name, shown[0], shown)
     else:
         (drawn,) = comparing_pictures(shown, [name])
@@ -105,7 +105,7 @@ def test_third_octaves_and_their_uncertainty_are_those_of_the_runs() -> None:
 def test_every_figure_keeps_its_axes_and_the_names_of_its_curves(name: str) -> None:
     runs = runs_of(name)
     pictures = [*comparing_pictures(runs)]
-    pictures += [x for kind in SINGLE if (x := single_picture(kind, runs[0], runs))]
+    pictures += [x for kind in single_names(runs[0]) if (x := single_picture(kind, runs[0], runs))]
     for picture in pictures:
         read = chart_of(picture)
         ax = picture.figure.axes[0]

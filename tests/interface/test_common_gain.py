@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,8 +16,9 @@ from scene_text import TINY
 from acoustics import wav
 from acoustics.level import laeq_db
 from rolling import cli
+from rolling.kinds.heard_sound import common_gains
 from rolling.numbers.run_file import StoredNumbers
-from rolling.results.common_gain import common_gains
+from rolling.results.listening import listen_gains
 from rolling.results.stored_numbers import read_stored, write_stored
 
 LOADS = TINY + "sweep: {rolling.load_n: [0.005, 0.02]}\n"
@@ -130,9 +132,13 @@ def test_silence_and_other_sources_do_not_share_the_gain() -> None:
         a_run("vibration", 900.0),
         a_run("vibration", 4000.0),
     ]
-    assert common_gains(runs) == {"release": 2.0, "vibration": 900.0}
-    assert common_gains(runs[::-1]) == common_gains(runs)
-    assert common_gains([a_run("release", 1.0, "silence")]) == {}
+
+    def gains(stored: Sequence[StoredNumbers]) -> dict[str, float]:
+        return common_gains(file for one in stored for file in listen_gains(one))
+
+    assert gains(runs) == {"release": 2.0, "vibration": 900.0}
+    assert gains(runs[::-1]) == gains(runs)
+    assert gains([a_run("release", 1.0, "silence")]) == {}
 
 
 def test_a_run_far_below_the_others_says_that_it_may_be_inaudible(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+from bearing_runs import turning
 from finished import VIBRATING, marched
 from matplotlib import pyplot
 from report_runs import runs_of
@@ -66,7 +67,12 @@ DRAWN = (
 def drawn() -> dict[str, Any]:
     """Return the names that examples of plots take as given."""
     (worn,) = runs_of("memory")
-    return {"run": marched(VIBRATING, DRAWN), "runs": runs_of("seeds"), "worn": worn}
+    return {
+        "run": marched(VIBRATING, DRAWN),
+        "runs": runs_of("seeds"),
+        "worn": worn,
+        "turning": turning(),
+    }
 
 
 # Their examples choose between scenes, or compute the loudness in a room.

@@ -470,6 +470,7 @@ def test_figures_on_request_have_one_file_per_run_or_for_all(three, tmp_path) ->
         (["levels"], "gif", "png, svg, csv"),
         (["mobilities"], "png", "no such figure"),
         (["surface"], "csv", "no such figure in csv"),
+        (["envelope"], "png", "no figure of these runs.*allowed: third_octaves"),
     ],
 )
 def test_wrong_requests_are_refused_before_a_file_is_written(

@@ -19,6 +19,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from bearing_runs import turning
 from commands import ROOT
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -62,6 +63,8 @@ def drawing(name: str) -> Callable[[Axes], Axes]:
         motion = {"of": "ball", "quantity": "velocity"}
         force = {"of": "contact", "quantity": "force"}
         runs = [replace(run, scene=run.scene.with_({"sound.channels": [motion, force]}))]
+    elif name in ("envelope", "load_distribution", "ball_forces"):
+        runs = [turning()]
     else:
         runs = runs_of("seeds")
     function = getattr(plot, name)
@@ -253,8 +256,8 @@ from scene_text import TINY
 variables, place = dict(os.environ), os.getcwd()
 from rolling import plot
 from rolling.figures.picture import picture
-from rolling.scene.file import loads
 from rolling.kinds.reading import read_scene
+from rolling.scene.file import loads
 
 draw = partial(plot.surface, loads(TINY))
 print(hashlib.sha256(picture("surface", draw).file("png")).hexdigest())

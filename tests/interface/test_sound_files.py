@@ -23,7 +23,7 @@ from scene_text import PLAIN, TINY
 from acoustics import wav
 from acoustics.level import laeq_db, peak_pressure
 from acoustics.radiation import P_REF_PA
-from rolling.results.listening import listen_wav
+from rolling.results.listening import ListenSound
 from rolling.results.run_result import Run, write_run
 from rolling.scene import file
 from rolling.scene.scene import Scene
@@ -201,7 +201,8 @@ def test_a_ball_that_rolls_on_after_its_impacts_is_heard(run: Run) -> None:
     decay = np.exp(-np.arange(6 * rate) / (0.02 * rate))
     knocks = np.roll(decay, rate // 10) * random.standard_normal(6 * rate)
     sound = replace(run.sound, pressure=rolling + knocks, closed=False, once=True)
-    content, facts = listen_wav(replace(run, sound=sound))
+    listen = ListenSound(replace(run, sound=sound))
+    content, facts = listen.wav(), listen.facts()
     samples, _ = soundfile.read(io.BytesIO(content))
     begin = round(facts.raised.begin_s * rate)
     fade = round(0.02 * rate)
@@ -216,7 +217,9 @@ def test_a_ball_that_rolls_on_after_its_impacts_is_heard(run: Run) -> None:
     assert heard is not None and heard > laeq_db(samples[:begin], rate) - 20
     # A fall without an end that sounds is cut; a record that goes round is not touched.
     dying = replace(sound, pressure=knocks * (np.arange(len(knocks)) < rate))
-    content, facts = listen_wav(replace(run, sound=dying))
+    listen = ListenSound(replace(run, sound=dying))
+    content, facts = listen.wav(), listen.facts()
     assert facts.raised is None and facts.duration_s < 4
-    content, facts = listen_wav(replace(run, sound=replace(sound, once=False)))
+    listen = ListenSound(replace(run, sound=replace(sound, once=False)))
+    content, facts = listen.wav(), listen.facts()
     assert facts.raised is None and facts.duration_s >= 5

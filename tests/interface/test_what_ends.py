@@ -70,7 +70,8 @@ def run_of(name: str) -> Run:
 
 def played(run: Run) -> Array:
     """Return the pressure [Pa] in the bytes of listen.wav, less what raises its end."""
-    content, facts = listening.listen_wav(run)
+    listen = listening.ListenSound(run)
+    content, facts = listen.wav(), listen.facts()
     samples, rate = soundfile.read(io.BytesIO(content))
     assert rate == SAMPLE_RATE_HZ
     assert b"smpl" not in content  # the chunk of a loop

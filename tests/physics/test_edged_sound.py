@@ -12,7 +12,7 @@ from acoustics import wav
 from acoustics.arrays import Array
 from rolling.ball.records import bodies_of, listener_of, plate_of
 from rolling.results.level_words import number_rows
-from rolling.results.listening import listen_wav
+from rolling.results.listening import ListenSound
 from rolling.results.run_lines import other_listeners
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
@@ -116,7 +116,7 @@ def test_listeners_in_numbers_words_and_files(run: Run, tmp_path: Path) -> None:
     assert "at [140, 55, 300] mm" in others and "at [86, 55, 300]" not in others
     assert any("half sphere" in row.head for row in number_rows([numbers]))
     assert {"at_listener", "plate_edges"} <= doubt_lines(run).keys()
-    samples, _, comment = wav.read(_written(tmp_path / "listen.wav", listen_wav(run)[0]))
+    samples, _, comment = wav.read(_written(tmp_path / "listen.wav", ListenSound(run).wav()))
     assert samples.shape[1] == 2 and "left and right" in comment
     record = (
         np.stack(run.vibration_sound.pressures[:2], axis=1) if run.vibration_sound else np.zeros(1)

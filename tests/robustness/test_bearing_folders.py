@@ -67,7 +67,7 @@ def test_a_summary_of_version_0_8_has_the_same_numbers(run: BearingRun, tmp_path
     (tmp_path / "summary.json").write_text(json.dumps(former_summary(run)))
     read = read_stored(tmp_path)
     numbers = read.numbers
-    assert read.files.listen.full_scale_m_s2 == 3.0
+    assert read.files.listen.full_scale == 3.0
     for own, stored in zip(velocities_of(run.numbers), velocities_of(numbers), strict=True):
         assert stored[:2] == own[:2] and stored[3] == own[3]
         assert stored[2] == pytest.approx(own[2], rel=1e-9, abs=1e-15)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 
 from rolling.bearing.ring_record import RingRecord
 from rolling.bearing_run.bearing_run import BearingRun, numbered
 from rolling.bearing_run.solved_bearing import SolvedBearing
+from rolling.interface.runs import simulate
 from rolling.scene import file
 from rolling.scene.bearing_scene import BearingScene
 
@@ -36,6 +38,13 @@ def written(folder: Path, text: str = WAVY, name: str = "wavy.yaml") -> Path:
     path = folder / name
     path.write_text(text)
     return path
+
+
+@cache
+def turning() -> BearingRun:
+    """Return a run of 0.2 s of a bearing with waves, solved once."""
+    words = ["sound.duration_s=0.2", "sound.listen_s=0.2"]
+    return simulate(loads_bearing(WAVY, words), progress=False)
 
 
 def moved_as(run: BearingRun, record: RingRecord, scene: BearingScene | None = None) -> BearingRun:

@@ -1,0 +1,61 @@
+"""What a run of any kind shows and plays by itself, in Python and in notebooks.
+
+The bodies of its methods import rooms above, so that a run has the methods wherever it is made.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+class ShownRun:
+    """Methods of a run that need its figures and its sounds."""
+
+    def plot(self, name: str | None = None, ax: Axes | None = None) -> Axes:
+        """Draw a figure of the run.
+
+        Parameters
+        ----------
+        name : str
+            Name of the figure, as `rolling plot` has them. Default: the first figure of its kind,
+            which is third_octaves for a ball and spectrum for a bearing.
+        ax : matplotlib.axes.Axes
+            Axes to draw on. Default: new axes.
+
+        Returns
+        -------
+        ax : matplotlib.axes.Axes
+
+        Raises
+        ------
+        ValueError
+            The run has no figure of this name; the message names those that it has.
+
+        Examples
+        --------
+        >>> import rolling
+        >>> ax = run.plot("surface")
+        """
+        from rolling.figures import catalogue
+
+        return catalogue.draw(self, name, ax)
+
+    def play(self) -> Any:
+        """Return a player for a notebook; in a script, name a sound file and open a player for it.
+
+        A ball is heard by its record, for at least five seconds, in laps, or as the long record of
+        a scene with `sound.listen_s`. A bearing is heard by its housing plate, or by the
+        acceleration of its ring where it has none. The gain makes all runs equally loud, so levels
+        are compared by their numbers. A run without files writes a temporary one. The system's
+        player is opened on a terminal only, and the script goes on at once.
+
+        Returns
+        -------
+        player : IPython.display.Audio, or None
+        """
+        from rolling.results import listening
+
+        return listening.play(self)
