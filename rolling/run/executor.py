@@ -360,7 +360,8 @@ class RunLoop:
         arguments = (self._files.runs[run], self._files.labels[run], marched)
         self._endings[key] = run
         numbers = self._of_run[run]
-        surface = self._marches[numbers[0]].surface if numbers else None
+        # None is no surface for the backlog, which would never hand out the task.
+        surface = self._marches[numbers[0]].surface if numbers else key
         self._backlog.put(surface, [Task(key=key, function=function, arguments=arguments)])
 
     def _end(self, task: Task, value: Any, reason: str) -> None:
