@@ -14,7 +14,6 @@ from pandas import DataFrame
 from acoustics.arrays import Array, instance
 from acoustics.plot_style import COLOURS
 from acoustics.plot_style import envelope as thinned
-from acoustics.traps import ignoring_underflow
 from rolling.bearing import lines
 from rolling.bearing.geometry import contact_lines
 from rolling.bearing.lines import BearingLine
@@ -45,7 +44,6 @@ _BAND_COLOURS = ("0.93", "0.88", "0.93")
 # ---- curves
 
 
-@ignoring_underflow
 def spectrum(run: BearingRun, ax: Axes | None = None) -> Axes:
     """Plot the velocity of the ring over frequency with the three bands and the lines of a bearing.
 
@@ -110,7 +108,6 @@ def spectrum(run: BearingRun, ax: Axes | None = None) -> Axes:
     return finish(ax, f"Velocity of the {run.moving} ring: {_title(run)}", _facts(run))
 
 
-@ignoring_underflow
 def envelope(run: BearingRun, ax: Axes | None = None) -> Axes:
     """Plot the spectrum of the squared envelope, from 1,800 to 10,000 Hz, with the lines of faults.
 
@@ -195,7 +192,6 @@ def _draw_lines(ax: Axes, shown: Sequence[BearingLine]) -> None:
             )
 
 
-@ignoring_underflow
 def ball_forces(run: BearingRun, ax: Axes | None = None) -> Axes:
     """Plot the loads of some balls over two turns of the cage.
 
@@ -231,7 +227,6 @@ def ball_forces(run: BearingRun, ax: Axes | None = None) -> Axes:
     return finish(ax, f"Loads of balls on the {run.moving} ring: {_title(run)}", _facts(run))
 
 
-@ignoring_underflow
 def load_distribution(run: BearingRun, ax: Axes | None = None) -> Axes:
     """Plot the mean load of a ball over its angle, beside that of the static balance.
 

@@ -116,7 +116,6 @@ def _drawing(kind: FigureKind, shown: Any, among: Sequence[Any]) -> Callable[...
     return partial(kind.draw, shown)
 
 
-@ignoring_underflow
 def draw(runs: Any, name: str | None = None, ax: Axes | None = None) -> Axes:
     """Draw a figure of one run, or of several, on axes.
 

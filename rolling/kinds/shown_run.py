@@ -7,10 +7,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from acoustics.traps import ignoring_underflow
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+@ignoring_underflow
 class ShownRun:
     """Methods of a run that need its figures and its sounds."""
 
