@@ -20,7 +20,12 @@ from rolling.dynamics.long_motion import LongLaw, LongMotion
 from rolling.results.long_record import motion_at_speed
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
-from rolling.sound.long_listening import Listening, LongTravel, listen_to_vibration
+from rolling.sound.long_listening import (
+    Listening,
+    LongTravel,
+    listen_to_release,
+    listen_to_vibration,
+)
 
 RATE = 48000
 
@@ -159,6 +164,21 @@ def test_a_smooth_track_stays_at_the_load() -> None:
     law = hertz_law(1.0, 5e-3, 2.3e11, np.zeros(100))
     listening = listening_to(run.scene, law, 0.2)
     assert np.abs(listening.pressure).max() < 1e-12
+
+
+@pytest.mark.parametrize("source", ["vibration", "release"])
+def test_the_caller_learns_of_every_second_of_a_record(run: Run, source: str) -> None:
+    seconds: list[float] = []
+    listener = listener_of(run.scene)
+    travel = LongTravel(motion=run.scene.motion, seconds=0.1)
+    if source == "vibration":
+        assert run.vibration_sound is not None
+        law = run.vibration_sound.law
+        listen_to_vibration(bodies_of(run.scene), listener, law, travel, seconds.append)
+    else:
+        energy = 1e-9 * (1 + 0.1 * np.random.default_rng(1).standard_normal(400))
+        listen_to_release(energy, 2e-6, True, listener, travel, seconds.append)
+    assert sum(seconds) == pytest.approx(0.1)
 
 
 @pytest.mark.parametrize("factor", [1, 2, 12, 31])

@@ -7,7 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from rolling.ball.records import bodies_of, circumference_of, smooth_contact_of
+from rolling.ball.records import (
+    bodies_of,
+    circumference_of,
+    listener_of,
+    smooth_contact_of,
+    transducers_of,
+)
 from rolling.contact import closed_forms
 from rolling.contact.track import Motion, Track, Travel
 from rolling.heights.plate_file import steps_of
@@ -53,6 +59,30 @@ def test_bodies_have_the_values_of_their_sections() -> None:
     assert plate.contact_ends_m == (pytest.approx((0.1, 0.09)),) and not plate.has_path
     assert plate.with_edges is not None and plate.with_edges.length_m == plate.sides_m[0]
     assert circumference_of(scene()) is None
+
+
+def test_receivers_stand_where_their_sections_say() -> None:
+    """Places count from a corner of a plate with edges, and from the contact on an infinite one."""
+    edges = {"length_mm": 300, "width_mm": 200, "thickness_mm": 10, "loss_factor": 0.02}
+    edged = scene(**edges, contact_mm=[100, 90])
+    listed = [
+        {"of": "plate", "quantity": "velocity"},
+        {"of": "plate", "quantity": "velocity", "x_mm": 30, "y_mm": 40},
+        {"of": "ball", "quantity": "acceleration"},
+    ]
+    placed = edged.with_(
+        {"sound.listener_mm": [[10, 20, 300]], "sound.ball": False, "sound.channels": listed}
+    )
+    listener = listener_of(placed)
+    assert listener.places_m == (pytest.approx((0.01, 0.02, 0.3)),) and not listener.hears_ball
+    on_plate, beside, on_ball = transducers_of(placed)
+    assert on_plate.place_m == pytest.approx((0.1, 0.09))
+    assert beside.place_m == pytest.approx((0.03, 0.04)) and on_ball.place_m is None
+    (above,) = listener_of(edged).places_m
+    assert above == pytest.approx((0.1, 0.09, edged.sound.distance_m))
+    infinite = scene(thickness_mm=10).with_({"sound.channels": listed[:1]})
+    assert listener_of(infinite).places_m == ()
+    assert [x.place_m for x in transducers_of(infinite)] == [(0.0, 0.0)]
 
 
 def test_a_plate_bends_with_a_thickness_and_a_density_alone() -> None:
