@@ -57,7 +57,6 @@ _TITLE_LETTERS = 400
 FADE_S = 0.05  # at the ends of a sound
 _AXES = ("x", "y", "z")
 
-
 _FACTS: dict[str, type[Attribute]] = {
     "energy_error": float,
     "lost_contact_share": float,

@@ -1,18 +1,9 @@
-"""Definitions of the arrays that a march leaves, in the file of a piece and in that of its run.
-
-`result.h5` has the groups of `results/result_arrays.py`. An archive of a piece has the same
-variables, as GROUP/NAME, with what is joined or thrown away when the pieces come together.
-"""
+"""Definitions of the arrays that a march leaves, in the archive of a piece and in result.h5."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from rolling.marches.effort import ARRAY, PieceEffort
-from rolling.record.definition import TEXT, Variable, by_name
-
-if TYPE_CHECKING:
-    from rolling.marches.piece import Piece
+from rolling.marches.effort import ARRAY
+from rolling.record.definition import Variable, by_name
 
 # Entry i of a step series belongs to the step from position i to the next.
 STEPS = (
@@ -91,51 +82,3 @@ EVENTS_GROUP = "events"
 FILM_GROUP = "slow_motion"
 
 EFFORT = Variable(ARRAY, "part", "s", "f8", "processor times of surface, march and compilation")
-_FAULT = Variable("fault", "", "1", TEXT, "reason why a contact has no solution")
-_SERIES = by_name(*STEPS, STEP_TIME, *STATES)
-_SNAPSHOT_PLACE = Variable("place", "place", "m", "f8", "distance, and the corner of the cells")
-_FILM_PLACE = Variable("place", "place", "m", "f8", "corner and side of the cells, and both units")
-_SINKING = by_name(
-    Variable("plastic_work", "step", "J", "f8", "plastic work in each step"),
-    Variable("sunk_row", "sunk_row", "1", "i8", "rows of nodes that have sunk"),
-    Variable("sunk_depth", "sunk_row node_across", "m", "f8", "depth by which they have sunk"),
-)
-
-FAILED = by_name(_FAULT, EFFORT)  # of a piece that failed
-
-
-def piece_variables(piece: Piece) -> dict[str, Variable]:
-    """Return the definitions of the arrays of a piece by name, as `march_piece` returns them."""
-    variables = {EFFORT.name: EFFORT}
-    if piece.kind == "film":
-        return variables | _in_group(FILM_GROUP, (_FILM_PLACE, *FILM))
-    for name in SERIES_OF_KIND.get(piece.kind, _SERIES):
-        variables[name] = _SERIES[name]
-    if piece.kind == "pass":
-        variables |= _SINKING
-    if piece.has_maps:
-        variables |= _in_group(MAPS_GROUP, MAPS)
-        if piece.first == 0:
-            variables |= _in_group(SNAPSHOT_GROUP, (_SNAPSHOT_PLACE, *SNAPSHOT))
-        if piece.scene.recovery.events:
-            variables |= _in_group(EVENTS_GROUP, EVENTS)
-    return variables
-
-
-def piece_lengths(piece: Piece) -> dict[str, int]:
-    """Return the lengths of the dimensions that a piece fixes."""
-    steps = piece.last - piece.first
-    begins_with_state = piece.first == 0 or piece.kind == "error"
-    return {
-        "step": steps,
-        "position": steps + begins_with_state,
-        "axis": 2,
-        "node_across": piece.scene.track.n_across,
-        "part": len(PieceEffort._fields),
-        "place": 5 if piece.kind == "film" else 3,
-    }
-
-
-def _in_group(group: str, variables: tuple[Variable, ...]) -> dict[str, Variable]:
-    """Return the variables of a group by their names in the archive of a piece."""
-    return {f"{group}/{variable.name}": variable for variable in variables}

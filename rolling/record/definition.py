@@ -30,8 +30,8 @@ class Variable:
     name : str. Name in its group.
     dimensions : str. Names of its dimensions, separated by spaces.
     unit : str. SI unit, "1" for a pure number, "position" or "step" for a place along the track.
-    dtype : str. Type in the file without byte order, such as f8, TEXT or LETTERS. Whole numbers are
-        stored as such.
+    dtype : str. Type in the file without byte order, such as f8. Whole numbers are stored as such.
+        LETTERS are of files of HDF5, and TEXT is of archives and of studies, which xarray writes.
     long_name : str. Meaning, for readers of netCDF.
     is_auxiliary : bool. Whether it is a coordinate, though not named as its dimension.
     scale_factor : str. Name of the attribute of the group that is the unit of the stored whole
@@ -102,7 +102,7 @@ class RecordDefinition:
 
     name : str. Words of messages for such a record, such as "a result".
     format : int. Number of the format, an attribute of the root.
-    kind : str. Attribute of the root that tells records of one format apart; empty for none.
+    kind : str. Attribute `kind` of the root, by which a file is known; empty for none.
     groups : mapping. Definitions of its groups by name, with that of the ROOT.
     """
 

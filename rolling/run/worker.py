@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any
 
 from acoustics.traps import ignoring_underflow
 from rolling.record.definition import Arrays
-from rolling.record.npz_file import npz_bytes, read_npz
 from rolling.terminal import progress
 from rolling.terminal.files import make_below, read_regular, write_bytes
 from rolling.terminal.program import Program, identity
@@ -58,7 +57,7 @@ def piece_path(pieces: Path, piece: Piece) -> Path:
 def solve_piece(piece: Piece, pieces: Path | None) -> Arrays:
     """March a piece, or read its file; a folder of pieces receives the file of a new piece."""
     from rolling.marches.march_piece import march_piece
-    from rolling.marches.march_variables import FAILED, piece_variables
+    from rolling.marches.piece_archive import archive_of
 
     if pieces is None:
         return march_piece(piece)
@@ -66,10 +65,9 @@ def solve_piece(piece: Piece, pieces: Path | None) -> Arrays:
     if stored is not None:
         return stored
     arrays = march_piece(piece)
-    variables = FAILED if "fault" in arrays else piece_variables(piece)
     path = piece_path(pieces, piece)
     make_below(pieces.parent, path.parent)
-    write_bytes(path, npz_bytes(variables, arrays))
+    write_bytes(path, archive_of(piece, arrays))
     return arrays
 
 
@@ -84,20 +82,14 @@ def store_piece(piece: Piece, pieces: Path) -> None:
 
 def read_piece(pieces: Path, piece: Piece) -> Arrays | None:
     """Read the file of a piece; return None for a missing, damaged or strange file."""
-    from rolling.marches.march_variables import FAILED, piece_lengths, piece_variables
+    from rolling.marches.piece_archive import arrays_of
 
     try:
-        content = read_regular(piece_path(pieces, piece), _MAX_PIECE)
-    except OSError:
+        return arrays_of(piece, read_regular(piece_path(pieces, piece), _MAX_PIECE))
+    except MemoryError:  # which says nothing about the file
+        raise
+    except Exception:  # of any kind on files that are cut off, damaged or strange
         return None
-    for variables in (piece_variables(piece), FAILED):
-        try:
-            return read_npz(content, variables, piece_lengths(piece))
-        except MemoryError:  # which says nothing about the file
-            raise
-        except Exception:  # of any kind on files that are cut off, damaged or strange
-            continue
-    return None
 
 
 @ignoring_underflow

@@ -19,6 +19,7 @@ from rolling.contact.subcells import half_space_of
 from rolling.dynamics.force_law import ForceLaw
 from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import next_pieces
+from rolling.marches.piece_archive import archive_of, arrays_of
 from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 
@@ -100,11 +101,14 @@ def hertz_law(
 
 
 def march_all(scene: Scene, film: bool = False) -> Result:
-    """March all pieces of a scene without a sweep in this process, and return the result."""
+    """March all pieces of a scene without a sweep in this process, and return the result.
+
+    The arrays of each piece go through its archive, as those of a run in a folder do.
+    """
     result = Result.empty(scene)
     while pieces := next_pieces(scene, result, film):
         for piece in pieces:
-            result.add(piece, march_piece(piece))
+            result.add(piece, arrays_of(piece, archive_of(piece, march_piece(piece))))
     return result
 
 
