@@ -11,33 +11,72 @@ no time.
 93.98
 """
 
-import ast
 from importlib import import_module
 from inspect import isfunction
-from pathlib import Path
 from typing import Any
 
 __distribution__ = "rolling-contact-noise"  # tells this package from others of its name
 
-_STUB = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
-_MODULES = {
-    alias.name: str(node.module)
-    for node in _STUB.body
-    if isinstance(node, ast.ImportFrom)
-    for alias in node.names
+# Public names by the module that has them.
+_NAMES = {
+    "acoustics.audibility": ("Audibility", "audible_difference", "default_room_db", "room_noise"),
+    "acoustics.bands": (
+        "BAND_NAMES",
+        "EDGES_HZ",
+        "MID_HZ",
+        "band_uncertainty_db",
+        "reliable",
+        "third_octave_mean_square",
+    ),
+    "acoustics.level": (
+        "SoundLevels",
+        "is_single_event",
+        "lae_db",
+        "laeq_db",
+        "level_db",
+        "sound_levels",
+    ),
+    "acoustics.modulation": (
+        "EnvelopeSpectrum",
+        "envelope_spectrum",
+        "loudest_octave",
+        "modulated_octave",
+    ),
+    "acoustics.radiation": ("I_REF_W_M2", "P_REF_PA", "RHO_C", "intensity", "sound_pressure"),
+    "acoustics.ring_velocity": (
+        "VELOCITY_BANDS_HZ",
+        "NarrowSpectrum",
+        "VelocityBands",
+        "narrow_spectrum",
+        "squared_envelope_spectrum",
+        "velocity_bands",
+    ),
+    "acoustics.spectrum": ("Psd", "line_spectrum", "welch"),
+    "acoustics.uncertainty": (
+        "LevelUncertainty",
+        "kurtosis",
+        "kurtosis_uncertainty",
+        "level_uncertainty",
+    ),
+    "acoustics.vibration_level": ("REFERENCES", "VibrationLevels", "vibration_levels"),
+    "acoustics.weighting": ("a_weighting_db",),
 }
+_SUBMODULES = {
+    "plots": "acoustics.plots",
+    "wav": "acoustics.wav",
+}
+_HOMES = {name: home for home, names in _NAMES.items() for name in names}
 
-__all__ = sorted(_MODULES)
+__all__ = sorted([*_HOMES, *_SUBMODULES])
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first used; a function ignores underflow from here on."""
-    if name not in _MODULES:
+    if name in _SUBMODULES:
+        return import_module(_SUBMODULES[name])
+    if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module = _MODULES[name]
-    if module == __name__:
-        return import_module(f"{module}.{name}")
-    value = getattr(import_module(module), name)
+    value = getattr(import_module(_HOMES[name]), name)
     if isfunction(value):
         value = import_module(f"{__name__}.traps").ignoring_underflow(value)
         value.__module__ = __name__  # where pickle finds it

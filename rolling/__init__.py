@@ -3,7 +3,7 @@
 A scene goes in; the released energy and its sound come out.
 
 Public names are imported when they are first used, so `import rolling` and `rolling --help` are
-instant. The stub `__init__.pyi` lists them.
+instant. The stub `__init__.pyi` lists them for editors and type checkers.
 
 Scenes
     read_scene, Scene and its sections Sphere, Plate, Gaussian, SelfAffine, Smooth, HeightFile,
@@ -25,59 +25,104 @@ Contact
     HalfSpace, solve_contact, WarmStart, march, RollingContact, closed_forms (module)
 """
 
-import ast
 import sys
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 from rolling import _own_acoustics
 
 __version__ = "0.9.0.dev0"
 
-_STUB = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
-_MODULES = {
-    alias.name: node.module
-    for node in _STUB.body
-    if isinstance(node, ast.ImportFrom)
-    for alias in node.names
+# Public names by the module that has them.
+_NAMES = {
+    "rolling.bearing_run.bearing_choice": ("BearingChoice",),
+    "rolling.bearing_run.bearing_run": ("BearingRun",),
+    "rolling.check.finding": ("Finding",),
+    "rolling.check.findings": ("Findings",),
+    "rolling.choice.choice": ("Choice",),
+    "rolling.choice.difference": ("Difference",),
+    "rolling.choice.limit": ("Limit",),
+    "rolling.choice.sensitivity": ("Sensitivities",),
+    "rolling.contact.half_space": ("HalfSpace",),
+    "rolling.contact.march": ("march",),
+    "rolling.contact.single_contact": ("Contact", "WarmStart", "solve_contact"),
+    "rolling.contact.solver": ("ContactError",),
+    "rolling.contact.state": ("ContactState", "RollingContact"),
+    "rolling.heights.measured": ("HeightArray",),
+    "rolling.interface.choices": ("choose", "coarsest_below", "sensitivities"),
+    "rolling.interface.runs": ("live", "open_run", "save_run", "simulate", "simulate_sweep"),
+    "rolling.kinds.kind": ("Kind",),
+    "rolling.kinds.march": ("March", "MarchStore"),
+    "rolling.kinds.reading": ("read_scene",),
+    "rolling.kinds.registry": ("register",),
+    "rolling.numbers.ball_numbers": ("RunNumbers",),
+    "rolling.numbers.bearing_numbers": ("BearingNumbers",),
+    "rolling.numbers.doubt": ("Doubt",),
+    "rolling.numbers.quantity": ("BandQuantity", "Quantity"),
+    "rolling.results.channels": ("Channel",),
+    "rolling.results.run_result": ("Run",),
+    "rolling.run.sweep_runs": ("Runs", "SweepError"),
+    "rolling.scene.bearing_scene": ("BearingScene",),
+    "rolling.scene.bearing_sections": (
+        "Bearing",
+        "BearingNumerics",
+        "BearingSound",
+        "BearingSurfaces",
+        "HousingPlate",
+    ),
+    "rolling.scene.channels": ("SoundChannel",),
+    "rolling.scene.laws": ("SurfaceFault",),
+    "rolling.scene.messages": ("SceneError",),
+    "rolling.scene.scene": ("Scene",),
+    "rolling.scene.sections": (
+        "Dynamics",
+        "Numerics",
+        "Plate",
+        "Recovery",
+        "Rolling",
+        "Sound",
+        "Sphere",
+    ),
+    "rolling.scene.surfaces": (
+        "BallHeightFile",
+        "Gaussian",
+        "GaussianBall",
+        "GradedBall",
+        "HeightFile",
+        "SelfAffine",
+        "Smooth",
+        "SmoothBall",
+    ),
+    "rolling.sound.contact_sound": ("ContactSound",),
+    "rolling.sound.long_listening": ("Listening",),
+    "rolling.sound.vibration_sound": ("Vibration",),
+    "rolling.surface.parameters": ("surface_parameters",),
+    "rolling.terminal.files": ("FolderError",),
 }
+_SUBMODULES = {
+    "check": "rolling.check",
+    "plot": "rolling.plot",
+    "closed_forms": "rolling.contact.closed_forms",
+}
+_HOMES = {name: home for home, names in _NAMES.items() for name in names}
 
-_SUBMODULES = ("check", "closed_forms", "plot")
-
-__all__ = sorted(_MODULES)
+__all__ = sorted([*_HOMES, *_SUBMODULES])
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first used."""
-    if name not in _MODULES:
+    if name not in _HOMES and name not in _SUBMODULES:
         text = f"module {__name__!r} has no attribute {name!r}"
         # Python suggests the nearest name where it knows the module.
         raise AttributeError(text, name=name, obj=sys.modules[__name__])
     if message := _own_acoustics.fault():
         raise ImportError(message, name="acoustics")
-    module = _MODULES[name]
-    if not module.startswith("rolling.contact"):
-        # Scenes get the method `check`, whose module stands above theirs.
-        scene = import_module("rolling.scene.scene").Scene
-        scene.check = import_module("rolling.check.findings").check_scene
-        import_module("rolling.terminal.notebook").shorten_tracebacks(
-            import_module("rolling.scene.messages").SceneError,
-            import_module("rolling.terminal.files").FolderError,
-            import_module("rolling.contact.solver").ContactError,
-        )
-        import_module("rolling.scene.bearing_scene").BearingScene.check = _check_bearing
     if name in _SUBMODULES:
-        value = import_module(f"{module}.{name}")
+        value = import_module(_SUBMODULES[name])
     else:
-        value = getattr(import_module(module), name)
+        value = getattr(import_module(_HOMES[name]), name)
     globals()[name] = value
     return value
-
-
-def _check_bearing(scene: Any) -> Any:
-    """Judge all runs of the scene of a bearing, as `bearing_check.check_bearing` does."""
-    return import_module("rolling.bearing_contacts.bearing_check").check_bearing(scene)
 
 
 def __dir__() -> list[str]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import html
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from acoustics.traps import ignoring_underflow
 from rolling.bearing.ring_record import AXIAL
@@ -63,9 +63,6 @@ class BearingRun(SolvedBearing, ShownRun):
     numbers: BearingNumbers
     stored: StoredBearing | None = None
 
-    # `save` writes a run folder. Its module stands above this one and binds it.
-    save: ClassVar[Callable[..., Path]]
-
     @property
     def summary(self) -> Mapping[str, Any]:
         """Numbers by the names of version 0.8; read `numbers` instead."""
@@ -89,6 +86,30 @@ class BearingRun(SolvedBearing, ShownRun):
         from rolling.bearing_run import stored_run
 
         return stored_run.result_dataset(self)
+
+    def save(self, folder: Path | str, report: bool = True) -> Path:
+        """Write the run into a new folder, with the files that `rolling run` writes.
+
+        Parameters
+        ----------
+        folder : Path or str
+            The folder to make.
+        report : bool
+            Write page and figures as well. Default: true.
+
+        Returns
+        -------
+        folder : Path
+            The new folder, for `open_run`.
+
+        Raises
+        ------
+        FolderError
+            The folder holds files already, or is a file.
+        """
+        from rolling.interface.runs import save_run
+
+        return save_run(self, folder, report)
 
     def _repr_html_(self) -> str:
         """Write the sentences of a run and its bands for a notebook."""

@@ -295,10 +295,6 @@ def save_run(run: Run | BearingRun, folder: Path | str, report: bool = True) -> 
     return folder
 
 
-Run.save = save_run
-BearingRun.save = save_run
-
-
 @ignoring_underflow
 def live(runs: Run | BearingRun | Sequence[Run | BearingRun]) -> Any:
     """Open the page of a run, or of several, where the ball or the bearing is turned by hand.

@@ -17,6 +17,7 @@ from rolling.numbers.quantity import Quantity
 from rolling.scene.swept import SweptScene
 
 if TYPE_CHECKING:  # a scene is read without the solver
+    from rolling.check.findings import Findings
     from rolling.kinds.figure_kind import FigureKind
     from rolling.kinds.heard_sound import FileGain, HeardSound
     from rolling.kinds.march import March, MarchStore
@@ -95,7 +96,7 @@ class Kind(ABC):
         """
 
     @abstractmethod
-    def check(self, scene: Any, solve: bool = True) -> Any:
+    def check(self, scene: Any, solve: bool = True) -> Findings:
         """Judge all runs of a scene before anything is computed; solve a contact if asked to."""
 
     @abstractmethod

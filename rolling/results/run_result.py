@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import html
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from acoustics.traps import ignoring_underflow
 from rolling.ball.records import bodies_of, listener_of
@@ -94,8 +94,29 @@ class Run(NumberedRun, ShownRun):
     'sound.wav'
     """
 
-    # `save` writes a run folder. Its module stands above this one and binds it.
-    save: ClassVar[Callable[..., Path]]
+    def save(self, folder: Path | str, report: bool = True) -> Path:
+        """Write the run into a new folder, with the files that `rolling run` writes.
+
+        Parameters
+        ----------
+        folder : Path or str
+            The folder to make.
+        report : bool
+            Write the report page as well. Default: true.
+
+        Returns
+        -------
+        folder : Path
+            The new folder, for `open_run`.
+
+        Raises
+        ------
+        FolderError
+            The folder holds files already, or is a file.
+        """
+        from rolling.interface.runs import save_run
+
+        return save_run(self, folder, report)
 
     def write_wav(self, path: Path | str, comment: str = "", title: str = "") -> Path:
         """Write the record of the sound as a 32-bit float WAV in which 1.0 is 1 Pa.

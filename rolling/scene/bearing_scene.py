@@ -307,10 +307,6 @@ class BearingScene(BearingQuantities):
         WithJsonSchema({"type": "object"}),
     ] = Field(default={})
 
-    # `check` describes the bearing before it is run. Its module stands above this one, so
-    # `rolling/__init__.py` binds it.
-    check: ClassVar[Callable[..., Any]]
-
     @field_validator("numerics")
     @classmethod
     def _check_surfaces(cls, numerics: BearingNumerics, info: ValidationInfo) -> BearingNumerics:

@@ -18,6 +18,7 @@ from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import rounded
 from acoustics.texts import printable
+from rolling.terminal.notebook import short_traceback
 
 # place of a value: ("rolling", "load_n"), ("sweep", "rolling.load_n", 0)
 Key = tuple[str | int, ...]
@@ -50,6 +51,8 @@ class SceneError(Exception):
     Traceback (most recent call last):
     rolling.scene.messages.SceneError: --set: rolling.load_n: got -5, allowed: ...
     """
+
+    _render_traceback_ = short_traceback
 
     def __init__(self, faults: Sequence[str]) -> None:
         self.faults = [printable(writable(fault)) for fault in faults]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import (
@@ -79,10 +79,6 @@ class Scene(quantities.SceneQuantities):
         BeforeValidator(_sweep),
         WithJsonSchema({"type": "object"}),
     ] = Field(default={})
-
-    # `check` judges the scene before it is run. Its module stands above this one, so
-    # `rolling/__init__.py` binds it.
-    check: ClassVar[Callable[..., Any]]
 
     _step_choice: step_rule.StepChoice | None = PrivateAttr(default=None)
 

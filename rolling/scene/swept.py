@@ -40,6 +40,9 @@ from rolling.scene.models import (
     independent,
 )
 
+if TYPE_CHECKING:
+    from rolling.check.findings import Findings
+
 PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
 LIKE_SECTION = 0.8  # likeness from which on a section is taken for a misspelt one
 DEFAULT_NAME = "scene"  # name of a scene that is built in Python
@@ -103,6 +106,39 @@ class SweptScene(Section):
     def misspelt_section(cls, data: Mapping[str, Any]) -> str | None:
         """Return a key of plain values that is nearly the section of this kind; None without."""
         return next(iter(get_close_matches(cls.SECTION, data, 1, LIKE_SECTION)), None)
+
+    def check(self, solve: bool = True) -> Findings:
+        """Judge all runs of the scene before anything is computed.
+
+        Parameters
+        ----------
+        solve : bool
+            If true, solve a few positions of each run where its kind does so, which tell more than
+            closed forms. Default: true.
+
+        Returns
+        -------
+        Findings
+            Quantities and values of each run, and doubts about them; printed, they are a table.
+
+        Raises
+        ------
+        SceneError
+            A contact cannot be made with these values, a height file cannot be used, a package that
+            the scene asks for is missing, or its steps are too long.
+
+        Examples
+        --------
+        >>> import rolling
+        >>> len(rolling.read_scene("quickstart").check(solve=False).runs)
+        3
+        >>> findings = rolling.read_scene("bearing-6204").check()
+        >>> {row.key: row.value for row in findings}["BPFO"]
+        '92.1 Hz'
+        """
+        from rolling.kinds.registry import kind_of
+
+        return kind_of(self).check(self, solve)
 
     # ---- plain values ----
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rolling.terminal import streams
+from rolling.terminal.notebook import short_traceback
 
 PARTIAL = ".partial"  # end of the names of files that are being written
 # By the letter that `ls -l` shows.
@@ -27,6 +28,8 @@ class FolderError(Exception):
     Traceback (most recent call last):
     rolling.terminal.files.FolderError: nothing: no run folder, there is no scene.yaml
     """
+
+    _render_traceback_ = short_traceback
 
     def __init__(self, message: str) -> None:
         super().__init__(streams.harmless(message))  # it may have text of a stranger's file

@@ -1,7 +1,7 @@
 """Errors in a notebook: the line of the cell and the message, without the frames of the program.
 
-IPython asks an error for its text by the method `_render_traceback_`. Scripts and tests see whole
-tracebacks as ever.
+IPython asks an error for its text by the method `_render_traceback_`, which classes of errors for
+people take from here. Scripts and tests see whole tracebacks as ever.
 """
 
 import sys
@@ -9,17 +9,10 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 # Folders whose frames a person did not write: this program, acoustics and IPython.
 _ROOT = Path(__file__).parents[2]
 _OWN = (_ROOT / "rolling", _ROOT / "acoustics")
-
-
-def shorten_tracebacks(*kinds: Any) -> None:
-    """Let errors of some classes show their message and the lines of the cell only."""
-    for kind in kinds:
-        kind._render_traceback_ = short_traceback
 
 
 def short_traceback(error: BaseException) -> list[str]:

@@ -19,7 +19,7 @@ def in_plate(**changes: object) -> rc.BearingScene:
 
 def test_a_folder_has_the_sound_of_the_plate(tmp_path: Path) -> None:
     run = rc.simulate(in_plate(), progress=False)
-    rc.save_run(run, tmp_path / "run", report=False)
+    run.save(tmp_path / "run", report=False)
     level = rc.open_run(tmp_path / "run").numbers.housing.laeq
     assert level == run.numbers.housing.laeq
     assert level.value == run.housing.levels.laeq_db
