@@ -28,9 +28,9 @@ FLOORS = {
         ("kinds",),
         ("results",),
         ("figures", "recordings", "run"),
-        ("bearing_contacts", "plot", "report"),
+        ("bearing_contacts", "report"),
         ("bearing_run", "choice", "commands", "studies"),
-        ("built_in", "cli", "interface"),
+        ("built_in", "cli", "interface", "plot"),
     ),
     "acoustics": (
         ("arrays", "matplotlib_import", "numbers", "texts", "traps"),
@@ -60,6 +60,7 @@ FLOORS = {
 CLIMBING = {
     "rolling.bearing_run.bearing_run": {"BearingRun.save"},
     "rolling.results.run_result": {"Run.save"},
+    "rolling.kinds.shown_run": {"ShownRun.play", "ShownRun.plot"},
     "rolling.scene.swept": {"SweptScene.check"},
 }
 FRONT_DOOR = "__init__"  # hands out names of every floor; rooms take version and place from it only
