@@ -1,30 +1,29 @@
-"""Page of bearing runs: the answer, sounds, a bearing that turns, spectra, doubts, all numbers."""
+"""Parts of the page of bearings: the answer, a bearing that turns, spectra, lines and loads."""
 
 from __future__ import annotations
 
 import base64
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from markupsafe import Markup
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from acoustics.plot_style import envelope as thinned
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.texts import printable
-from rolling import __version__
 from rolling.bearing import lines
 from rolling.bearing.ring_record import NOTHING_UM_S, RADIAL, UM_S
 from rolling.bearing.tracks import BodyTrack
 from rolling.bearing_run import figures, sentences, stored_run
 from rolling.figures.catalogue import single_picture
 from rolling.figures.settings import left_out_if_it_fails
+from rolling.kinds.page_parts import PageParts
 from rolling.numbers.bearing_numbers import AXIAL_NAMES, AngleNumbers, BearingNumbers, VelocityLine
 from rolling.numbers.quantity import Quantity
-from rolling.report import maps, records, text
-from rolling.report.templates import environment, joined_script
+from rolling.report import maps
+from rolling.report.page import page_gains
 from rolling.terminal.streams import unbroken
 
 if TYPE_CHECKING:
@@ -44,60 +43,30 @@ PICTURES = {
 }
 
 
-def page(runs: Sequence[BearingRun], scene_text: str, not_shown: Sequence[str] = ()) -> bytes:
-    """Write the page of bearing runs.
+def bearing_parts(runs: Sequence[BearingRun]) -> PageParts:
+    """Return the parts of the page of bearings.
 
     Parameters
     ----------
-    runs : sequence of BearingRun. The runs of a scene.
-    scene_text : str. The scene file.
-    not_shown : sequence of str. Labels of other runs, not solved or beyond those of a page.
+    runs : sequence of BearingRun, at least one, in the order of the page.
     """
-    first = runs[0]
-    gains = common_gains(runs)
-    title = printable(first.scene.title or first.scene.name)
-    data = {
-        "runs": [{**data_of(run), "gain": gains.ring} for run in runs],
+    gain = page_gains(runs)[stored_run.RING]
+    values = {
+        "views": [_view(run) for run in runs],
+        "band_names": [f"{words}, below the bending" for words in sentences.BAND_WORDS.values()],
     }
-    template = environment().get_template("bearing.html")
-    return template.render(
-        version=__version__,
-        title=title,
-        views=[_view(run, gains) for run in runs],
-        band_names=[f"{words}, below the bending" for words in sentences.BAND_WORDS.values()],
-        not_shown=[printable(label) for label in not_shown],
-        data=data,
-        js=Markup(joined_script("bearing/begin.js")),
-        engine=Markup(joined_script("bearing/worker.js")),
-        css=Markup(text.asset("report.css") + text.asset("bearing.css")),
-        install=text.INSTALL,
-        scene_text=scene_text,
-        scene_file=f"{first.scene.name}.yaml",
-    ).encode()
+    return PageParts(
+        template="bearing.html",
+        styles=("bearing.css",),
+        script="bearing/begin.js",
+        engine="bearing/worker.js",
+        values=values,
+        data={"runs": [{**data_of(run), "gain": gain} for run in runs]},
+    )
 
 
-class PageGains(NamedTuple):
-    """Gains of all runs of a page, so that a louder run sounds louder.
-
-    ring : float. Full scale per m/s2.
-    housing : float. Full scale per Pa.
-    """
-
-    ring: float
-    housing: float
-
-
-def common_gains(runs: Sequence[BearingRun]) -> PageGains:
-    """Return the gains at which all runs sound and none clips."""
-    rings = [stored_run.ring_sound(run).own_gain for run in runs]
-    sounds = [stored_run.housing_sound(run) for run in runs]
-    housings = [sound.own_gain for sound in sounds if sound is not None]
-    return PageGains(ring=min(rings), housing=min(housings, default=1.0))
-
-
-def _view(run: BearingRun, gains: PageGains) -> dict[str, Any]:
-    """Return the words, tables, sound and pictures of a run."""
-    heard = stored_run.ring_sound(run).record
+def _view(run: BearingRun) -> dict[str, Any]:
+    """Return the words, tables and pictures of a run."""
     pictures = {}
     for name, words in PICTURES.items():
         drawn = single_picture(name, run)
@@ -114,11 +83,6 @@ def _view(run: BearingRun, gains: PageGains) -> dict[str, Any]:
         "sentences": [_on_page(sentence) for sentence in others],
         "rows": _band_rows(numbers),
         "bands": _radial_bands(numbers),
-        "src": records.compressed(gains.ring * heard) if heard.any() else None,
-        "heard": f"acceleration of the {run.moving} ring along x, {heard.size / 48000:.3g} s;"
-        f" full scale is {rounded(1 / gains.ring, 3)} m/s2",
-        "housing_src": _housing_src(run, gains.housing),
-        "housing": f"plate of the housing at {run.scene.sound.distance_m:g} m",
         "axial_verdict": "" if numbers.axial_doubt is None else numbers.axial_doubt.severity.word,
         "lines": [line_cells(line, duration_s) for line in numbers.lines],
         "envelope_lines": [
@@ -130,7 +94,6 @@ def _view(run: BearingRun, gains: PageGains) -> dict[str, Any]:
             for line in numbers.envelope_lines
         ],
         "pictures": pictures,
-        "doubts": [doubt.line for doubt in numbers.doubts],
         "facts": _facts(run),
     }
 
@@ -179,14 +142,6 @@ def _cell(velocity: Quantity) -> tuple[str, str]:
     if velocity.value is None or spread_db is None or velocity.value < NOTHING_UM_S:
         return text, ""
     return text, f"± {spread_db:.1f} dB" if spread_db >= 0.05 else "± < 0.1 dB"
-
-
-def _housing_src(run: BearingRun, gain: float) -> str | None:
-    """Return the sound of the housing plate at a gain, None where there is none."""
-    sound = stored_run.housing_sound(run)
-    if sound is None or not sound.record.any():
-        return None
-    return records.compressed(gain * sound.record)
 
 
 def _on_page(sentence: str) -> str:

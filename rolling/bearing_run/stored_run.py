@@ -53,6 +53,7 @@ LINES = "lines.csv"
 ACCELERATION = "acceleration.wav"
 LONG = "long.wav"
 HOUSING = "housing.wav"
+RING = "listen"  # group of the sounds of rings that share a gain
 _TITLE_LETTERS = 400
 FADE_S = 0.05  # at the ends of a sound
 _AXES = ("x", "y", "z")
@@ -252,10 +253,11 @@ def ring_sound(run: SolvedBearing) -> PlainSound:
     return PlainSound(
         file=LISTEN,
         unit="m/s2",
-        group="listen",
+        group=RING,
         record=faded,
-        heard=f"{_heard(run)} for listening",
+        heard=_heard(run),
         title=_title(run),
+        comment=f"{_heard(run)} for listening",
     )
 
 

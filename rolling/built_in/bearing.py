@@ -25,22 +25,19 @@ from rolling.kinds.figure_kind import FigureKind
 from rolling.kinds.heard_sound import HeardSound
 from rolling.kinds.kind import Kind, Still
 from rolling.kinds.march import March
+from rolling.kinds.page_parts import PageParts
 from rolling.kinds.run_folder import LISTEN, RunFolder
 from rolling.marches.piece import contact_identity
 from rolling.numbers.bearing_numbers import BearingNumbers
 from rolling.numbers.quantity import Quantity
 from rolling.numbers.run_file import BEARING_KIND, StoredBearing
-from rolling.run import folder as folders
 from rolling.run.taken import TakenMarches
 from rolling.scene.bearing_scene import BearingScene
 from rolling.terminal import files, progress
-from rolling.terminal.files import read_regular
 
 if TYPE_CHECKING:
     from rolling.bearing_run.bearing_choice import BearingChoice
     from rolling.run.budget import Budget
-
-MAX_SCENE = 1_000_000  # bytes of a scene file on the page
 
 
 class TurningBearing(Kind):
@@ -54,6 +51,7 @@ class TurningBearing(Kind):
     )
     stored_type = StoredBearing
     former_format = 1
+    noise = "bearing noise"
     gallery_note = (
         "Bearings: velocities of the ring that vibrates, in the three bands of ISO 15242-1 as far"
         " as the ring is rigid. Pictures: the spectrum of the velocity with its lines."
@@ -225,13 +223,11 @@ class TurningBearing(Kind):
 
         return FIGURES
 
-    def page(
-        self, runs: Sequence[BearingRun], unsolved: Sequence[str], folder: Path | None
-    ) -> bytes:
-        """Return the page of runs."""
-        from rolling.bearing_run import page
+    def page_parts(self, runs: Sequence[BearingRun]) -> PageParts:
+        """Return the parts of the page of bearings."""
+        from rolling.bearing_run.page import bearing_parts
 
-        return page.page(runs, _scene_text(folder), unsolved)
+        return bearing_parts(runs)
 
     # ---- choices
 
@@ -248,16 +244,6 @@ class TurningBearing(Kind):
         from rolling.bearing_run.choosing import print_choice
 
         print_choice(choice)
-
-
-def _scene_text(folder: Path | None) -> str:
-    """Return the scene file of a folder, or of the folder of the sweep around it."""
-    if folder is None:
-        return ""
-    for place in (folder, folder.absolute().parent):
-        if (place / folders.SCENE).is_file():
-            return read_regular(place / folders.SCENE, MAX_SCENE).decode("utf-8", "replace")
-    return ""
 
 
 KIND = TurningBearing()

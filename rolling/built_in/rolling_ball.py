@@ -17,6 +17,7 @@ from rolling.kinds.figure_kind import FigureKind
 from rolling.kinds.heard_sound import FileGain, HeardSound
 from rolling.kinds.kind import Kind, Still
 from rolling.kinds.march import March, MarchStore
+from rolling.kinds.page_parts import PageParts
 from rolling.kinds.run_folder import LISTEN, RESULT, RunFolder
 from rolling.marches.next_pieces import own_part
 from rolling.marches.piece import contact_identity
@@ -25,7 +26,8 @@ from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.quantity import RELEASED_POWER, VIBRATION, Quantity
 from rolling.numbers.run_file import KIND as NAME
 from rolling.numbers.run_file import StoredNumbers
-from rolling.results import answer, labels, listening, result_file, run_lines
+from rolling.numbers.views import NumberRow
+from rolling.results import answer, labels, level_words, listening, result_file, run_lines
 from rolling.results.former_numbers import former_numbers
 from rolling.results.run_result import PASSES, Run, make_run, read_run, write_run
 from rolling.run.taken import OTHER_CONTACT, TakenMarches
@@ -243,6 +245,10 @@ class RollingBall(Kind):
         """Return vibration and released power."""
         return {"Vibration": numbers.vibration, "Released power": numbers.released_power}
 
+    def number_rows(self, every: Sequence[RunNumbers]) -> list[NumberRow]:
+        """Return the rows of the numbers that have a word."""
+        return level_words.number_rows(every)
+
     def card_sentence(self, run: Run) -> str:
         """Return what follows from a run."""
         return answer.follows([run])
@@ -265,11 +271,11 @@ class RollingBall(Kind):
 
         return FIGURES
 
-    def page(self, runs: Sequence[Run], unsolved: Sequence[str], folder: Path | None) -> bytes:
-        """Return the page of runs."""
-        from rolling.report import page
+    def page_parts(self, runs: Sequence[Run]) -> PageParts:
+        """Return the parts of the page of balls."""
+        from rolling.report.ball_page import ball_parts
 
-        return page.page(runs, unsolved)
+        return ball_parts(runs)
 
     # ---- choices
 

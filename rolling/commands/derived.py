@@ -13,7 +13,6 @@ from acoustics.traps import ignoring_underflow
 from rolling import figures
 from rolling.contact.processor_time import ProcessorTime
 from rolling.figures.settings import PictureWarning
-from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import BANDS, PAGE, SUMMARY, TABLE, RunFolder
 from rolling.results import labels, runs_table
 from rolling.results.common_gain import write_with_common_gain
@@ -94,7 +93,7 @@ def _drawn(
     calls: list[tuple[Any, ...]] = []
     if figures.has_written_figures(done):
         calls.append((_figure_files, (ending.kept, done, ending.folder)))
-    calls.append((_page_file, (ending.kept, done, page_file, names, ending.folder)))
+    calls.append((_page_file, (ending.kept, done, page_file, names)))
     with progress.step("drawing the figures and the page"):
         drawn = ending.each(_with_warnings, calls)
     try:
@@ -139,10 +138,11 @@ def _page_file(
     done: Sequence[RunFolder],
     path: Path,
     unsolved: Sequence[str],
-    folder: Path,
 ) -> None:
     """Write the page of runs into a file."""
-    content = kind_of(done[0].scene).page(open_runs(done, kept.read), unsolved, folder)
+    from rolling.report import page  # slow to import, for pages only
+
+    content = page.page(open_runs(done, kept.read), unsolved)
     files.write_bytes(path, content)
 
 
@@ -162,6 +162,8 @@ def write_table(frame: pd.DataFrame, path: Path) -> None:
 
 def write_report(runs: Sequence[Any], folder: Path, unsolved: Sequence[RunFolder]) -> None:
     """Write the figures and the page of runs into their folder."""
+    from rolling.report import page
+
     if figures.has_written_figures(runs):
         with progress.step("drawing the figures"):
             figures.write_figures(runs, folder)
@@ -169,4 +171,4 @@ def write_report(runs: Sequence[Any], folder: Path, unsolved: Sequence[RunFolder
         names: list[str] = []
         if unsolved:
             names = labels.labels(unsolved)
-        files.write_bytes(folder / PAGE, kind_of(runs[0].scene).page(runs, names, folder))
+        files.write_bytes(folder / PAGE, page.page(runs, names))

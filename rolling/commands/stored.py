@@ -42,6 +42,8 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
     FolderError, SceneError : a folder is no run folder, nothing is done in it, or `out` exists.
         Nothing is written.
     """
+    from rolling.report import page
+
     if out is None and len(run_folders) > 1:
         raise FolderError("--out: give the file of a page of several run folders")
     if out is not None:
@@ -53,7 +55,7 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
         write_report(finished, run_folders[0], unsolved)
         return [run_folders[0] / PAGE]
     with progress.step("writing the page"):
-        content = kind_of(finished[0].scene).page(finished, [], run_folders[0])
+        content = page.page(finished)
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
     return [out]

@@ -355,8 +355,10 @@ def _listed(runs: Any) -> list[Any]:
 
 def _temporary_page(runs: Sequence[Any]) -> Path:
     """Write the page of runs into a temporary file."""
+    from rolling.report import page
+
     if len(runs) > 1:
         names = labels.labels(runs)
         runs = [replace(run, label=label) for run, label in zip(runs, names, strict=True)]
-    content = kind_of(runs[0].scene).page(runs, [], None)
+    content = page.page(runs)
     return write_temporary(f"{runs[0].scene.name}-live-", ".html", content)

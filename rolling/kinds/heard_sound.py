@@ -72,9 +72,11 @@ class PlainSound(HeardSound):
     record : array (n,), in the unit
         The samples at 48 kHz.
     heard : str
-        What one hears, which the comment of the file says too.
+        What one hears.
     title : str
         Title of the file.
+    comment : str
+        What the comment of the file says before its full scale. Default: what one hears.
     """
 
     file: str
@@ -83,6 +85,7 @@ class PlainSound(HeardSound):
     record: Array
     heard: str
     title: str
+    comment: str = ""
 
     @property
     def samples(self) -> Array:
@@ -102,7 +105,7 @@ class PlainSound(HeardSound):
     def wav(self, common: float | None = None) -> bytes:
         """Return its file with a common gain [full scale per unit], or with its own gain."""
         gain = self.own_gain if common is None else common
-        comment = f"{self.heard}; {full_scale_words(gain, self.unit)}"
+        comment = f"{self.comment or self.heard}; {full_scale_words(gain, self.unit)}"
         return wav.listening(self.record, gain, comment, self.title)
 
     def facts(self, common: float | None = None) -> SoundFacts:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:  # a scene is read without the solver
     from rolling.kinds.figure_kind import FigureKind
     from rolling.kinds.heard_sound import FileGain, HeardSound
     from rolling.kinds.march import March, MarchStore
+    from rolling.kinds.page_parts import PageParts
 
 NOT_IN_0_8 = -1
 
@@ -55,6 +56,8 @@ class Kind(ABC):
     former_format : int or None
         What version 0.8 wrote as the format of a summary.json, None where it wrote no format;
         NOT_IN_0_8 for a kind that it did not know.
+    noise : str
+        Words for what its pages are about. Default: contact noise.
     gallery_note : str
         What the numbers and pictures of its cards mean. Default: empty.
     leading : tuple of str
@@ -67,6 +70,7 @@ class Kind(ABC):
     description: ClassVar[str]
     stored_type: ClassVar[type[Any]]
     former_format: ClassVar[int | None] = NOT_IN_0_8
+    noise: ClassVar[str] = "contact noise"
     gallery_note: ClassVar[str] = ""
     leading: ClassVar[tuple[str, ...]] = ()
 
@@ -253,6 +257,13 @@ class Kind(ABC):
         """
         return views.quantities(numbers)
 
+    def number_rows(self, every: Sequence[Any]) -> Sequence[views.NumberRow]:
+        """Return the rows of the table of all numbers of runs.
+
+        The default has the single numbers that runs.csv has.
+        """
+        return views.table_rows(every)
+
     def card_sentence(self, run: Any) -> str:
         """Return what follows from a run in a sentence; empty without one."""
         return ""
@@ -272,9 +283,19 @@ class Kind(ABC):
         """Return the figures that runs of this kind may have, by name; the first one leads."""
         return {}
 
-    @abstractmethod
-    def page(self, runs: Sequence[Any], unsolved: Sequence[str], folder: Path | None) -> bytes:
-        """Return the page of runs; the folder has their scene file, None for runs in memory."""
+    def sentences(self, runs: Sequence[Any]) -> Sequence[str]:
+        """Return the sentences with which the page of runs begins, the most important one first."""
+        return ()
+
+    def page_parts(self, runs: Sequence[Any]) -> PageParts:
+        """Return what the page of runs has beside the parts of all pages.
+
+        The default has nothing: the page has sentences, quantities, players of all sounds, doubts,
+        all numbers, and how to make the runs again.
+        """
+        from rolling.kinds.page_parts import PageParts
+
+        return PageParts()
 
     # ---- choices
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
+from acoustics.numbers import rounded
 from rolling.numbers.fields import Leaf, NumberField, leaves, walk
 from rolling.numbers.quantity import BandQuantity, Quantity
 
+NOTHING = "-"  # in the place of a number that a run does not have
 SPREADS = "spreads"  # group of the uncertainties of the levels beside it
 
 
@@ -115,6 +117,41 @@ def quantity_columns(numbers: Any) -> list[str]:
         if isinstance(value, Quantity):
             columns.append(next(iter(quantity_cells("_".join(path), said, value))))
     return columns
+
+
+class NumberRow(NamedTuple):
+    """A number of each run, as text, below its name and unit."""
+
+    head: str
+    cells: list[str]
+    said: NumberField
+
+
+def table_rows(every: Sequence[Any]) -> list[NumberRow]:
+    """Return the rows of a table of the single numbers of runs that runs.csv has.
+
+    A row is there if a run has its number.
+    """
+    of_runs = [columns(numbers) for numbers in every]
+    rows = []
+    for name in dict.fromkeys(name for cells in of_runs for name in cells):
+        cells = [cells.get(name) for cells in of_runs]
+        known = [cell for cell in cells if cell is not None and cell.value is not None]
+        if not known or not known[0].said.in_table or isinstance(known[0].value, bool):
+            continue
+        head = known[0].head
+        texts = [NOTHING if cell is None else _text_of(cell) for cell in cells]
+        rows.append(NumberRow(head, texts, known[0].said))
+    return rows
+
+
+def _text_of(cell: Cell) -> str:
+    """Write a number in the unit of its head, or a text."""
+    if cell.value is None:
+        return NOTHING
+    if isinstance(cell.value, float | int):
+        return rounded(cell.said.factor * cell.value, 4)
+    return str(cell.value)
 
 
 def bands_of(numbers: Any) -> dict[str, BandQuantity]:

@@ -6,7 +6,7 @@ from acoustics.numbers import bracketed, rounded, rounded_up
 from acoustics.radiation import RHO_C
 from acoustics.texts import printable
 from rolling.numbers.ball_numbers import MotionNumbers
-from rolling.results.level_words import NOTHING
+from rolling.numbers.views import NOTHING
 from rolling.results.run_result import Run
 from rolling.scene import surfaces
 from rolling.scene.scene import Scene

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from acoustics.numbers import bracketed
-from rolling.results.level_words import SILENT, number_rows
+from rolling.kinds.registry import kind_of
+from rolling.results.level_words import SILENT
 from rolling.results.quantities import LAE, level_beside, measure
 from rolling.results.run_result import Run
 
@@ -32,22 +33,24 @@ class NumberTable(NamedTuple):
     explained: list[tuple[str, str]]
 
 
-def number_table(runs: Sequence[Run]) -> NumberTable:
+def number_table(runs: Sequence[Any]) -> NumberTable:
     """Return the table of all numbers of runs, and the words in it at which a stranger stumbles."""
-    rows = number_rows([run.numbers for run in runs])
+    numbers = [run.numbers for run in runs]
+    labels = [run.label or run.scene.name for run in runs]
+    rows = kind_of(runs[0].scene).number_rows(numbers)
     words = [(row.said.word, row.said.explained) for row in rows if row.said.explained]
     words = list(dict.fromkeys(words))
     if any(map(_is_raised_by_a_weighting, runs)):
         words.append(A_ABOVE_Z)
-    shown = [TableRow(row.head, row.cells) for row in rows]
-    return NumberTable([run.label for run in runs], shown, words)
+    return NumberTable(labels, [TableRow(row.head, row.cells) for row in rows], words)
 
 
-def _is_raised_by_a_weighting(run: Run) -> bool:
+def _is_raised_by_a_weighting(run: Any) -> bool:
     """Tell whether the A-weighted level of a run lies above that without weighting."""
-    a_weighted = run.record_laeq_db
-    unweighted = run.numbers.played.level_db
-    return a_weighted is not None and unweighted is not None and a_weighted > unweighted
+    a_weighted = getattr(run, "record_laeq_db", None)  # a kind need not have any
+    if a_weighted is None or run.numbers.played.level_db is None:
+        return False
+    return bool(a_weighted > run.numbers.played.level_db)
 
 
 # ---- several listeners

@@ -1,53 +1,32 @@
-"""The report page, on which runs are heard, seen and read: an HTML file without network access.
+"""The report page of runs of any kind: an HTML file without network access.
 
-This module gathers the content of the page as plain text, numbers and data URIs. Layout and
-behaviour are in `assets/`.
+All pages have title, answer, doubts, numbers, and how to make the runs again. A kind gives what
+its page has beside these: pictures, an instrument to play with, their scripts and styles.
 """
 
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from markupsafe import Markup
 
-from acoustics.bands import BAND_NAMES
-from acoustics.plot_style import PREFIXES
+from acoustics import wav
+from acoustics.numbers import rounded
 from acoustics.texts import printable
 from rolling import __version__
-from rolling.figures.catalogue import comparing_pictures, single_names, single_picture
-from rolling.figures.picture import Picture
-from rolling.figures.settings import left_out_if_it_fails
-from rolling.numbers.doubt import Doubt
-from rolling.report import assumed, film, live, maps, number_table, quantities, records, text
-from rolling.report.charts import Chart, chart_of
+from rolling.kinds.heard_sound import HeardSound
+from rolling.kinds.registry import kind_of
+from rolling.report import number_table, quantities, records, text
 from rolling.report.templates import environment, joined_script
-from rolling.results import answer, description, run_lines, verdict
-from rolling.results.listening import QUIET_DB, Raised
-from rolling.results.notes import REPEATS
-from rolling.results.run_result import Run
-from rolling.terminal import defaults
-
-LARGEST_CSV = 20_000  # bytes of a table on the page; of longer ones it has the curves as drawn
-MAX_RUNS = defaults.MAX_RUNS_ON_PAGE
-STYLES = ("report.css", "heard.css", "play.css", "chart.css")
-MAX_BESIDE = 3  # runs whose own pictures stand below each other
-MAIN_CURVES = "third_octaves_a"  # which the page shows first; the others are one choice away
-TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
-SURFACES = ("surface", "ball_surface")
-VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
-CHANNELS = ("channel_third_octaves", "channel_spectrum", "channel_envelope")
+from rolling.results import verdict
 
 
-def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
-    """Write the page of one run or several.
-
-    More runs than `MAX_RUNS` have a page without players and without pictures of single runs.
+def page(runs: Sequence[Any], unsolved: Sequence[str] = ()) -> bytes:
+    """Write the page of one run or several of one kind of scene.
 
     Parameters
     ----------
-    runs : sequence of Run, at least one, in the order of the page. Their labels differ.
+    runs : sequence of runs, at least one, in the order of the page. Their labels differ.
     unsolved : sequence of str. Labels of runs that are not solved. Default: none.
 
     Returns
@@ -55,329 +34,75 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     bytes
         The HTML file.
     """
-    shown = runs if len(runs) <= MAX_RUNS else []
-    scale = maps.map_scale(shown)
-    views = _views(shown)
-    players = [_player(view, scale) for view in views]
-    charts = PageCharts(views)
-    data = {"runs": players, "view": scale, "bands": BAND_NAMES, "charts": charts.shown}
+    kind = kind_of(runs[0].scene)
+    parts = kind.page_parts(runs)
     solved = [(run.label, run.numbers) for run in runs]
     templates = environment()
-    templates.globals["numbered"] = charts.add
-    templates.globals["is_known"] = charts.is_known
-    templates.globals["sharing"] = charts.sharing
-    templates.globals["crowded"] = len(views) > MAX_BESIDE
-    template = templates.get_template("report.html")
-    return template.render(
-        version=__version__,
-        title=text.titles(runs),
-        descriptions=_descriptions(shown),
-        text=text,
-        film=film,
-        sentence=description.runs_sentence(runs),
-        follows=answer.follows(runs),
-        columns=quantities.shown_columns(runs),
-        meanings=quantities.meanings(runs),
-        units=quantities.units(runs),
-        verdict_words=quantities.verdict_words(runs),
-        doubts=quantities.doubts(runs),
-        headline=verdict.headline(solved),
-        notes=[note.text for note in verdict.notes(solved)],
-        table=number_table.number_table(runs),
-        listeners=number_table.listeners(runs),
-        assumptions=text.facts(runs, [assumed.assumptions(run) for run in runs]),
-        provenance=text.provenance(runs),
-        recipes=text.recipes(runs),
-        runs=runs,
-        views=views,
-        unsolved=list(unsolved),
-        quiet_db=QUIET_DB,
-        lengths={round(run.sound.duration, 4) for run in runs},
-        short=any(doubt.key == "short_loop" for view in views for doubt in view.repeats),
-        map_scale=scale,
-        map_flies=any(any(player["maps"]["instead"]) for player in players if player["maps"]),
-        stills=any(player["maps"] and not player["falls"] for player in players),
-        MAIN_CURVES=MAIN_CURVES,
-        filmed=any(player["film"] for player in players),
-        moved=any(len(view.curves) > 1 for view in views),
-        curves=_comparing_exhibits(runs),
-        surfaces=_surfaces(shown),
-        vibration=[name for name in VIBRATION if any(name in view.pictures for view in views)],
-        channels=[name for name in CHANNELS if any(name in view.pictures for view in views)],
-        channel_lines=run_lines.channel_lines(shown),
-        css=Markup(
-            text.asset("report.css")
-            + text.asset("heard.css")
-            + text.asset("play.css")
-            + text.asset("chart.css")
-        ),
-        js=Markup(joined_script("page/begin.js" if shown else "page/chart.js")),
-        engine=Markup(joined_script("engine/worklet.js")),
-        data=data,
-    ).encode()
-
-
-def _descriptions(runs: Sequence[Run]) -> list[str]:
-    """Return the different descriptions of scenes, each on a single line in printable letters."""
-    descriptions = [run.scene.description for run in runs if run.scene.description]
-    lines = [printable(" ".join(text.split())) for text in descriptions]
-    return [*dict.fromkeys(lines)]
-
-
-# ---- runs
-
-
-@dataclass(frozen=True)
-class RunView:
-    """A run as the page shows it, for the templates.
-
-    Parameters
-    ----------
-    label : str
-    run : Run
-    number : int. Place of the run on the page.
-    playback : dict. Gains, as `records.gains` returns them.
-    below_db : float. Level of the loudest run of its source over its own.
-    records : list of PageRecord. Its records; the first is heard.
-    lap : dict. Lap to which the end of that record leads back.
-    solved : float, s. Time in that record at which the solved track ends.
-    ends : bool. Whether that record is of something that ends, and so does not go round.
-    raised : Raised or None. Its end that is raised.
-    repeats : list. Notes on the repetition of that record.
-    pictures : dict. Charts of the run by their names.
-    live : dict. Data for the engine, or None.
-    curves : list of dict. Charts of its slow motion.
-    """
-
-    label: str
-    run: Run
-    number: int
-    playback: dict[str, float | None]
-    below_db: float
-    records: list[records.PageRecord]
-    lap: dict[str, float]
-    solved: float
-    ends: bool
-    raised: Raised | None
-    repeats: list[Doubt]
-    pictures: dict[str, Chart]
-    live: dict[str, Any] | None
-    curves: list[Chart]
-
-    @property
-    def is_measured(self) -> bool:
-        """Whether the surface of the plate was read from a file, or has faults."""
-        return self.run.scene.height_path is not None or bool(self.run.scene.surface.faults)
-
-
-def _views(runs: Sequence[Run]) -> list[RunView]:
-    """Return the runs as the page shows them."""
-    views = []
-    for number, (run, record) in enumerate(zip(runs, records.of_runs(runs), strict=True)):
-        repeats = []
-        if record.records[0].name == "run":  # a long record goes on
-            repeats = [doubt for doubt in verdict.listed(run.numbers) if doubt.key in REPEATS]
-        view = RunView(
-            label=run.label,
-            run=run,
-            number=number,
-            playback=record.playback,
-            below_db=record.below_db,
-            records=record.records,
-            lap=record.lap,
-            solved=record.solved,
-            ends=record.ends,
-            raised=record.raised,
-            repeats=repeats,
-            pictures=_pictures(run, number, runs),
-            live=live.live_of(run),
-            curves=_film_curves(run, number),
-        )
-        views.append(view)
-    return views
-
-
-def _pictures(run: Run, number: int, runs: Sequence[Run]) -> dict[str, Chart]:
-    """Return the charts of a run by their names, but those that the page shows otherwise."""
-    left_out = {*SURFACES}  # which the page has once for all its runs
-    if run.result.maps:
-        left_out.add("contact_pressure")  # the page has maps that move
-    pictures = {}
-    for name in single_names(run):
-        if name in left_out:
-            continue
-        picture = single_picture(name, run, runs)
-        with left_out_if_it_fails(f"{name} of {run.label}"):
-            if picture is not None:
-                pictures[name] = _exhibit(picture) | {"run": number}
-    with left_out_if_it_fails(f"places of {run.label}"):
-        if run.sound_by_place is not None:
-            pictures["places"] = _places(run) | {"run": number}
-    return pictures
-
-
-def _places(run: Run) -> Chart:
-    """Return the chart of the sound by place of a run, with the times of its patches."""
-    places = run.sound_by_place
-    assert places is not None  # as the caller has checked
-    (picture,) = comparing_pictures([run], ["places"])
-    chart = _exhibit(picture)
-    patches = []
-    for middle, begin, end in zip(places.position, places.first_s, places.left_s, strict=True):
-        if math.isfinite(begin):
-            edges = 1e6 * (middle + places.length * np.array([-0.5, 0.5]))
-            patch = {"from": edges[0], "to": edges[1], "begin": begin, "end": end}
-            patches.append({key: round(float(value), 6) for key, value in patch.items()})
-    return chart | {"patches": patches}
-
-
-def _film_curves(run: Run, number: int) -> list[Chart]:
-    """Return the charts of the slow motion of a run."""
-    with left_out_if_it_fails(f"of the curves of the slow motion of {run.label}"):
-        return [curve | {"run": number} for curve in film.curves(run)]
-    return []
-
-
-def _player(view: RunView, scale: dict[str, Any] | None) -> dict[str, Any]:
-    """Return the numbers of a run for the script of the page."""
-    run = view.run
-    run_maps = slow_motion = None
-    if scale is not None:
-        run_maps = maps.run_maps(run, scale["max_gpa"], scale["hardness"])
-        with left_out_if_it_fails(f"of the slow motion of {run.label}"):
-            slow_motion = film.film_of(run, scale["max_gpa"], scale["hardness"])
-    played = run.numbers.played_bands
-    assert played is not None  # each source that plays has third octaves
-    return {
-        "label": view.label,
-        "lap": view.lap,
-        "solved": view.solved,
-        "ends": view.ends,
-        "raised": None if view.raised is None else view.raised.begin / run.sound.sample_rate,
-        "playback": view.playback,
-        "live": view.live,
-        "falls": run.scene.rolling.drop_mm is not None,
-        "maps": run_maps,
-        "film": slow_motion,
-        "bands": _rounded(run.sound.levels.third_octave_db),
-        "spreads": _rounded(played.uncertainty_by_name),
+    templates.globals |= {"crowded": False, **parts.shared}
+    template = templates.get_template(parts.template)
+    values = {
+        "version": __version__,
+        "title": text.titles(runs),
+        "noise": kind.noise,
+        "text": text,
+        "runs": runs,
+        "labels": [printable(run.label or run.scene.name) for run in runs],
+        "unsolved": [printable(label) for label in unsolved],
+        "sentences": kind.sentences(runs),
+        "columns": quantities.shown_columns(runs),
+        "meanings": quantities.meanings(runs),
+        "verdict_words": quantities.verdict_words(runs),
+        "players": players(runs) if parts.has_plain_players else [],
+        "doubts": quantities.doubts(runs),
+        "headline": verdict.headline(solved),
+        "notes": [note.text for note in verdict.notes(solved)],
+        "table": number_table.number_table(runs),
+        "recipes": text.recipes(runs),
+        "css": Markup("".join(text.asset(name) for name in ("report.css", *parts.styles))),
+        "js": Markup(joined_script(parts.script)),
+        "engine": Markup(joined_script(parts.engine) if parts.engine else ""),
+        "data": parts.data,
     }
+    return template.render(values | dict(parts.values)).encode()
 
 
-def _rounded(levels: Mapping[str, float | None]) -> list[float | None]:
-    """Return levels by band [dB], with three decimals."""
-    by_band = [levels[name] for name in BAND_NAMES]
-    return [None if level is None else round(level, 3) for level in by_band]
+# ---- sounds
 
 
-# ---- pictures
+class PlainPlayer(NamedTuple):
+    """A player of a sound of a run: its place among the runs, words and sound in a data URI."""
+
+    run: int
+    words: str
+    src: str | None
 
 
-class PageCharts:
-    """The charts of a page in the order in which its templates show them."""
+def page_gains(runs: Sequence[Any]) -> dict[str, float]:
+    """Return the gain of the sounds of each group [full scale per unit], so that none clips.
 
-    def __init__(self, views: Sequence[RunView]) -> None:
-        self.shown = list[Chart]()
-        self._views = views
-
-    def add(self, chart: Chart) -> int:
-        """Show a chart and return its number."""
-        self.shown.append(chart)
-        return len(self.shown) - 1
-
-    def is_known(self, chart: Chart) -> bool:
-        """Tell whether equal curves are shown already, as runs of equal bodies have them."""
-        return any(_is_same(chart, other) for other in self.shown)
-
-    def sharing(self, chart: Chart) -> str:
-        """Return the numbers of the runs that have the chart of a run."""
-        numbers = []
-        for view in self._views:
-            own = view.pictures.get(chart["name"])
-            if view.number == chart["run"] or (own is not None and _is_same(chart, own)):
-                numbers.append(str(view.number))
-        return " ".join(numbers)
-
-
-def _is_same(chart: Chart, other: Chart) -> bool:
-    """Tell whether two charts have the same curves."""
-    return bool(chart["xs"] == other["xs"] and chart["parts"] == other["parts"])
-
-
-def _exhibit(picture: Picture) -> Chart:
-    """Read a picture as a chart with its table."""
-    chart = chart_of(picture)
-    table = picture.file("csv")
-    if table is not None and len(table) <= LARGEST_CSV:
-        chart["csv"] = table.decode()
-    if picture.name in TIMELINES:
-        chart["second"] = _seconds(chart["x"]["unit"])
-    return chart
-
-
-def _comparing_exhibits(runs: Sequence[Run]) -> list[dict[str, Any]]:
-    """Read the pictures that compare runs as charts."""
-    exhibits = []
-    for picture in comparing_pictures(runs):
-        with left_out_if_it_fails(picture.name):
-            exhibits.append(_exhibit(picture))
-    return exhibits
-
-
-def _seconds(unit: str) -> float:
-    """Return the seconds of a unit of time with its prefix."""
-    for power, prefix in PREFIXES.items():
-        if f"{prefix}s" == unit:
-            return 1000.0**power
-    raise ValueError(f"{unit}: no unit of time")
-
-
-def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
-    """Return the different surfaces, each with the labels of its runs."""
-    groups: dict[str, list[Run]] = {}
+    Runs of a page share it, so that a louder run sounds louder.
+    """
+    gains: dict[str, float] = {}
     for run in runs:
-        groups.setdefault(_surface_key(run), []).append(run)
-    surfaces = []
-    for members in groups.values():
-        first = members[0]
-        exhibits = []
-        for name in SURFACES:
-            picture = single_picture(name, first)
-            with left_out_if_it_fails(f"{name} of {first.label}"):
-                if picture is not None:
-                    exhibits.append(_exhibit(picture))
-        surface = {
-            "labels": [run.label for run in members],
-            "numbers": [number for number, run in enumerate(runs) if run in members],
-            "words": assumed.surface_words(first.scene),
-            "roughness": _roughness(first),
-            "has_ball": first.numbers.surface.ball_ra_m is not None,
-            "pictures": exhibits,
-        }
-        surfaces.append(surface)
-    return surfaces
+        for sound in kind_of(run.scene).sounds(run):
+            gain = wav.listening_gain(sound.samples)
+            gains[sound.group] = min(gain, gains.get(sound.group, gain))
+    return gains
 
 
-def _roughness(run: Run) -> str:
-    """Write the roughness of the surface of a run; that of plate and ball together says so."""
-    surface = run.numbers.surface
-    parts = run_lines.surface_parts(run.numbers)
-    return (
-        f"{'; both together' if parts else ''}: Ra {surface.ra_m * 1e6:.4g} µm, "
-        f"Rq {surface.rq_m * 1e6:.4g} µm, skewness {surface.skewness:.2f}, "
-        f"kurtosis {surface.kurtosis:.2f}, rms slope {surface.rms_slope:.3g}{parts}."
-    )
+def players(runs: Sequence[Any]) -> list[PlainPlayer]:
+    """Return players of the sounds of runs, with one gain for each group of sounds."""
+    gains = page_gains(runs)
+    shown = []
+    for number, run in enumerate(runs):
+        for sound in kind_of(run.scene).sounds(run):
+            shown.append(_player(number, sound, gains[sound.group]))
+    return shown
 
 
-def _surface_key(run: Run) -> str:
-    """Return a text that is the same for runs over the same heights."""
-    scene = run.scene
-    parts: list[Any] = [
-        scene.surface.model_dump_json(),
-        scene.height_path,
-        scene.track.n_along,
-        scene.track.n_across,
-    ]
-    if scene.sphere.surface:
-        parts += [scene.sphere.surface, scene.track.turn_nodes]
-    return repr(parts)
+def _player(number: int, sound: HeardSound, gain: float) -> PlainPlayer:
+    """Return the player of a sound at a gain; a silent one has no source."""
+    seconds = len(sound.samples) / wav.SAMPLE_RATE_HZ
+    words = f"{sound.words}, {seconds:.3g} s; full scale is {rounded(1 / gain, 3)} {sound.unit}"
+    src = records.compressed(gain * sound.samples) if np.any(sound.samples) else None
+    return PlainPlayer(run=number, words=words, src=src)

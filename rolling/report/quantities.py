@@ -178,7 +178,7 @@ def units(runs: Sequence[Run]) -> str:
 
 def doubts(runs: Sequence[Any]) -> list[str]:
     """Return the doubts about the numbers of runs as sentences, the worst of each number first."""
-    sentences = []
+    said: dict[tuple[str, str, str], list[str]] = {}  # names by what is said of them
     told = set[str]()
     for name, quantities in _quantities(runs).items():
         by_reason: dict[str, dict[str, Verdict]] = {}
@@ -187,13 +187,17 @@ def doubts(runs: Sequence[Any]) -> list[str]:
             if judged is not None and judged.worst.severity > Severity.TRUST:
                 by_reason.setdefault(judged.worst.text, {})[run.label] = judged
                 told.add(judged.worst.key)
-        for by_label in by_reason.values():
+        for reason, by_label in by_reason.items():
             largest = max(by_label.values(), key=_size)
             of_some = "" if len(by_label) == len(runs) else f" of {description.listed(by_label)}"
             words = (
                 largest.short if largest.word == largest.worst.severity.word else _error(largest)
             )
-            sentences.append(_ended(f"{name}{of_some} is {words}: {largest.worst.text}"))
+            said.setdefault((of_some, words, reason), []).append(name)
+    sentences = []
+    for (of_some, words, reason), names in said.items():
+        verb = "is" if len(names) == 1 else "are"
+        sentences.append(_ended(f"{description.listed(names)}{of_some} {verb} {words}: {reason}"))
     for doubt in verdict.warnings([(run.label, run.numbers) for run in runs]):
         if doubt.key not in told:
             sentences.append(_ended(f"{doubt.text[0].upper()}{doubt.text[1:]}"))

@@ -5,21 +5,24 @@ from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from operator import attrgetter
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from acoustics.numbers import rounded
 from acoustics.texts import printable
 from rolling.ball.records import smooth_contact_of
+from rolling.numbers.views import NOTHING
 from rolling.results import description
-from rolling.results.level_words import NOTHING, level_name
+from rolling.results.level_words import level_name
 from rolling.results.quantities import heard_level_db
 from rolling.results.run_result import Run
 from rolling.scene import file
 from rolling.sound.wavelengths import mean_speed, weighted_lines
+from rolling.terminal.files import read_regular
 
 INSTALL = "python3 -m venv .venv && .venv/bin/pip install -c constraints.txt -e ."
+MAX_SCENE = 1_000_000  # bytes of a scene file on a page
 Fact = tuple[str, list[tuple[str, str]]]  # quantity; labels of runs (empty: all runs) and value
 
 
@@ -31,7 +34,7 @@ def asset(name: str) -> str:
 # ---- levels
 
 
-def titles(runs: Sequence[Run]) -> str:
+def titles(runs: Sequence[Any]) -> str:
     """Join the titles of the scenes, or their names where they have none, in printable letters."""
     return printable(", ".join(dict.fromkeys(run.scene.title or run.scene.name for run in runs)))
 
@@ -119,9 +122,9 @@ def facts(runs: Sequence[Run], records: Sequence[Mapping[str, str]]) -> list[Fac
     return merged
 
 
-def recipes(runs: Sequence[Run]) -> list[dict[str, str]]:
+def recipes(runs: Sequence[Any]) -> list[dict[str, str]]:
     """Return labels, file, scene and command that reproduce runs, once for the runs of a sweep."""
-    members: dict[Path, list[Run]] = {}
+    members: dict[Path, list[Any]] = {}
     for run in runs:
         members.setdefault(run.home, []).append(run)
     written = []
@@ -132,13 +135,18 @@ def recipes(runs: Sequence[Run]) -> list[dict[str, str]]:
         is_stored = first.stored is not None and path.is_file()
         name = f"{first.scene.name}.yaml"
         recipe = {
-            "labels": "; ".join(run.label for run in siblings),
+            "labels": "; ".join(run.label or run.scene.name for run in siblings),
             "file": name,
-            "scene": path.read_text("utf-8") if is_stored else file.dump(first.scene),
+            "scene": _scene_text(path) if is_stored else file.dump(first.scene),
             "command": f".venv/bin/rolling run {name}",
         }
         written.append(recipe)
     return written
+
+
+def _scene_text(path: Path) -> str:
+    """Return the text of a stored scene file."""
+    return read_regular(path, MAX_SCENE).decode("utf-8", "replace")
 
 
 def provenance(runs: Sequence[Run]) -> list[Fact]:

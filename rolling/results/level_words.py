@@ -9,10 +9,10 @@ from rolling.numbers import views
 from rolling.numbers.ball_numbers import DB, DB_A, RunNumbers
 from rolling.numbers.fields import Leaf, NumberField
 from rolling.numbers.quantity import Quantity, uncertain
+from rolling.numbers.views import NOTHING, NumberRow
 from rolling.results.answer import of_solved_part
 from rolling.results.quantities import LAE, as_heard, measure
 
-NOTHING = "-"  # for a number that does not exist
 SILENT = "silent"
 
 
@@ -66,14 +66,6 @@ def number_texts(numbers: RunNumbers) -> list[NumberText]:
         )
         texts.append(number_text)
     return texts
-
-
-class NumberRow(NamedTuple):
-    """A number of each run, as text, below its name and unit."""
-
-    head: str
-    cells: list[str]
-    said: NumberField
 
 
 def number_rows(every: Sequence[RunNumbers]) -> list[NumberRow]:

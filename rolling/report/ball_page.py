@@ -1,0 +1,360 @@
+"""Parts of the page of balls, on which they are heard, seen and rolled by hand.
+
+This module gathers the content as plain text, numbers and data URIs. Layout and behaviour are in
+`assets/`.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from acoustics.bands import BAND_NAMES
+from acoustics.plot_style import PREFIXES
+from acoustics.texts import printable
+from rolling.figures.catalogue import comparing_pictures, single_names, single_picture
+from rolling.figures.picture import Picture
+from rolling.figures.settings import left_out_if_it_fails
+from rolling.kinds.page_parts import PageParts
+from rolling.numbers.doubt import Doubt
+from rolling.report import assumed, film, live, maps, number_table, quantities, records, text
+from rolling.report.charts import Chart, chart_of
+from rolling.results import answer, description, run_lines, verdict
+from rolling.results.listening import QUIET_DB, Raised
+from rolling.results.notes import REPEATS
+from rolling.results.run_result import Run
+from rolling.terminal import defaults
+
+LARGEST_CSV = 20_000  # bytes of a table on the page; of longer ones it has the curves as drawn
+MAX_RUNS = defaults.MAX_RUNS_ON_PAGE
+MAX_BESIDE = 3  # runs whose own pictures stand below each other
+MAIN_CURVES = "third_octaves_a"  # which the page shows first; the others are one choice away
+TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
+SURFACES = ("surface", "ball_surface")
+VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
+CHANNELS = ("channel_third_octaves", "channel_spectrum", "channel_envelope")
+
+
+def ball_parts(runs: Sequence[Run]) -> PageParts:
+    """Return the parts of the page of one run of a ball or several.
+
+    More runs than `MAX_RUNS` have a page without players and without pictures of single runs.
+
+    Parameters
+    ----------
+    runs : sequence of Run, at least one, in the order of the page. Their labels differ.
+    """
+    shown = runs if len(runs) <= MAX_RUNS else []
+    scale = maps.map_scale(shown)
+    views = _views(shown)
+    players = [_player(view, scale) for view in views]
+    charts = PageCharts(views)
+    values = {
+        "descriptions": _descriptions(shown),
+        "film": film,
+        "sentence": description.runs_sentence(runs),
+        "follows": answer.follows(runs),
+        "units": quantities.units(runs),
+        "listeners": number_table.listeners(runs),
+        "assumptions": text.facts(runs, [assumed.assumptions(run) for run in runs]),
+        "provenance": text.provenance(runs),
+        "views": views,
+        "quiet_db": QUIET_DB,
+        "lengths": {round(run.sound.duration, 4) for run in runs},
+        "short": any(doubt.key == "short_loop" for view in views for doubt in view.repeats),
+        "map_scale": scale,
+        "map_flies": any(any(player["maps"]["instead"]) for player in players if player["maps"]),
+        "stills": any(player["maps"] and not player["falls"] for player in players),
+        "MAIN_CURVES": MAIN_CURVES,
+        "filmed": any(player["film"] for player in players),
+        "moved": any(len(view.curves) > 1 for view in views),
+        "curves": _comparing_exhibits(runs),
+        "surfaces": _surfaces(shown),
+        "vibration": [name for name in VIBRATION if any(name in view.pictures for view in views)],
+        "channels": [name for name in CHANNELS if any(name in view.pictures for view in views)],
+        "channel_lines": run_lines.channel_lines(shown),
+    }
+    shared = {
+        "numbered": charts.add,
+        "is_known": charts.is_known,
+        "sharing": charts.sharing,
+        "crowded": len(views) > MAX_BESIDE,
+    }
+    return PageParts(
+        template="report.html",
+        styles=("heard.css", "play.css", "chart.css"),
+        has_plain_players=False,
+        script="page/begin.js" if shown else "page/chart.js",
+        engine="engine/worklet.js",
+        values=values,
+        shared=shared,
+        data={"runs": players, "view": scale, "bands": BAND_NAMES, "charts": charts.shown},
+    )
+
+
+def _descriptions(runs: Sequence[Run]) -> list[str]:
+    """Return the different descriptions of scenes, each on a single line in printable letters."""
+    descriptions = [run.scene.description for run in runs if run.scene.description]
+    lines = [printable(" ".join(text.split())) for text in descriptions]
+    return [*dict.fromkeys(lines)]
+
+
+# ---- runs
+
+
+@dataclass(frozen=True)
+class RunView:
+    """A run as the page shows it, for the templates.
+
+    Parameters
+    ----------
+    label : str
+    run : Run
+    number : int. Place of the run on the page.
+    playback : dict. Gains, as `records.gains` returns them.
+    below_db : float. Level of the loudest run of its source over its own.
+    records : list of PageRecord. Its records; the first is heard.
+    lap : dict. Lap to which the end of that record leads back.
+    solved : float, s. Time in that record at which the solved track ends.
+    ends : bool. Whether that record is of something that ends, and so does not go round.
+    raised : Raised or None. Its end that is raised.
+    repeats : list. Notes on the repetition of that record.
+    pictures : dict. Charts of the run by their names.
+    live : dict. Data for the engine, or None.
+    curves : list of dict. Charts of its slow motion.
+    """
+
+    label: str
+    run: Run
+    number: int
+    playback: dict[str, float | None]
+    below_db: float
+    records: list[records.PageRecord]
+    lap: dict[str, float]
+    solved: float
+    ends: bool
+    raised: Raised | None
+    repeats: list[Doubt]
+    pictures: dict[str, Chart]
+    live: dict[str, Any] | None
+    curves: list[Chart]
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether the surface of the plate was read from a file, or has faults."""
+        return self.run.scene.height_path is not None or bool(self.run.scene.surface.faults)
+
+
+def _views(runs: Sequence[Run]) -> list[RunView]:
+    """Return the runs as the page shows them."""
+    views = []
+    for number, (run, record) in enumerate(zip(runs, records.of_runs(runs), strict=True)):
+        repeats = []
+        if record.records[0].name == "run":  # a long record goes on
+            repeats = [doubt for doubt in verdict.listed(run.numbers) if doubt.key in REPEATS]
+        view = RunView(
+            label=run.label,
+            run=run,
+            number=number,
+            playback=record.playback,
+            below_db=record.below_db,
+            records=record.records,
+            lap=record.lap,
+            solved=record.solved,
+            ends=record.ends,
+            raised=record.raised,
+            repeats=repeats,
+            pictures=_pictures(run, number, runs),
+            live=live.live_of(run),
+            curves=_film_curves(run, number),
+        )
+        views.append(view)
+    return views
+
+
+def _pictures(run: Run, number: int, runs: Sequence[Run]) -> dict[str, Chart]:
+    """Return the charts of a run by their names, but those that the page shows otherwise."""
+    left_out = {*SURFACES}  # which the page has once for all its runs
+    if run.result.maps:
+        left_out.add("contact_pressure")  # the page has maps that move
+    pictures = {}
+    for name in single_names(run):
+        if name in left_out:
+            continue
+        picture = single_picture(name, run, runs)
+        with left_out_if_it_fails(f"{name} of {run.label}"):
+            if picture is not None:
+                pictures[name] = _exhibit(picture) | {"run": number}
+    with left_out_if_it_fails(f"places of {run.label}"):
+        if run.sound_by_place is not None:
+            pictures["places"] = _places(run) | {"run": number}
+    return pictures
+
+
+def _places(run: Run) -> Chart:
+    """Return the chart of the sound by place of a run, with the times of its patches."""
+    places = run.sound_by_place
+    assert places is not None  # as the caller has checked
+    (picture,) = comparing_pictures([run], ["places"])
+    chart = _exhibit(picture)
+    patches = []
+    for middle, begin, end in zip(places.position, places.first_s, places.left_s, strict=True):
+        if math.isfinite(begin):
+            edges = 1e6 * (middle + places.length * np.array([-0.5, 0.5]))
+            patch = {"from": edges[0], "to": edges[1], "begin": begin, "end": end}
+            patches.append({key: round(float(value), 6) for key, value in patch.items()})
+    return chart | {"patches": patches}
+
+
+def _film_curves(run: Run, number: int) -> list[Chart]:
+    """Return the charts of the slow motion of a run."""
+    with left_out_if_it_fails(f"of the curves of the slow motion of {run.label}"):
+        return [curve | {"run": number} for curve in film.curves(run)]
+    return []
+
+
+def _player(view: RunView, scale: dict[str, Any] | None) -> dict[str, Any]:
+    """Return the numbers of a run for the script of the page."""
+    run = view.run
+    run_maps = slow_motion = None
+    if scale is not None:
+        run_maps = maps.run_maps(run, scale["max_gpa"], scale["hardness"])
+        with left_out_if_it_fails(f"of the slow motion of {run.label}"):
+            slow_motion = film.film_of(run, scale["max_gpa"], scale["hardness"])
+    played = run.numbers.played_bands
+    assert played is not None  # each source that plays has third octaves
+    return {
+        "label": view.label,
+        "lap": view.lap,
+        "solved": view.solved,
+        "ends": view.ends,
+        "raised": None if view.raised is None else view.raised.begin / run.sound.sample_rate,
+        "playback": view.playback,
+        "live": view.live,
+        "falls": run.scene.rolling.drop_mm is not None,
+        "maps": run_maps,
+        "film": slow_motion,
+        "bands": _rounded(run.sound.levels.third_octave_db),
+        "spreads": _rounded(played.uncertainty_by_name),
+    }
+
+
+def _rounded(levels: Mapping[str, float | None]) -> list[float | None]:
+    """Return levels by band [dB], with three decimals."""
+    by_band = [levels[name] for name in BAND_NAMES]
+    return [None if level is None else round(level, 3) for level in by_band]
+
+
+# ---- pictures
+
+
+class PageCharts:
+    """The charts of a page in the order in which its templates show them."""
+
+    def __init__(self, views: Sequence[RunView]) -> None:
+        self.shown = list[Chart]()
+        self._views = views
+
+    def add(self, chart: Chart) -> int:
+        """Show a chart and return its number."""
+        self.shown.append(chart)
+        return len(self.shown) - 1
+
+    def is_known(self, chart: Chart) -> bool:
+        """Tell whether equal curves are shown already, as runs of equal bodies have them."""
+        return any(_is_same(chart, other) for other in self.shown)
+
+    def sharing(self, chart: Chart) -> str:
+        """Return the numbers of the runs that have the chart of a run."""
+        numbers = []
+        for view in self._views:
+            own = view.pictures.get(chart["name"])
+            if view.number == chart["run"] or (own is not None and _is_same(chart, own)):
+                numbers.append(str(view.number))
+        return " ".join(numbers)
+
+
+def _is_same(chart: Chart, other: Chart) -> bool:
+    """Tell whether two charts have the same curves."""
+    return bool(chart["xs"] == other["xs"] and chart["parts"] == other["parts"])
+
+
+def _exhibit(picture: Picture) -> Chart:
+    """Read a picture as a chart with its table."""
+    chart = chart_of(picture)
+    table = picture.file("csv")
+    if table is not None and len(table) <= LARGEST_CSV:
+        chart["csv"] = table.decode()
+    if picture.name in TIMELINES:
+        chart["second"] = _seconds(chart["x"]["unit"])
+    return chart
+
+
+def _comparing_exhibits(runs: Sequence[Run]) -> list[dict[str, Any]]:
+    """Read the pictures that compare runs as charts."""
+    exhibits = []
+    for picture in comparing_pictures(runs):
+        with left_out_if_it_fails(picture.name):
+            exhibits.append(_exhibit(picture))
+    return exhibits
+
+
+def _seconds(unit: str) -> float:
+    """Return the seconds of a unit of time with its prefix."""
+    for power, prefix in PREFIXES.items():
+        if f"{prefix}s" == unit:
+            return 1000.0**power
+    raise ValueError(f"{unit}: no unit of time")
+
+
+def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
+    """Return the different surfaces, each with the labels of its runs."""
+    groups: dict[str, list[Run]] = {}
+    for run in runs:
+        groups.setdefault(_surface_key(run), []).append(run)
+    surfaces = []
+    for members in groups.values():
+        first = members[0]
+        exhibits = []
+        for name in SURFACES:
+            picture = single_picture(name, first)
+            with left_out_if_it_fails(f"{name} of {first.label}"):
+                if picture is not None:
+                    exhibits.append(_exhibit(picture))
+        surface = {
+            "labels": [run.label for run in members],
+            "numbers": [number for number, run in enumerate(runs) if run in members],
+            "words": assumed.surface_words(first.scene),
+            "roughness": _roughness(first),
+            "has_ball": first.numbers.surface.ball_ra_m is not None,
+            "pictures": exhibits,
+        }
+        surfaces.append(surface)
+    return surfaces
+
+
+def _roughness(run: Run) -> str:
+    """Write the roughness of the surface of a run; that of plate and ball together says so."""
+    surface = run.numbers.surface
+    parts = run_lines.surface_parts(run.numbers)
+    return (
+        f"{'; both together' if parts else ''}: Ra {surface.ra_m * 1e6:.4g} µm, "
+        f"Rq {surface.rq_m * 1e6:.4g} µm, skewness {surface.skewness:.2f}, "
+        f"kurtosis {surface.kurtosis:.2f}, rms slope {surface.rms_slope:.3g}{parts}."
+    )
+
+
+def _surface_key(run: Run) -> str:
+    """Return a text that is the same for runs over the same heights."""
+    scene = run.scene
+    parts: list[Any] = [
+        scene.surface.model_dump_json(),
+        scene.height_path,
+        scene.track.n_along,
+        scene.track.n_across,
+    ]
+    if scene.sphere.surface:
+        parts += [scene.sphere.surface, scene.track.turn_nodes]
+    return repr(parts)
