@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.texts import printable
+from rolling.bearing.ring_record import NOTHING_UM_S
 from rolling.bearing_contacts.bearing_check import check_bearing, conclusion, lines_in_short
 from rolling.bearing_contacts.plan import contact_plan
 from rolling.bearing_contacts.solving import (
@@ -196,10 +198,19 @@ class TurningBearing(Kind):
         return lines
 
     def quantities(self, numbers: BearingNumbers) -> dict[str, Quantity]:
-        """Return the radial velocities of the ring in the bands below its bending."""
+        """Return the radial velocities of the ring in the bands below its bending.
+
+        A ring that hardly moves is at rest, which has no ±.
+        """
         words = sentences.band_words(numbers.ring.bending_hz)
         by_band = numbers.below_bending.radial.by_band
-        return {f"Radial, {words[band]}": by_band[band] for band in words}
+        quantities = {}
+        for band, text in words.items():
+            quantity = by_band[band]
+            if quantity.value is not None and quantity.value < NOTHING_UM_S:
+                quantity = replace(quantity, value=0.0, uncertainty=None)
+            quantities[f"Radial, {text}"] = quantity
+        return quantities
 
     def card_sentence(self, run: BearingRun) -> str:
         """Return the first sentence of the answer."""
@@ -215,7 +226,7 @@ class TurningBearing(Kind):
         if content is None:
             return None
         words = f"Spectrum of the velocity of the ring, {run.label or run.scene.name}"
-        return Still(maps.uri("image/png", content), words)
+        return Still(maps.uri("image/png", content), words, is_chart=True)
 
     def figures(self) -> Mapping[str, FigureKind]:
         """Return spectrum, envelope, load distribution and ball forces of a run."""

@@ -31,6 +31,7 @@ from rolling.results.runs_table import without_formulas
 DPI = 110
 WIDTH_IN = 8.5
 HEIGHT_IN = 4.4
+POLAR_IN = 5.3  # width of a figure around an axis
 MAX_NAMED = 24  # curves; a legend of more takes more room than they do
 _NAMED_SCENES = 4  # scenes named in a title; more scenes are counted
 _NAMED_VALUES = 4  # of a swept key in a title; more values are a range, or are counted
@@ -336,18 +337,20 @@ def picture(
     is_polar: bool = False,
 ) -> Picture:
     """Draw axes in a figure of their own, with the title above and the legend below."""
-    figure = CaptionedFigure(figsize=(WIDTH_IN, HEIGHT_IN), dpi=DPI)
+    width_in = POLAR_IN if is_polar else WIDTH_IN
+    figure = CaptionedFigure(figsize=(width_in, HEIGHT_IN), dpi=DPI)
     figure.set_layout_engine("constrained", w_pad=0.12, h_pad=0.08)
     FigureCanvasAgg(figure)
     ax = draw(ax=figure.add_subplot(projection="polar" if is_polar else None))
-    title = textwrap.fill(figure.caption.title, _TITLE_LETTERS)
-    note = textwrap.fill(figure.caption.note, _NOTE_LETTERS)
+    share = width_in / WIDTH_IN
+    title = textwrap.fill(figure.caption.title, round(share * _TITLE_LETTERS))
+    note = textwrap.fill(figure.caption.note, round(share * _NOTE_LETTERS))
     above = figure.suptitle(title, x=0.012, ha="left", fontsize=12)
     below = ax.set_title(note, loc="left", fontsize=8.5, color="0.25")
     _plain([above, below])
-    _shrink_to_width(above, [above])
+    _shrink_to_width(above, [above], width_in)
     rows = _add_legend_below(figure, ax)
-    figure.set_size_inches(WIDTH_IN, HEIGHT_IN + _ROW_IN * rows)
+    figure.set_size_inches(width_in, HEIGHT_IN + _ROW_IN * rows)
     return Picture(name, figure, table, figure.caption)
 
 
@@ -358,17 +361,18 @@ def _add_legend_below(figure: Figure, ax: Axes) -> int:
         return 0
     names = [drawable(text) for text in texts]
     longest = max(len(name) for name in names)
-    columns = max(1, int(WIDTH_IN / (0.8 + 0.07 * longest)))
+    width_in = figure.get_figwidth()
+    columns = max(1, int(width_in / (0.8 + 0.07 * longest)))
     place: Any = "outside lower left"
     legend = figure.legend(handles, names, loc=place, ncols=columns, fontsize=8.5, frameon=False)
     _plain(legend.get_texts())
-    _shrink_to_width(legend, legend.get_texts())
+    _shrink_to_width(legend, legend.get_texts(), width_in)
     return math.ceil(len(names) / columns)
 
 
-def _shrink_to_width(drawn: Artist, texts: Sequence[Text]) -> None:
+def _shrink_to_width(drawn: Artist, texts: Sequence[Text], width_in: float) -> None:
     """Shrink texts until the artist that holds them is no wider than a figure."""
-    room = 0.97 * WIDTH_IN * DPI
+    room = 0.97 * width_in * DPI
     size = float(texts[0].get_fontsize())
     width = drawn.get_window_extent().width
     while width > room:

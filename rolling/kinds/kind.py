@@ -32,11 +32,13 @@ class Still(NamedTuple):
     png : str. The picture, a PNG in a data URI.
     words : str. What it shows, for those who do not see it.
     at : int. Where it is looked at, percent of its width.
+    is_chart : bool. Whether it is shown whole, and not cut to the frame of a card.
     """
 
     png: str
     words: str
     at: int = 50
+    is_chart: bool = False
 
 
 class Kind(ABC):

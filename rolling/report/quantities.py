@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from acoustics.numbers import rounded_up
 from rolling.kinds.registry import kind_of
 from rolling.numbers.doubt import Severity
 from rolling.numbers.quantity import ASSUMED, BOUND, Quantity, Verdict
@@ -23,6 +22,7 @@ WORDS = {  # of verdicts
     BOUND: "what one would hear lies below it; its numerical error stands beside it",
     ASSUMED: "a share q or a gain is assumed; its numerical error stands beside it",
 }
+LEAST_SPREAD = 0.05  # of another unit than the number, which is written with a tenth
 AT_LEAST = (">", "a part of the error has this size, and the rest is not known")
 
 
@@ -111,7 +111,10 @@ def _shown(quantity: Quantity, is_mixed: bool, leads: bool) -> ShownQuantity:
         return ShownQuantity(missing=quantity.reason, leads=leads)
     value, _, spread = quantity.number.partition(" ± ")
     if quantity.uncertainty_unit and quantity.uncertainty is not None:
-        spread = f"{rounded_up(quantity.uncertainty)} {quantity.uncertainty_unit}"
+        size = f"{quantity.uncertainty:.1f}"
+        if quantity.uncertainty < LEAST_SPREAD:
+            size = "< 0.1"
+        spread = f"{size} {quantity.uncertainty_unit}"
     return ShownQuantity(
         value=value,
         spread=f"± {spread}" if spread else "",
