@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rolling.bearing_run import sentences
-from rolling.kinds.run_folder import SUMMARY, RunFolder
+from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.bearing_numbers import BearingNumbers
-from rolling.numbers.doubt import Doubt, Severity
+from rolling.numbers.doubt import Severity
 from rolling.results.labels import labels
 from rolling.results.stored_numbers import numbers_of
-from rolling.terminal import progress
 from rolling.terminal.streams import columns, folded
-
-_MOST_DOUBTS = 4  # that are printed unless all are asked for
 
 
 def answer_lines(done: Sequence[RunFolder]) -> list[str]:
@@ -68,21 +65,6 @@ def line_lines(numbers: BearingNumbers) -> str:
         ]
         rows.append([line.name, f"{line.frequency_hz:.2f}", *velocities])
     return columns(rows)
-
-
-def doubt_lines(done: Sequence[RunFolder]) -> list[str]:
-    """Return each kind of doubt at its worst, the worst first; all of them if verbose."""
-    every = [doubt for run in done for doubt in _numbers_of(run).doubts]
-    every.sort(key=lambda doubt: doubt.rank, reverse=True)
-    by_key: dict[str, Doubt] = {}
-    for doubt in every:
-        by_key.setdefault(doubt.key, doubt)
-    doubts = list(by_key.values())
-    shown = doubts if progress.is_verbose() else doubts[:_MOST_DOUBTS]
-    lines = [folded(f"doubt: {doubt.line}.") for doubt in shown]
-    if len(doubts) > len(shown):
-        lines.append(f"{len(doubts) - len(shown)} more on the page and in {SUMMARY}")
-    return lines
 
 
 def further_lines(done: Sequence[RunFolder]) -> list[str]:

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
-from acoustics.texts import printable
 from rolling.bearing.ring_record import NOTHING_UM_S
 from rolling.bearing_contacts.bearing_check import check_bearing, conclusion, lines_in_short
 from rolling.bearing_contacts.plan import contact_plan
@@ -33,6 +32,7 @@ from rolling.marches.piece import contact_identity
 from rolling.numbers.bearing_numbers import BearingNumbers
 from rolling.numbers.quantity import Quantity
 from rolling.numbers.run_file import BEARING_KIND, StoredBearing
+from rolling.results import shared_lines
 from rolling.run.taken import TakenMarches
 from rolling.scene.bearing_scene import BearingScene
 from rolling.terminal import files, progress
@@ -183,7 +183,7 @@ class TurningBearing(Kind):
 
     def doubt_lines(self, done: Sequence[RunFolder]) -> list[str]:
         """Return the doubts about runs, the worst first."""
-        return run_lines.doubt_lines(done)
+        return shared_lines.doubt_lines(done)
 
     def further_lines(self, done: Sequence[RunFolder]) -> list[str]:
         """Return the lines of the spectra of runs."""
@@ -191,11 +191,8 @@ class TurningBearing(Kind):
 
     def listen_lines(self, done: Sequence[RunFolder]) -> list[str]:
         """Name the sound of the ring, and that of the housing where there is one."""
-        folder = done[0].folder
-        lines = [f"listen: {printable(str(folder / LISTEN))}"]
-        if (folder / stored_run.HOUSING).is_file():
-            lines.append(f"listen to the housing: {printable(str(folder / stored_run.HOUSING))}")
-        return lines
+        sounds = [("listen", LISTEN, ""), ("listen to the housing", stored_run.HOUSING, "")]
+        return shared_lines.listen_lines(done, sounds)
 
     def quantities(self, numbers: BearingNumbers) -> dict[str, Quantity]:
         """Return the radial velocities of the ring in the bands below its bending.

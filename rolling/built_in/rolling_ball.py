@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from acoustics.texts import printable
 from rolling.check import refusals
 from rolling.check.findings import Findings, check_scene, conclusion
 from rolling.check.in_short import lines_in_short
@@ -27,7 +26,15 @@ from rolling.numbers.quantity import RELEASED_POWER, VIBRATION, Quantity
 from rolling.numbers.run_file import KIND as NAME
 from rolling.numbers.run_file import StoredNumbers
 from rolling.numbers.views import NumberRow
-from rolling.results import answer, labels, level_words, listening, result_file, run_lines
+from rolling.results import (
+    answer,
+    labels,
+    level_words,
+    listening,
+    result_file,
+    run_lines,
+    shared_lines,
+)
 from rolling.results.former_numbers import former_numbers
 from rolling.results.run_result import PASSES, Run, make_run, read_run, write_run
 from rolling.run.taken import OTHER_CONTACT, TakenMarches
@@ -232,14 +239,10 @@ class RollingBall(Kind):
 
     def listen_lines(self, done: Sequence[RunFolder]) -> list[str]:
         """Name listen.wav of the first run, with what is heard."""
-        first = done[0]
-        heard = ["released power" if first.scene.sound.source == "release" else "vibration"]
-        if len(done) > 1:
-            heard.insert(0, labels.labels(done)[0])
-        lines = [f"listen: {printable(str(first.folder / LISTEN))} ({', '.join(heard)})"]
-        if (first.folder / PASSES).is_file():
-            lines.append(f"pass by pass: {printable(str(first.folder / PASSES))}")
-        return lines
+        is_release = done[0].scene.sound.source == "release"
+        heard = "released power" if is_release else "vibration"
+        sounds = [("listen", LISTEN, heard), ("pass by pass", PASSES, "")]
+        return shared_lines.listen_lines(done, sounds)
 
     def quantities(self, numbers: RunNumbers) -> dict[str, Quantity]:
         """Return vibration and released power."""

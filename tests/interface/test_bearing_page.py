@@ -25,6 +25,7 @@ from rolling.bearing_run.bearing_run import BearingRun, numbered
 from rolling.bearing_run.simulation import record_of
 from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.report import templates
+from rolling.report.page import page as page_of
 
 ENGINE = Path(templates.__file__).parent / "assets" / "bearing"
 FASTER = """(name) => {
@@ -47,7 +48,7 @@ def run() -> BearingRun:
 @pytest.fixture(scope="module")
 def page_file(run: BearingRun, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("page") / "bearing.html"
-    path.write_bytes(pages_of_bearings.page([run], WAVY))
+    path.write_bytes(page_of([run]))
     return path
 
 
@@ -162,7 +163,7 @@ def test_a_page_of_two_runs_shows_the_chosen_one(run: BearingRun, tmp_path: Path
     other = rolling.simulate(slower, progress=False)
     runs = [replace(run, label="40 N"), replace(other, label="900 rpm")]
     path = tmp_path / "two.html"
-    path.write_bytes(pages_of_bearings.page(runs, WAVY, ["70 N"]))
+    path.write_bytes(page_of(runs, ["70 N"]))
     with opened(path) as page:
         until(page, IDLE)
         assert page.locator(".runs tbody tr").count() == 2
@@ -195,10 +196,10 @@ def test_it_is_accessible(page_file: Path, opened, scheme: str) -> None:
 def test_names_of_strangers_stay_text(run: BearingRun, tmp_path: Path, opened) -> None:
     """A title that tries to be markup, and a scene file that tries to end its place."""
     hostile = "</script><img src=x onerror=alert(1)>"
-    scene = loads_bearing(WAVY, ["bearing.radial_load_n=40"]).with_(title=hostile)
+    scene = run.scene.with_(title=hostile)
     path = tmp_path / "hostile.html"
     named = replace(run, scene=scene, label=hostile)
-    path.write_bytes(pages_of_bearings.page([named, named], f"{WAVY}# {hostile}"))
+    path.write_bytes(page_of([named, replace(named, label="other")]))
     with opened(path) as page:
         until(page, IDLE)
         assert page.inner_text("h1") == hostile

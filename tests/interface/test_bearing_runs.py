@@ -36,6 +36,7 @@ from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.numbers.bearing_numbers import BandVelocities, VelocityLine
 from rolling.numbers.run_file import StoredBearing
 from rolling.numbers.summary_schema import summary_schema
+from rolling.report.page import page as page_of
 from rolling.results.stored_numbers import read_stored, write_stored
 
 FILES = {
@@ -339,9 +340,9 @@ def test_the_velocity_below_the_bending_leads(run: BearingRun) -> None:
     assert second.count("um/s") == 1 and "140 um/s radially" in bends
     doubts = {doubt.key: doubt for doubt in thin_run.numbers.doubts}
     assert doubts["ring_bending"].text.endswith("all of the high band lies above")
-    assert page.page([thin_run], "")
+    assert page_of([thin_run])
     # Of two runs each velocity stands in the column of its band, also where a band has none.
-    two = page.page([replace(rigid, label="thick"), replace(thin_run, label="thin")], "").decode()
+    two = page_of([replace(rigid, label="thick"), replace(thin_run, label="thin")]).decode()
     rows = [re.findall(r"<td>(\S+) <small>", row) for row in two.split('<th scope="row">')[1:3]]
     assert len(rows[0]) == 3 and rows[0][2] == "21"
     assert len(rows[1]) == 3 and rows[1][2] == "-"
