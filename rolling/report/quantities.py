@@ -158,7 +158,8 @@ def meanings(runs: Sequence[Any]) -> list[tuple[str, str]]:
     """Explain the numbers that runs have: name and the rest of the sentence, each meaning once."""
     explained = []
     for name, quantities in _quantities(runs).items():
-        for meaning in dict.fromkeys(one.meaning for one in quantities if one.value is not None):
+        known = [one.meaning for one in quantities if one.value is not None and one.meaning]
+        for meaning in dict.fromkeys(known):
             rest = meaning.removeprefix(name)
             if rest == meaning:
                 rest = f": {meaning[0].lower()}{meaning[1:]}"

@@ -2,18 +2,37 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import io
+import re
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
+import numpy as np
 import pytest
+import soundfile
 from bearing_runs import turning
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from pydantic import Field
 from report_runs import runs_of
 
+from acoustics import wav
 from rolling import plot
 from rolling.figures.catalogue import figures_of, names_of, plot_run
+from rolling.kinds import registry
+from rolling.kinds.heard_sound import PlainSound, common_gains, plain_gains
+from rolling.kinds.kind import Kind
+from rolling.kinds.registry import kind_of
+from rolling.kinds.run_folder import RunFolder
+from rolling.kinds.shown_run import ShownRun
+from rolling.numbers.doubt import Doubt, Severity
+from rolling.numbers.fields import group, number
+from rolling.numbers.files import BearingFiles, SoundFacts
+from rolling.numbers.quantity import Quantity
+from rolling.report.gallery import gallery_page
+from rolling.report.page import page as page_of
+from rolling.scene.swept import SweptScene
 
 KINDS = ["ball", "bearing"]
 
@@ -75,3 +94,129 @@ def test_a_load_distribution_stands_on_any_axes() -> None:
     polar = turning().plot("load_distribution", figure.add_subplot(122, projection="polar"))
     assert straight.get_xlim() == (0, 360) and polar.name == "polar"
     assert turning().plot("load_distribution").name == "polar"
+
+
+# ---- sounds
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_common_gain_scales_the_same_samples(kind: str) -> None:
+    """Samples over gain are the record, within half a step of 24 bits, at any gain."""
+    run = run_of_kind(kind)
+    (sound, *_) = kind_of(run.scene).sounds(run)
+    assert sound.file == "listen.wav"
+    gain = wav.listening_gain(sound.samples) / 3
+    samples, _ = soundfile.read(io.BytesIO(sound.wav(gain)))
+    written = samples / gain
+    assert np.abs(written[: len(sound.samples)] - sound.samples[: len(written)]).max() < (
+        2**-23 / gain
+    )
+
+
+def test_gains_of_plain_files_are_the_least_of_each_group() -> None:
+    """A full scale of 4 m/s2 is the loudest of two rings; a housing has a gain of its own."""
+
+    def facts(own: float, unit: str) -> SoundFacts:
+        return SoundFacts(duration_s=1.0, unit=unit, own_full_scale=own, full_scale=own)
+
+    loud = BearingFiles(listen=facts(4.0, "m/s2"), housing=facts(0.5, "Pa"))
+    quiet = BearingFiles(listen=facts(2.0, "m/s2"), housing=facts(0.8, "Pa"))
+    gains = [gain for files in (loud, quiet) for gain in plain_gains(files)]
+    assert common_gains(gains) == {"listen": 0.25, "housing": 1.25}
+    assert {gain.file for gain in gains} == {"listen.wav", "housing.wav"}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_script_names_the_sound_that_it_plays(kind: str, capsys) -> None:
+    assert run_of_kind(kind).play() is None
+    printed = capsys.readouterr().out
+    path = Path(printed.split("   ")[0].removeprefix("listen: ").strip())
+    assert soundfile.info(path).frames > 0
+    path.unlink()
+
+
+# ---- cards and pages
+
+
+def test_bearings_and_balls_stand_on_one_gallery(tmp_path: Path) -> None:
+    """Equal loudness holds for all; each unit has a full scale of its own."""
+    runs = [turning(), *runs_of("filmed"), replace(turning(), label="again")]
+    page = gallery_page(iter(runs), len(runs), tmp_path).decode()
+    assert page.count('class="card"') == 3 and page.count("<audio") == 3
+    assert "acceleration of the outer ring" in page and "velocities of the ring" in page
+    gains = [float(text) for text in re.findall(r'data-calibrated="([^"]+)"', page)]
+    assert gains == pytest.approx([1, 1, 1])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_all_pages_have_the_same_sections(kind: str) -> None:
+    page = page_of([run_of_kind(kind)]).decode()
+    for id in ("doubts", "notes", "again", "levels-table"):
+        assert page.count(f'id="{id}"') == 1, id
+    assert page.count("<h1>") == 1 and "Not shown" not in page
+    assert "Not shown:</strong> later" in page_of([run_of_kind(kind)], ["later"]).decode()
+
+
+@dataclass(frozen=True, kw_only=True)
+class BellNumbers:
+    """Numbers of a bell."""
+
+    strike: Quantity = group("how hard it is struck")
+    turns: float = number("turns of the wheel", "1", in_table=True, word="turns of the wheel")
+    doubts: tuple[Doubt, ...] = ()
+
+
+class BellScene(SweptScene):
+    """Scene of a bell."""
+
+    SECTION: ClassVar[str] = "bell"
+    TITLE: ClassVar[str] = "Bell"
+    name: str = "bell"
+    title: str | None = "A bell of <bronze>"
+    sweep: dict[str, Any] = Field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class BellRun(RunFolder, ShownRun):
+    """Run of a bell."""
+
+    label: str
+    numbers: BellNumbers
+    stored: None = None
+
+
+class Bells(Kind):
+    """A kind that gives numbers and a sound, and nothing that shows them."""
+
+    name = "bell"
+    scene_type = BellScene
+    description = "A bell."
+
+    def sounds(self, run: Any) -> list[PlainSound]:
+        tone = 0.1 * np.sin(2 * np.pi * 500 * np.arange(4800) / 48000)
+        return [PlainSound("listen.wav", "Pa", "bell", tone, heard="the bell", title="bell")]
+
+
+Bells.__abstractmethods__ = frozenset()  # those of folders and marches are not called here
+
+
+def test_a_registered_kind_has_page_card_and_sound_from_defaults(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys
+) -> None:
+    monkeypatch.setattr(registry, "_added", dict(registry._added))
+    registry.register(Bells())
+    doubt = Doubt("cracked", "the bell is cracked", Severity.INDICATIVE, about=("strike",))
+    strike = Quantity(name="strike", unit="N", value=12.0, how="computed", doubts=(doubt,))
+    numbers = BellNumbers(strike=strike, turns=3.0, doubts=(doubt,))
+    run = BellRun({}, BellScene(name="bell"), tmp_path, label="", numbers=numbers)
+    page = page_of([run]).decode()
+    assert "<h1>A bell of &lt;bronze&gt;</h1>" in page and "<b>12.0</b>" in page
+    assert "Strike is indicative: the bell is cracked." in page
+    assert "the bell, 0.1 s; full scale is" in page and page.count("<audio") == 1
+    assert "turns of the wheel" in page and "rolling run bell.yaml" in page
+    card = gallery_page(iter([run]), 1, tmp_path).decode()
+    assert "You hear: the bell." in card and card.count("<audio") == 1
+    assert names_of([run]) == []
+    with pytest.raises(ValueError, match=r"no figure of these runs.*none"):
+        run.plot("plot")
+    assert run.play() is None and "the bell" in capsys.readouterr().out
