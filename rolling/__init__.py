@@ -20,7 +20,7 @@ Runs
     save_run, live, plot (module), ContactError, SweepError, FolderError
 Objects that functions return
     Run, Runs, Choice, Difference, Sensitivities, Limit, ContactSound, Vibration, Channel,
-    Listening; BearingChoice; Findings, Finding; Contact, ContactState
+    Listening; Findings, Finding; Contact, ContactState
 Contact
     HalfSpace, solve_contact, WarmStart, march, RollingContact, closed_forms (module)
 """

@@ -2,7 +2,6 @@
 
 from rolling import check as check
 from rolling import plot as plot
-from rolling.bearing_run.bearing_choice import BearingChoice as BearingChoice
 from rolling.bearing_run.bearing_run import BearingRun as BearingRun
 from rolling.check.finding import Finding as Finding
 from rolling.check.findings import Findings as Findings

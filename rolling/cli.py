@@ -30,7 +30,6 @@ from rolling.terminal.progress import Level
 
 if TYPE_CHECKING:
     from rolling.run.budget import Budget
-    from rolling.scene.scene import Scene
 
 LOADING = "loading the program"  # with the solver in it, which takes seconds
 
@@ -262,10 +261,12 @@ def _choose(given: argparse.Namespace) -> int:
     if given.below is not None:
         return _below(scenes[0], given)
     with progress.step(LOADING):
-        from rolling.kinds.registry import kind_of
-    kind = kind_of(scenes[0])
-    choice = kind.choose(scenes, given.out, _budget(given, defaults.WITHIN_DB), given.workers)
-    kind.write_choice(replace(choice, command=_repeating(given, choice.tried, choice.folder)))
+        from rolling.choice.choosing import choose_scenes
+        from rolling.choice.command import print_choice, write_choice
+    choice = choose_scenes(scenes, given.out, _budget(given, defaults.WITHIN_DB), given.workers)
+    choice = replace(choice, command=_repeating(given, choice.tried, choice.folder))
+    write_choice(choice)
+    print_choice(choice)
     return OK
 
 
@@ -313,6 +314,8 @@ def _refuse_odd_choice(given: argparse.Namespace) -> None:
             given.parser.error(f"{option}: got {len(given.scenes)} scenes, allowed: one")
     elif given.key is not None:
         given.parser.error("--key: only goes with --below, or with --improve")
+    elif given.quantity is not None:
+        given.parser.error("--quantity: only goes with --below, or with --improve")
     if given.below is not None and given.key is None:
         given.parser.error(
             "--below: needs --key, the value that is searched, such as"
@@ -326,7 +329,7 @@ def _refuse_odd_choice(given: argparse.Namespace) -> None:
         given.parser.error("--between: only goes with --below")
 
 
-def _improve(scene: Scene, given: argparse.Namespace) -> int:
+def _improve(scene: Any, given: argparse.Namespace) -> int:
     """Say what would make a scene quieter."""
     with progress.step(LOADING):
         from rolling.choice.command import print_advice
@@ -337,13 +340,14 @@ def _improve(scene: Scene, given: argparse.Namespace) -> int:
         keys=None if given.key is None else [given.key],
         budget=_budget(given, defaults.IMPROVED_WITHIN_DB),
         workers=given.workers,
+        quantity=given.quantity,
     )
     paths = write_sensitivities(found)
     print_advice(found.folder, found.sentences, found.lines, paths)
     return OK
 
 
-def _below(scene: Scene, given: argparse.Namespace) -> int:
+def _below(scene: Any, given: argparse.Namespace) -> int:
     """Find the coarsest value with which a scene stays below a level."""
     with progress.step(LOADING):
         from rolling.choice.command import print_advice
@@ -355,6 +359,7 @@ def _below(scene: Scene, given: argparse.Namespace) -> int:
         between=None if given.between is None else _ends(given.between),
         folder=given.out,
         workers=given.workers,
+        quantity=given.quantity,
     )
     paths = write_limit(limit)
     print_advice(limit.folder, limit.sentences, [], paths)

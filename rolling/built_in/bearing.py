@@ -38,8 +38,7 @@ from rolling.scene.bearing_scene import BearingScene
 from rolling.terminal import files, progress
 
 if TYPE_CHECKING:
-    from rolling.bearing_run.bearing_choice import BearingChoice
-    from rolling.run.budget import Budget
+    from rolling.built_in.bearing_audition import BearingAudition
 
 
 class TurningBearing(Kind):
@@ -239,19 +238,11 @@ class TurningBearing(Kind):
 
     # ---- choices
 
-    def choose(
-        self, scenes: Sequence[BearingScene], folder: Path | None, budget: Budget, workers: int
-    ) -> BearingChoice:
-        """Choose between bearings by the bands of their rings."""
-        from rolling.bearing_run.choosing import choose_bearings
+    def audition(self) -> BearingAudition:
+        """Return how bearings are compared."""
+        from rolling.built_in.bearing_audition import BearingAudition
 
-        return choose_bearings(scenes, folder, budget, workers)
-
-    def write_choice(self, choice: BearingChoice) -> None:
-        """Print the answer of a choice, whose files are written."""
-        from rolling.bearing_run.choosing import print_choice
-
-        print_choice(choice)
+        return BearingAudition()
 
 
 KIND = TurningBearing()

@@ -45,8 +45,7 @@ from rolling.terminal import progress
 from rolling.terminal.files import FolderError
 
 if TYPE_CHECKING:
-    from rolling.choice.choice import Choice
-    from rolling.run.budget import Budget
+    from rolling.built_in.ball_audition import BallAudition
 
 
 class ResultsOfRuns(MarchStore):
@@ -282,20 +281,11 @@ class RollingBall(Kind):
 
     # ---- choices
 
-    def choose(
-        self, scenes: Sequence[Scene], folder: Path | None, budget: Budget, workers: int
-    ) -> Choice:
-        """Choose between scenes by the level of their vibration."""
-        from rolling.choice.choosing import choose_scenes
+    def audition(self) -> BallAudition:
+        """Return how balls on plates are compared."""
+        from rolling.built_in.ball_audition import BallAudition
 
-        return choose_scenes(scenes, folder, budget, workers)
-
-    def write_choice(self, choice: Choice) -> None:
-        """Write the files of a choice, and print its answer."""
-        from rolling.choice import command
-
-        command.write_choice(choice)
-        command.print_choice(choice)
+        return BallAudition()
 
 
 KIND = RollingBall()

@@ -65,7 +65,10 @@ def plot_sensitivities(result: Sensitivities, ax: Axes | None = None) -> Axes:
     ax.set_yticks(places, names)
     ax.invert_yaxis()
     gridded(ax)
-    ax.set_xlabel("change of what a listener would hear, dB(A); left is quieter")
+    heard = "what a listener would hear"
+    if not result.quantity.is_level:
+        heard = f"the {result.quantity.drawn} from {result.quantity.words}"
+    ax.set_xlabel(f"change of {heard}, {result.quantity.decibels}; left is quieter")
     ax.set_title(
         drawable(printable(f"{result.name}: how much louder with a larger value")),
         loc="left",
@@ -87,6 +90,7 @@ def plot_limit(result: Limit, ax: Axes | None = None) -> Axes:
     """Draw the path of a search: levels of specimens and tolerance limits over the value."""
     ax = axes_of(ax)
     ordered = result.ordered
+    unit = result.quantity.level_unit
     if not result.rises:
         ordered = ordered[::-1]
     has_names = isinstance(ordered[0].value, str)
@@ -118,7 +122,7 @@ def plot_limit(result: Limit, ax: Axes | None = None) -> Axes:
         )
     ax.margins(y=0.14)  # room for the numbers of the steps
     ax.axhline(
-        result.level_db, color="black", linestyle="--", label=f"limit {result.level_db:g} dB(A)"
+        result.level_db, color="black", linestyle="--", label=f"limit {result.level_db:g} {unit}"
     )
     if result.value is not None:
         ax.axvline(
@@ -136,8 +140,11 @@ def plot_limit(result: Limit, ax: Axes | None = None) -> Axes:
         ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
         ax.xaxis.set_minor_locator(NullLocator())
     ax.set_xlabel(f"{name}, {unit}" if unit else name)
-    ax.set_ylabel("what a listener would hear, dB(A)")
-    title = f"{result.name}: the search for {result.level_db:g} dB(A), its steps numbered"
+    heard = "what a listener would hear"
+    if not result.quantity.is_level:
+        heard = f"{result.quantity.drawn}, {result.quantity.words}"
+    ax.set_ylabel(f"{heard}, {unit}")
+    title = f"{result.name}: the search for {result.level_db:g} {unit}, its steps numbered"
     ax.set_title(
         drawable(printable(title)),
         loc="left",

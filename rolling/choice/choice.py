@@ -25,11 +25,20 @@ class Choice(ChoiceNumbers):
     ----------
     contenders : list of Contender
         Candidates, the quietest first, each with `label` and `levels_db`, the levels of what a
-        listener would hear of its specimens, dB(A).
+        listener would hear of its specimens, dB(A); for a bearing those of its medium band.
     differences : list of Difference
         How much louder each candidate after the first is than the quietest: `db`, its standard
         `uncertainty_db`, the `sureness` of its sign, `parts_db`, where the ± comes from, and
         `left_out_db`, what it leaves out.
+    by_quantity : list of dict of Difference
+        The same of each quantity: the vibration of a ball; the bands low, medium and high of the
+        ring of a bearing, and the housing where all scenes have one.
+    quantities : list of HeardQuantity
+        These quantities, each with `name`, `words` and `unit`.
+    rms : dict of (candidates, specimens) arrays
+        Root mean squares of all specimens by quantity: Pa, or um/s of a ring.
+    audition : Audition
+        How the scenes of the kind are compared.
     noun : str
         What the specimens are: surfaces, or places of the scan.
     overlap : bool
@@ -77,13 +86,16 @@ class Choice(ChoiceNumbers):
         Returns
         -------
         table : pandas.DataFrame
-            Mean levels of vibration and released power, dB(A); how much louder each is than the
-            quietest, with its ± and where that comes from.
+            A row for each candidate, and for each quantity where there are several: its mean over
+            specimens, how much louder it is than the quietest, with its ± and where that comes
+            from; of balls also the released power, dB(A).
         """
         return table.frame(self)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw how much louder each candidate is than the quietest, by third octave, with ±.
+
+        Of bearings, each specimen is a point in its band.
 
         Parameters
         ----------
@@ -94,10 +106,10 @@ class Choice(ChoiceNumbers):
         -------
         ax : Axes
         """
-        from rolling.choice.picture import draw_difference
+        from rolling.choice.picture import draw
         from rolling.figures.picture import axes_of
 
-        return draw_difference(self, axes_of(ax))
+        return draw(self, axes_of(ax))
 
     def __repr__(self) -> str:
         return "\n".join([*self.sentences, table.lines(self)])

@@ -1,4 +1,4 @@
-"""Choose between scenes: march pairs of specimens until the difference is known well enough."""
+"""Choose between scenes: hear pairs of specimens until the difference is known well enough."""
 
 from __future__ import annotations
 
@@ -6,53 +6,47 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from acoustics.pairs import FIRST_PAIRS, LOOKS, pairs_needed
 from rolling.check import cost, forecast, refusals
 from rolling.choice import words
-from rolling.choice.candidates import Candidate, candidates_of
+from rolling.choice.audition import Audition, audition_of
+from rolling.choice.candidate import Candidate
 from rolling.choice.choice import Choice
-from rolling.choice.comparison import Contender, OmittedPair
-from rolling.choice.difference import difference
-from rolling.choice.heard import Specimen, read_heard
-from rolling.choice.omissions import foreseen, refuse_many
-from rolling.choice.solving import solve
-from rolling.choice.specimens import Specimens
-from rolling.results.run_result import read_run
+from rolling.choice.comparison import Contender, OmittedPair, leading_of
+from rolling.choice.heard import Specimen
+from rolling.choice.omissions import refuse_many
+from rolling.choice.solving import Solver
+from rolling.kinds.registry import kind_of
 from rolling.run import choice_folder
 from rolling.run import folder as folders
 from rolling.run.budget import Budget, Clock
 from rolling.run.executor import ended_by_signal
-from rolling.run.pools import Pool, local_pool
 from rolling.scene.identity import contact_keys, digest, scene_identity
-from rolling.scene.scene import Scene
-from rolling.sound.heard_in_room import (
-    MOST_SPECIMENS,
-    HeardDifference,
-    HeardRecord,
-    heard_difference,
-)
 from rolling.terminal import progress
 
 LONG_S = 60.0  # time of the first marches, from which on it is said
-FORMAT = "rolling-contact-noise choice, format 3"
+FORMAT = "rolling-contact-noise choice, format 4"
 FORMATS = (  # with those of older versions
     FORMAT,
+    "rolling-contact-noise choice, format 3",
     "rolling-contact-noise choice, format 2",
     "rolling-contact-noise choice, format 1",
+    "rolling-contact-noise choice of bearings, format 2",
+    "rolling-contact-noise choice of bearings, format 1",
 )
 
 USUAL = Budget()
 
 
-def default_folder(name: str, scenes: Sequence[Scene]) -> Path:
+def default_folder(name: str, scenes: Sequence[Any]) -> Path:
     """Return the folder of a choice that is given without --out."""
     return Path("outputs") / f"{name}-{digest([scene_identity(one) for one in scenes])[:8]}"
 
 
 def choose_scenes(
-    scenes: Sequence[Scene],
+    scenes: Sequence[Any],
     folder: Path | None = None,
     budget: Budget = USUAL,
     workers: int = 0,
@@ -61,7 +55,7 @@ def choose_scenes(
 
     Parameters
     ----------
-    scenes : sequence of Scene. Scenes, or one with a sweep or with single faults.
+    scenes : sequence of scene. Scenes of one kind, or one with a sweep or with single faults.
     folder : Path. Folder of the choice. Default: outputs/choice-DIGITS.
     budget : Budget. How long it goes on.
     workers : int. Number of processes; 0: one per core.
@@ -73,14 +67,14 @@ def choose_scenes(
     ContactError : a contact has no solution.
     OSError, KeyboardInterrupt : as `rolling.commands.run.run_scene`; finished pieces are kept.
     """
-    candidates = candidates_of(scenes)
+    audition = audition_of(scenes[0])
+    candidates = audition.candidates(scenes)
     target = folder or default_folder("choice", [one.scene for one in candidates])
-    specimens = Specimens(candidates)
+    specimens = audition.specimens(candidates)
     looks = budget.looks(specimens.count, specimens.noun)  # refused before anything is written
     with open_choice(candidates, target, workers) as work:
         choice = _until_known(work, candidates, budget, looks)
-        with progress.step("listening to both in the noise of the room"):
-            return replace(choice, audible=_audible(choice))
+        return replace(choice, audible=audition.audible(choice))
 
 
 # ---- the work
@@ -98,19 +92,20 @@ class OpenChoice:
 
     Attributes
     ----------
+    audition : Audition
+        How the scenes of the kind are compared.
     specimens : Specimens
         What varies from specimen to specimen.
     folder : Path
         Folder of the choice.
     """
 
-    def __init__(
-        self, candidates: Sequence[Candidate], folder: Path, pool: Pool, bar: progress.Bar
-    ) -> None:
-        self.specimens = Specimens(candidates)
+    def __init__(self, candidates: Sequence[Candidate], folder: Path, solver: Solver) -> None:
+        self.audition = audition_of(candidates[0].scene)
+        self.specimens = self.audition.specimens(candidates)
         self.folder = folder
-        self._pool = pool
-        self._bar = bar
+        self._leading = leading_of(self.audition.quantities(candidates)).name
+        self._solver = solver
         self._known: dict[Path, Specimen] = {}
 
     def hear(self, candidates: Sequence[Candidate], count: int) -> HeardPairs:
@@ -133,21 +128,20 @@ class OpenChoice:
             for one in candidates:
                 wanted.append(self._specimen(one, number))
                 names.append(f"{one.label}, specimen {number + 1}")
-        solve(
-            folder=self.folder,
-            specimens=wanted,
-            labels=names,
-            stored=[*self._known.values()],
-            pool=self._pool,
-            bar=self._bar,
-        )
+        self._solver.solve(wanted, names, stored=[*self._known.values()])
         self._leave_out_failed(candidates, count, omitted)
         contenders = []
         for one in candidates:
             numbers = [number for number in range(count) if number not in omitted]
             own = [self._specimen(one, number) for number in numbers]
-            heard = [read_heard(specimen) for specimen in own]
-            contenders.append(Contender(candidate=one, heard=heard, specimens=own))
+            contenders.append(
+                Contender(
+                    candidate=one,
+                    heard=[self.audition.read_heard(specimen) for specimen in own],
+                    specimens=own,
+                    leading=self._leading,
+                )
+            )
         return HeardPairs(contenders, [omitted[number] for number in sorted(omitted)])
 
     def _leave_out_failed(
@@ -159,7 +153,7 @@ class OpenChoice:
                 continue
             for one in candidates:
                 specimen = self._specimen(one, number)
-                reason = specimen.no_solution or foreseen(self.folder, specimen)
+                reason = specimen.no_solution or self.audition.foresee(self.folder, specimen)
                 if reason:
                     omitted[number] = OmittedPair(number + 1, one.label, reason)
                     break
@@ -174,7 +168,8 @@ class OpenChoice:
                 values={},
                 scene=self.specimens.scene(candidate, number),
                 folder=place,
-                loss_factors=candidate.loss_factors,
+                candidate=candidate,
+                number=number,
             )
         return self._known[place]
 
@@ -191,33 +186,36 @@ def open_choice(
     FolderError : the folder holds something else, or another command works on it.
     """
     scenes = [one.scene.runs()[0].scene for one in candidates]
+    kind = kind_of(scenes[0])
     for scene in scenes:
-        refusals.refuse(scene, workers, folder)
-    refusals.refuse_few_addresses(scenes)
+        kind.refuse(scene, workers, folder)
+    contacts = [march.scene for scene in scenes for march in kind.marches(scene)]
+    refusals.refuse_few_addresses(contacts)
+    audition = audition_of(scenes[0])
     stored = choice_folder.take(folder, FORMATS)
     folder.mkdir(parents=True, exist_ok=True)
     with ExitStack() as stack:
         stack.enter_context(folders.locked(folder))
         if stored is None:
             choice_folder.begin(folder, FORMAT)
-            _say_how_long(scenes)
-        bar = stack.enter_context(progress.Bar(0.0, "marches"))
-        pool = stack.enter_context(local_pool(workers, scenes * LOOKS[0]))
+            _say_how_long(contacts, audition)
+        solver = audition.open_solver(stack, contacts, folder, workers)
         stack.enter_context(ended_by_signal())
-        yield OpenChoice(candidates, folder, pool, bar)
+        yield OpenChoice(candidates, folder, solver)
 
 
-def _say_how_long(scenes: Sequence[Scene]) -> None:
+def _say_how_long(contacts: Sequence[Any], audition: Audition) -> None:
     """Say how long the marches of the first specimens take, where somebody has to wait for them.
 
-    Candidates of equal contact are marched once.
+    Equal contacts are marched once.
     """
-    marched = {digest(contact_keys(scene)): scene for scene in scenes}
-    fewest = LOOKS[0]
+    marched = {digest(contact_keys(scene)): scene for scene in contacts}
+    fewest = LOOKS[0] if audition.marches_each else 1
     seconds = fewest * sum(forecast.march_seconds(scene) for scene in marched.values())
     if seconds / cost.cores() > LONG_S:
         time_in_words = cost.computing(seconds)
-        progress.line(f"the marches of the first {fewest} of each take {time_in_words}")
+        of_specimens = f" of the first {fewest} of each" if audition.marches_each else ""
+        progress.line(f"the marches{of_specimens} take {time_in_words}")
 
 
 def _until_known(
@@ -240,12 +238,19 @@ def _choice(work: OpenChoice, heard: HeardPairs, budget: Budget) -> Choice:
     """Return the present answer: the contenders in order, and how much louder each is."""
     ordered = sorted(heard.contenders, key=lambda contender: contender.level_db)
     quietest = ordered[0]
-    differences = []
+    quantities = work.audition.quantities([one.candidate for one in ordered])
+    by_quantity = []
     for other in ordered[1:]:
-        differences.append(difference(other.heard, quietest.heard, omitted=len(heard.omitted)))
+        of_one = {}
+        for quantity in quantities:
+            of_one[quantity.name] = work.audition.difference(
+                quantity.name, other.heard, quietest.heard, omitted=len(heard.omitted)
+            )
+        by_quantity.append(of_one)
     return Choice(
         contenders=ordered,
-        differences=differences,
+        by_quantity=by_quantity,
+        audition=work.audition,
         noun=work.specimens.noun,
         overlap=work.specimens.overlap,
         limit="",
@@ -255,37 +260,17 @@ def _choice(work: OpenChoice, heard: HeardPairs, budget: Budget) -> Choice:
     )
 
 
-def _audible(choice: Choice) -> tuple[HeardDifference, ...]:
-    """Judge whether each candidate after the first is heard to differ from the quietest."""
-    quietest, *others = choice.contenders
-    records = _records(quietest)
-    room_db = quietest.candidate.scene.sound.room_db
-    judged = []
-    for other in others:
-        names = (other.label, quietest.label)
-        judged.append(heard_difference(_records(other), records, room_db, names))
-    return tuple(judged)
-
-
-def _records(contender: Contender) -> list[HeardRecord]:
-    """Return the sound of the first specimens of a candidate."""
-    records = []
-    for specimen in contender.specimens[:MOST_SPECIMENS]:
-        sound = read_run(specimen, contender.label).sound
-        records.append(HeardRecord(sound.pressure, sound.sample_rate, sound.closed))
-    return records
-
-
 def pairs_needed_of(choice: Choice) -> int:
     """Return the number of pairs after which every ± of a choice is the wanted one."""
     if choice.pairs < FIRST_PAIRS:
         return FIRST_PAIRS
     needed = choice.pairs
     quietest = choice.contenders[0]
-    for other, apart in zip(choice.contenders[1:], choice.differences, strict=True):
-        if apart.db is None:
-            continue
-        wanted_db = apart.wanted_scatter_db(choice.within_db)
-        values = other.levels_db - quietest.levels_db
-        needed = max(needed, pairs_needed(values, wanted_db))
+    for other, of_one in zip(choice.contenders[1:], choice.by_quantity, strict=True):
+        for quantity, apart in of_one.items():
+            if apart.db is None:
+                continue
+            wanted_db = apart.wanted_scatter_db(choice.within_db)
+            values = other.levels_in(quantity) - quietest.levels_in(quantity)
+            needed = max(needed, pairs_needed(values, wanted_db))
     return needed

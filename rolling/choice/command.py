@@ -7,7 +7,7 @@ with one gain for all, and below runs/ a folder for each candidate.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +15,10 @@ from acoustics.bands import BAND_NAMES
 from rolling.choice import page, table, words
 from rolling.choice.choice import Choice
 from rolling.choice.choosing import FORMAT
+from rolling.choice.comparison import Contender
 from rolling.choice.difference import Difference
 from rolling.figures.picture import csv_bytes
 from rolling.numbers.stored import summary_of
-from rolling.results import listening
-from rolling.results.provenance import provenance
-from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.choice_folder import CHOICE, PAGE, PICTURE, RUNS, TABLE
 from rolling.terminal import files, progress
@@ -71,25 +69,19 @@ def write_choice(choice: Choice) -> None:
     """Write the files of a choice into its folder, last choice.json."""
     from rolling.choice.picture import picture
 
-    with progress.step("reading the runs, making their sound"):
-        runs = page.first_runs(choice)
+    with progress.step("making the sound of each candidate"):
+        sounds = page.candidate_sounds(choice)
     with progress.step("drawing the picture"):
         png = picture(choice).file("png")
     if png is not None:
         files.write_bytes(choice.folder / PICTURE, png)
     files.write_bytes(choice.folder / TABLE, csv_bytes(choice.table()))
-    _write_sounds(choice, runs)
+    for contender, sound in zip(choice.contenders, sounds, strict=True):
+        path = choice.folder / f"{contender.candidate.folder_name}.wav"
+        files.write_bytes(path, sound.wav)
     with progress.step("writing the page"):
-        files.write_bytes(choice.folder / PAGE, page.page(choice, runs, png))
+        files.write_bytes(choice.folder / PAGE, page.page(choice, sounds, png))
     files.write_json(choice.folder / CHOICE, as_json(choice))
-
-
-def _write_sounds(choice: Choice, runs: Mapping[str, Run]) -> None:
-    """Write a WAV of each candidate, all with one gain."""
-    gain = page.common_gain(runs)
-    for contender in choice.contenders:
-        content = listening.ListenSound(runs[contender.label]).wav(gain)
-        files.write_bytes(choice.folder / f"{contender.candidate.folder_name}.wav", content)
 
 
 def as_json(choice: Choice) -> dict[str, Any]:
@@ -100,19 +92,23 @@ def as_json(choice: Choice) -> dict[str, Any]:
             {
                 "label": contender.label,
                 "folder": f"{RUNS}/{contender.candidate.folder_name}",
-                "loss_factors": list(contender.candidate.loss_factors),
                 "specimens": choice.numbers,
-                "vibration_db": _known(contender.levels_db.tolist()),
-                "released_power_db": [one.released_power_db for one in contender.heard],
+                **_heard_as_json(choice, contender),
+                **choice.audition.facts(contender),
             }
         )
-    scene = choice.contenders[0].specimens[0].scene
+    differences = []
+    for contender, of_one in zip(choice.contenders[1:], choice.by_quantity, strict=True):
+        for apart in of_one.values():
+            differences.append({"label": contender.label, **_difference_as_json(apart)})
+    first = choice.contenders[0]
+    provenance = choice.audition.provenance(first.specimens[0].scene, first.label)
     return {
         "format": FORMAT,
         "program": folders.this_program(),
         "sentences": choice.sentences,
         "candidates": candidates,
-        "differences": [_difference_as_json(apart) for apart in choice.differences],
+        "differences": differences,
         "audible": [heard.text for heard in choice.audible],
         "pairs": choice.pairs,
         "left_out": [pair._asdict() for pair in choice.omitted],
@@ -122,26 +118,42 @@ def as_json(choice: Choice) -> dict[str, Any]:
         "ended_early": choice.is_early,
         "specimens": choice.noun,
         "doubts": summary_of(choice.doubts),
-        "provenance": summary_of(provenance(scene, choice.contenders[0].label)),
+        "provenance": summary_of(provenance),
     }
+
+
+def _heard_as_json(choice: Choice, contender: Contender) -> dict[str, list[float | None]]:
+    """Return what is heard of each specimen of a candidate, by the column of its quantity."""
+    found = {}
+    for quantity in choice.quantities:
+        values = contender.rms_in(quantity.name)
+        if quantity.is_level:
+            values = contender.levels_in(quantity.name)
+        name = quantity.column if len(choice.quantities) == 1 else quantity.name
+        found[name] = _known(values.tolist())
+    return found
 
 
 def _difference_as_json(apart: Difference) -> dict[str, Any]:
     """Return the numbers of a difference for JSON."""
-    return {
+    content: dict[str, Any] = {
+        "quantity": apart.quantity,
         "pairs": apart.pairs,
         "louder_db": apart.db,
         "uncertainty_db": apart.uncertainty_db,
         "sureness": apart.sureness,
         "parts_db": dict(zip(apart.parts_db, _known([*apart.parts_db.values()]), strict=True)),
         "left_out_db": apart.left_out_db,
-        "released_power_higher_db": apart.released_db,
-        "released_power_higher_uncertainty_db": apart.released_uncertainty_db,
-        "bands_db": dict(zip(BAND_NAMES, _known(apart.band_db.tolist()), strict=True)),
-        "bands_uncertainty_db": dict(
-            zip(BAND_NAMES, _known(apart.band_uncertainty_db.tolist()), strict=True)
-        ),
     }
+    if apart.released_db is not None:
+        content["released_power_higher_db"] = apart.released_db
+        content["released_power_higher_uncertainty_db"] = apart.released_uncertainty_db
+    if apart.band_db is not None and apart.band_uncertainty_db is not None:
+        content["bands_db"] = dict(zip(BAND_NAMES, _known(apart.band_db.tolist()), strict=True))
+        content["bands_uncertainty_db"] = dict(
+            zip(BAND_NAMES, _known(apart.band_uncertainty_db.tolist()), strict=True)
+        )
+    return content
 
 
 def _known(values: list[float]) -> list[float | None]:

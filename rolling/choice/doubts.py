@@ -9,30 +9,21 @@ from collections.abc import Iterable, Iterator
 
 from acoustics.numbers import rounded_up
 from acoustics.texts import printable
-from rolling.choice.candidates import LOSS_FACTORS
 from rolling.choice.comparison import ChoiceNumbers
 from rolling.choice.difference import LEFT_OUT, SCATTER, Difference
-from rolling.choice.heard import BAFFLE
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.numbers.quantity import PART_WORDS
 
 WITHOUT_SOLUTION = "pairs_without_solution"  # key of the doubt that stands beside the verdict
 LEAST_DB = 0.1  # smallest part that the ± leaves out and a note names
-_ADVICE = {
-    "loss_factor": (
-        f"the loss factor of the contact, which no scene states ({LOSS_FACTORS[0]:g} to"
-        f" {LOSS_FACTORS[1]:g}); measure it, or give plate.contact_loss_factor"
-    ),
-    "grid": "the error of the grid; choose a smaller surface.spacing_um",
-    "instrument": "what the instrument could not see",
-    BAFFLE: "the baffle in which free plates are computed and which they do not have",
-    LEFT_OUT: "the pairs that are left out; choose a wider surface",
-}
+_LEFT_OUT_ADVICE = "the pairs that are left out; choose a wider surface"
 
 
 def doubts(choice: ChoiceNumbers) -> list[Doubt]:
     """List the doubts about a choice, notes at the end."""
-    return [doubt for rule in RULES for doubt in rule(choice)]
+    found = [doubt for rule in LIMITS for doubt in rule(choice)]
+    found += choice.audition.doubts(choice)
+    return [*found, *_left_out_parts(choice)]
 
 
 # ---- what limits the answer
@@ -83,7 +74,8 @@ def _wide(choice: ChoiceNumbers) -> Iterator[Doubt]:
         return
     part, size_db = max(apart.parts_db.items(), key=lambda item: item[1])
     if part != SCATTER:
-        text = f"Of the ±, {size_db:.1f} dB come from {_ADVICE[part]}."
+        advice = _LEFT_OUT_ADVICE if part == LEFT_OUT else choice.audition.advice[part]
+        text = f"Of the ±, {size_db:.1f} dB come from {advice}."
         yield Doubt(f"uncertain_by_{part}", text, Severity.INDICATIVE, size_db)
     elif choice.limit and not choice.is_early:
         text = (
@@ -96,41 +88,9 @@ def _wide(choice: ChoiceNumbers) -> Iterator[Doubt]:
 # ---- notes
 
 
-def _bodies(choice: ChoiceNumbers) -> Iterator[Doubt]:
-    """Say which bodies are assumed of scenes that have no section dynamics."""
-    added = dict.fromkeys(one.candidate.added for one in choice.contenders if one.candidate.added)
-    if added:
-        text = (
-            f"The scenes have no section dynamics: the vibration is that of {' and '.join(added)}."
-        )
-        yield Doubt("assumed_bodies", text, Severity.NOTE)
-
-
-def _loss_factor(choice: ChoiceNumbers) -> Iterator[Doubt]:
-    """Say that contacts are heard at two loss factors, because none is stated."""
-    if any(len(one.candidate.loss_factors) > 1 for one in choice.contenders):
-        low, high = LOSS_FACTORS
-        text = (
-            f"The loss factor of the contact is not stated, so each is heard at {low:g} and"
-            f" {high:g}, and half of what this changes is in the ±."
-        )
-        yield Doubt("contact_loss_factor", text, Severity.NOTE)
-
-
-def _released_power(choice: ChoiceNumbers) -> Iterator[Doubt]:
-    """Say that the released power has the other order."""
-    apart = choice.differences[0] if choice.differences else None
-    if apart is not None and apart.is_sure and (apart.released_db or 0.0) < 0:
-        text = (
-            "The released power is higher for the quieter one: it is an upper bound, and its order"
-            " is not that of what one hears."
-        )
-        yield Doubt("released_power_order", text, Severity.NOTE)
-
-
 def _left_out_parts(choice: ChoiceNumbers) -> Iterator[Doubt]:
     """Say which parts of the ± of the runs the ± of their differences leave out."""
-    text = left_out_text(choice.differences)
+    text = left_out_text(apart for of_one in choice.by_quantity for apart in of_one.values())
     if text:
         yield Doubt("left_out_parts", text, Severity.NOTE)
 
@@ -154,13 +114,5 @@ def left_out_text(differences: Iterable[Difference]) -> str:
     )
 
 
-RULES = (
-    _omissions,
-    _overlap,
-    _early,
-    _wide,
-    _bodies,
-    _loss_factor,
-    _released_power,
-    _left_out_parts,
-)
+LIMITS = (_omissions, _overlap, _early, _wide)
+RULES = (*LIMITS, _left_out_parts)

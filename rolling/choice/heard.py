@@ -1,94 +1,92 @@
-"""What a listener hears of a specimen: A-weighted energy of the vibration by third octave.
-
-The energy is the mean over speeds within 3 %, so that a sharp resonance does not fall on a line of
-the surface for one candidate and between two lines for the other. A contact whose scene states no
-loss factor is heard at two.
-"""
+"""What is heard of a specimen of any kind: root mean squares by quantity, and its file."""
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 
-from acoustics import wav
 from acoustics.arrays import Array
-from acoustics.bands import BAND_NAMES, third_octave_mean_square
-from acoustics.spectrum import audible_lines
-from acoustics.weighting import a_weighting_db
-from rolling.ball.records import bodies_of, listener_of
-from rolling.choice.candidates import LOSS_KEY
-from rolling.dynamics.force_law import ForceLaw
-from rolling.dynamics.motion_of_ball import motion_of_ball
+from acoustics.level import level_db
+from acoustics.radiation import P_REF_PA
+from rolling.choice.candidate import Candidate
 from rolling.kinds.run_folder import FAILED, MAX_FAILURE, RunFolder
-from rolling.marches import force_law
 from rolling.marches.piece import contact_identity
-from rolling.marches.result import Result
-from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.stored import from_bytes, to_bytes
-from rolling.results.instrument_spread import part_of_instrument
-from rolling.results.stored_numbers import read_stored
-from rolling.run.worker import finish_run
-from rolling.scene import file
-from rolling.scene.scene import Scene
-from rolling.sound.radiators import known_bands
-from rolling.sound.vibration_sound import radiated_by_motion
-from rolling.terminal.files import FolderError, read_regular, write_bytes
+from rolling.scene.identity import scene_identity
+from rolling.terminal.files import FolderError, read_regular, write_json
 
 HEARD = "heard.json"
-BAFFLE = "baffle"  # source of a part of the ± of a free plate
-# Speeds over that of the scene. The lines of a lap move by more than their distance between them.
-SPEED_RATIOS = (0.97, 0.985, 1.0, 1.015, 1.03)
 _MAX_BYTES = 1_000_000
+_Record = TypeVar("_Record")
 
 
-class LevelError(NamedTuple):
-    """Error of a level, the level less the true one, and its standard uncertainty [dB]."""
+@dataclass(frozen=True)
+class HeardQuantity:
+    """A quantity by which specimens are compared.
 
-    db: float
-    uncertainty_db: float
-
-
-@dataclass(frozen=True, eq=False)
-class Heard:
-    """What a listener hears of one specimen of a candidate.
-
-    loss_factors : tuple of float. Loss factors of the contact.
-    squares : (losses,) array, Pa2. A-weighted mean square of the vibration, or its exposure in 1 s
-        for a fall.
-    bands : (losses, 31) array, Pa2. The same by third octave, NaN above the Nyquist frequency of
-        the steps.
-    released_power_db : float or None, dB(A). Level of the released power.
-    errors : dict. Errors of the level that the run knows and does not correct, by their origin:
-        grid and instrument.
-    parts_db : dict, dB. Parts of the ± of the vibration of the run, by their source.
-    baffle_db : (31,) array, dB. What the missing baffle of a free plate leaves on each third
-        octave; None for other plates.
+    name : str. Its name, such as vibration.
+    words : str. What it is called in tables and pictures.
+    column : str. Column of the table with its mean over specimens.
+    unit : str. Unit of that mean.
+    is_level : bool. Whether the mean is one of levels; otherwise it is a root mean square.
+    drawn : str. Label of the axis of several quantities of its unit; empty for its words.
+    where : str. Beginning of its sentences where there are several quantities.
+    verb, adverb : str. What the quieter one does: it is so much quieter, or moves so much less.
+    leads : bool. Whether it puts the candidates in their order.
     """
 
-    loss_factors: tuple[float, ...]
-    squares: Array
-    bands: Array
-    released_power_db: float | None
-    errors: dict[str, LevelError]
-    parts_db: dict[str, float] = field(default_factory=dict)
-    baffle_db: Array | None = None
+    name: str
+    words: str
+    column: str
+    unit: str = "dB(A)"
+    is_level: bool = True
+    drawn: str = ""
+    where: str = ""
+    verb: str = "is"
+    adverb: str = "quieter"
+    leads: bool = False
+
+    @property
+    def decibels(self) -> str:
+        """Unit of a difference of two levels."""
+        return self.unit if self.is_level else "dB"
+
+    @property
+    def level_unit(self) -> str:
+        """Unit of a level."""
+        return self.unit if self.is_level else f"dB re 1 {self.unit}"
 
 
-@dataclass(frozen=True, kw_only=True)
-class StoredHeard:
-    """The same as heard.json has it; None for what is not known of a third octave."""
+class Heard(ABC):
+    """What is heard of one specimen of a candidate."""
 
-    loss_factors: tuple[float, ...]
-    squares_pa2: tuple[float, ...]
-    bands_pa2: tuple[tuple[float | None, ...], ...]
-    released_power_db: float | None
-    errors_db: dict[str, LevelError]
-    parts_db: dict[str, float]
-    baffle_db: tuple[float, ...] | None
+    @abstractmethod
+    def rms(self, quantity: str) -> float:
+        """Return the root mean square of a quantity in its unit; in pascals for a level."""
+
+    def level_db(self, quantity: str) -> float:
+        """Return the level of a quantity, minus infinity for silence."""
+        level = level_db(self.rms(quantity) ** 2)
+        return -math.inf if level is None else level
+
+    def highest_level_db(self, quantity: str) -> float:
+        """Return the level of a quantity under the least favourable of what is not known."""
+        return self.level_db(quantity)
+
+    @property
+    def third_octaves(self) -> Array | None:
+        """A-weighted mean squares by third octave, (31,) [Pa2]; None where a kind has none."""
+        return None
+
+    @property
+    def released_level_db(self) -> float | None:
+        """Level of the released power, dB(A); None where a kind has none."""
+        return None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,14 +99,19 @@ class StoredFailure:
 
 @dataclass(frozen=True, eq=False)
 class Specimen(RunFolder):
-    """A specimen of a candidate: a run, and the loss factors at which it is heard."""
+    """A specimen of a candidate and its folder.
 
-    loss_factors: tuple[float, ...]
+    candidate : Candidate. The candidate, whose scene is that of the specimen but for what varies.
+    number : int. Number of the specimen, from 0 on.
+    """
+
+    candidate: Candidate
+    number: int
 
     @property
-    def is_heard(self) -> bool:
-        """Whether the run is done and what is heard of it is stored."""
-        return self.is_done and (self.folder / HEARD).is_file()
+    def has_record(self) -> bool:
+        """Whether what is heard of the specimen is stored."""
+        return (self.folder / HEARD).is_file()
 
     @property
     def no_solution(self) -> str:
@@ -120,160 +123,42 @@ class Specimen(RunFolder):
         return stored.reason if stored.contact == contact_identity(self.scene) else ""
 
 
-def finish_specimen(run: RunFolder, label: str, marched: Sequence[Result]) -> None:
-    """Write the files of a specimen as those of any run, and then what is heard of it."""
-    assert isinstance(run, Specimen)
-    finish_run(run, label, marched)
-    (result,) = marched
-    write_heard(run, result)
+def write_record(specimen: Specimen, record: Any) -> None:
+    """Write what is heard of a specimen, with the identity of its scene."""
+    content = json.loads(to_bytes(record)) | {"scene": scene_identity(specimen.scene)}
+    write_json(specimen.folder / HEARD, content)
 
 
-def write_heard(specimen: Specimen, result: Result) -> None:
-    """Write what is heard of a specimen whose run is done."""
-    heard = hear(specimen, result)
-    stored = StoredHeard(
-        loss_factors=heard.loss_factors,
-        squares_pa2=tuple(heard.squares.tolist()),
-        bands_pa2=tuple(_known(row) for row in heard.bands),
-        released_power_db=heard.released_power_db,
-        errors_db=heard.errors,
-        parts_db=heard.parts_db,
-        baffle_db=None if heard.baffle_db is None else tuple(heard.baffle_db.tolist()),
-    )
-    write_bytes(specimen.folder / HEARD, to_bytes(stored))
-
-
-def _known(values: Array) -> tuple[float | None, ...]:
-    """Return numbers for JSON, None for those that are unknown."""
-    return tuple(value if math.isfinite(value) else None for value in values.tolist())
-
-
-def read_heard(specimen: Specimen) -> Heard:
-    """Read what is heard of a specimen.
+def read_record(specimen: Specimen, kind: type[_Record]) -> _Record:
+    """Read what is stored of a specimen.
 
     Raises
     ------
-    FolderError : the file is damaged, or was not written by this program.
+    FolderError : the file is missing or damaged, was not written by this program, or is of another
+        scene.
     """
-    path = specimen.folder / HEARD
     try:
-        stored = from_bytes(StoredHeard, read_regular(path, _MAX_BYTES))
-        heard = Heard(
-            loss_factors=stored.loss_factors,
-            squares=np.array(stored.squares_pa2),
-            bands=np.array(stored.bands_pa2, dtype=float),
-            released_power_db=stored.released_power_db,
-            errors=stored.errors_db,
-            parts_db=stored.parts_db,
-            baffle_db=None if stored.baffle_db is None else np.array(stored.baffle_db),
-        )
-        if heard.baffle_db is not None and heard.baffle_db.shape != (len(BAND_NAMES),):
-            raise ValueError("bands of another shape")
-        if heard.bands.shape != (len(specimen.loss_factors), len(BAND_NAMES)):
-            raise ValueError("bands of another shape")
-        if heard.squares.shape != (len(specimen.loss_factors),):
-            raise ValueError("squares of another shape")
+        content = read_regular(specimen.folder / HEARD, _MAX_BYTES)
+        record = from_bytes(kind, content)
+        identity = json.loads(content).get("scene")
     except (OSError, ValueError, RecursionError) as error:
+        raise damaged(specimen, error) from error
+    if identity != scene_identity(specimen.scene):
         raise FolderError(
-            f"{path}: not readable ({error}); delete it, and the same command makes it again"
-        ) from error
-    return heard
+            f"{specimen.folder}: holds a specimen of another scene; give another folder with --out"
+        )
+    return record
 
 
-def hear(specimen: Specimen, result: Result) -> Heard:
-    """Return what a listener hears of a specimen whose run is done.
-
-    Parameters
-    ----------
-    specimen : Specimen. The run of the specimen.
-    result : Result. Its marches.
-    """
-    scene = specimen.scene
-    law = force_law.force_law(scene, result)
-    squares = []
-    bands = []
-    for loss_factor in specimen.loss_factors:
-        at_speeds = [
-            _weighted_lines(_heard_scene(scene, loss_factor, ratio), law, result)
-            for ratio in _speed_ratios(scene)
-        ]
-        squares.append(np.mean([lines.total for lines in at_speeds]))
-        bands.append(np.mean([lines.bands for lines in at_speeds], axis=0))
-    highest = scene.motion.fastest(scene.duration) / (2 * scene.step)
-    if scene.rolling.drop_mm is not None:  # its time steps resolve an impact
-        highest = wav.SAMPLE_RATE_HZ / 2
-    numbers = read_stored(specimen.folder).numbers
-    of_bands = numbers.bands.vibration
-    baffle_db = None if of_bands is None else of_bands.parts.get(BAFFLE)
-    return Heard(
-        loss_factors=specimen.loss_factors,
-        squares=np.array(squares),
-        bands=np.where(known_bands(highest), np.array(bands), np.nan),
-        released_power_db=numbers.released_power.value,
-        errors=_errors(numbers),
-        parts_db=numbers.vibration.parts,
-        baffle_db=None if baffle_db is None else np.array(baffle_db),
+def damaged(specimen: Specimen, reason: Any) -> FolderError:
+    """Return the error of what is stored of a specimen and cannot be used."""
+    return FolderError(
+        f"{specimen.folder / HEARD}: not readable ({reason}); delete it, and the same command makes"
+        " it again"
     )
 
 
-def _errors(numbers: RunNumbers) -> dict[str, LevelError]:
-    """Return the errors of the level of the vibration that a run knows."""
-    errors = {}
-    grid_db = numbers.errors.grid_db
-    if grid_db is not None:
-        errors["grid"] = LevelError(grid_db, numbers.errors.grid_uncertainty_db or 0.0)
-    of_source = part_of_instrument(numbers.surface, "vibration")
-    if of_source is None or of_source.error_db is None or of_source.spread_db is None:
-        return errors
-    # The spread holds the error itself.
-    square = of_source.spread_db**2 - of_source.error_db**2
-    errors["instrument"] = LevelError(of_source.error_db, math.sqrt(max(0.0, square)))
-    return errors
-
-
-def _speed_ratios(scene: Scene) -> tuple[float, ...]:
-    """Return the speeds over that of the scene; a fall and a ball that rolls out have their own."""
-    if scene.rolling.drop_mm is not None or scene.rolling.resistance is not None:
-        return (1.0,)
-    return SPEED_RATIOS
-
-
-def _heard_scene(scene: Scene, loss_factor: float, speed_ratio: float) -> Scene:
-    """Return the scene of a solved contact with another loss factor, at another speed."""
-    changes = [f"{LOSS_KEY}={loss_factor!r}"]
-    if speed_ratio != 1.0:
-        speed = scene.rolling.speed_m_s
-        faster: Any = []
-        if isinstance(speed, float):
-            faster = speed * speed_ratio
-        else:
-            faster = [[time / speed_ratio, value * speed_ratio] for time, value in speed]
-        changes.append(f"rolling.speed_m_s={faster!r}")
-    return file.resound(scene, changes)
-
-
-class _Lines(NamedTuple):
-    """A-weighted mean square of a record, and its third octaves [Pa2]."""
-
-    total: float
-    bands: Array
-
-
-def _weighted_lines(scene: Scene, law: ForceLaw, result: Result) -> _Lines:
-    """Return the A-weighted mean square of the vibration of a scene over a force law."""
-    bodies = bodies_of(scene)
-    motion = motion_of_ball(bodies, scene.travel, law)
-    is_whole_laps = scene.track.closed and result.steps % result.solved_steps == 0
-    constant = scene.motion.is_constant(scene.duration)
-    closed = bool(is_whole_laps and constant and motion.settled)
-    _, pressures = radiated_by_motion(
-        bodies, listener_of(scene), scene.motion, motion, closed, count=1
-    )
-    frequency, square = audible_lines(pressures[0], wav.SAMPLE_RATE_HZ)
-    weighted = square * 10.0 ** (a_weighting_db(frequency) / 10.0)
-    if scene.rolling.drop_mm is not None:  # the exposure in one second, as LAE
-        weighted = weighted * (len(pressures[0]) / wav.SAMPLE_RATE_HZ)
-    return _Lines(
-        total=float(weighted.sum()),
-        bands=third_octave_mean_square(frequency, weighted),
-    )
+def levels_of(squares: Array) -> Array:
+    """Return levels [dB re 20 uPa] of mean squares [Pa2]; that of silence is minus infinity."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(10.0 * np.log10(squares / P_REF_PA**2))

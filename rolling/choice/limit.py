@@ -25,7 +25,7 @@ from scipy.stats import t as student
 from acoustics.arrays import Array
 from acoustics.pairs import SURE
 from acoustics.texts import printable
-from rolling.choice import drawing
+from rolling.choice.heard import HeardQuantity
 from rolling.results import labels
 from rolling.scene import library
 from rolling.scene.surfaces import GRADES
@@ -39,7 +39,8 @@ Value = float | str
 FEWEST = 3  # specimens for which a tolerance limit is stated
 SHARE = 0.95  # of specimens that lie below a tolerance limit
 CONFIDENCE = 0.95
-FINISH = "surface.finish"
+GRADE = "grade"  # last name of a key that takes the name of a grade of balls
+FINISH = "finish"  # and of a finish
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,8 +84,10 @@ class Limit:
     ----------
     name, key : str
         Name of the scene, and the dotted key.
-    level_db : float, dB(A)
-        The limit.
+    quantity : HeardQuantity
+        The quantity whose level stays below: the vibration of a ball, a band of a bearing.
+    level_db : float
+        The limit, dB(A) or dB re 1 um/s.
     points : list of Point
         Computed values, in the order of the search.
     value : float or str, or None
@@ -104,11 +107,12 @@ class Limit:
     --------
     >>> from pathlib import Path
     >>> import numpy as np, rolling
+    >>> from rolling.choice.audition import SOUND
     >>> from rolling.choice.limit import Point
     >>> points = [Point(1.0, np.array([28.0, 29.0, 28.5])), Point(1.04, np.array([30.0, 31, 30]))]
     >>> limit = rolling.Limit(
-    ...     name="scene", key="plate.thickness_mm", level_db=33.0, points=points, value=1.0,
-    ...     rises=True, falls=[], noun="surfaces", notes=[], folder=Path(),
+    ...     name="scene", key="plate.thickness_mm", quantity=SOUND, level_db=33.0, points=points,
+    ...     value=1.0, rises=True, falls=[], noun="surfaces", notes=[], folder=Path(),
     ... )
     >>> limit.next_louder.value
     1.04
@@ -116,6 +120,7 @@ class Limit:
 
     name: str
     key: str
+    quantity: HeardQuantity
     level_db: float
     points: list[Point]
     value: Value | None
@@ -150,8 +155,8 @@ class Limit:
         -------
         table : pandas.DataFrame
             One row per computed value in the order of the search: order, value, vibration_db (mean
-            over specimens), vibration_deviation_db (their standard deviation), tolerance_limit_db,
-            specimens, is_below, is_answer.
+            over specimens; medium_db of a bearing), vibration_deviation_db (their standard
+            deviation), tolerance_limit_db, specimens, is_below, is_answer.
         """
         import pandas as pd  # slow to import, for tables only
 
@@ -161,8 +166,8 @@ class Limit:
                 {
                     "order": number,
                     self.key: point.value,
-                    "vibration_db": point.mean_db,
-                    "vibration_deviation_db": float(np.std(point.levels_db, ddof=1)),
+                    f"{self.quantity.name}_db": point.mean_db,
+                    f"{self.quantity.name}_deviation_db": float(np.std(point.levels_db, ddof=1)),
                     "tolerance_limit_db": point.upper_db,
                     "specimens": len(point.levels_db),
                     "is_below": point.upper_db <= self.level_db,
@@ -229,9 +234,10 @@ def percent(share: float) -> str:
 
 def names_of(key: str) -> list[str]:
     """Return the names that a key takes, sorted by their roughness; none for a number."""
-    if key == drawing.GRADE:
+    last = key.rpartition(".")[2]
+    if last == GRADE:
         return sorted(GRADES, key=lambda name: GRADES[name].roughness_ra_um)
-    if key == FINISH:
+    if last == FINISH:
         finishes = library.data("finishes")["finishes"]
         return sorted(finishes, key=lambda name: float(finishes[name]["roughness_ra_um"][0]))
     return []
@@ -272,17 +278,18 @@ def _sentences(result: Limit) -> Iterator[str]:
     """Yield the answer, where the level does not rise, and what became of the range."""
     ordered = result.ordered
     count = f"{len(ordered[0].levels_db)} {result.noun}"
-    limit = f"{result.level_db:g} dB(A)"
+    unit = result.quantity.level_unit
+    limit = f"{result.level_db:g} {unit}"
     if result.value is None:
         quietest = min(ordered, key=lambda point: point.upper_db)
         yield (
             f"No value of the range stays below {limit}. Even at {_worded(result, quietest)} the"
             f" level below which {percent(SHARE)} of {result.noun} lie is"
-            f" {quietest.upper_db:.1f} dB(A) ({count})."
+            f" {quietest.upper_db:.1f} {unit} ({count})."
         )
     else:
         answer = result.at(result.value)
-        holds = f"{percent(SHARE)} of {result.noun} lie below {answer.upper_db:.1f} dB(A)"
+        holds = f"{percent(SHARE)} of {result.noun} lie below {answer.upper_db:.1f} {unit}"
         louder = result.next_louder
         if louder is None:
             yield (
@@ -296,7 +303,7 @@ def _sentences(result: Limit) -> Iterator[str]:
             yield (
                 f"{_worded(result, answer)} is the {extreme} that stays below {limit}: {holds},"
                 f" with {percent(CONFIDENCE)} confidence ({count}); at"
-                f" {_worded(result, louder)} it is {louder.upper_db:.1f} dB(A)."
+                f" {_worded(result, louder)} it is {louder.upper_db:.1f} {unit}."
             )
         if ordered[0].upper_db > result.level_db:
             yield (

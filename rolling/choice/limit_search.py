@@ -16,12 +16,14 @@ import numpy as np
 
 from acoustics.texts import printable
 from rolling.choice import drawing
-from rolling.choice.candidates import Candidate
+from rolling.choice.audition import audition_of
+from rolling.choice.candidate import Candidate
 from rolling.choice.choosing import OpenChoice, default_folder, open_choice
-from rolling.choice.difference import level_db
+from rolling.choice.heard import HeardQuantity
 from rolling.choice.limit import (
     FEWEST,
     FINISH,
+    GRADE,
     SHARE,
     Limit,
     Point,
@@ -31,13 +33,11 @@ from rolling.choice.limit import (
     names_of,
     percent,
 )
-from rolling.choice.sensitivity import refuse_sweep
+from rolling.choice.sensitivity import quantity_of, refuse_sweep
 from rolling.contact.solver import ContactError
 from rolling.results import labels
 from rolling.scene.messages import SceneError, is_number, nearest, plain_number, quoted
 from rolling.scene.models import full_key
-from rolling.scene.scene import Scene
-from rolling.scene.seeds import SEED_KEYS
 from rolling.terminal import defaults, files, progress
 
 TIMES = 5.0  # usual range: the value over this number to the value times it
@@ -50,26 +50,28 @@ PICTURE = "below.png"
 
 
 def coarsest_value(
-    scene: Scene,
+    scene: Any,
     key: str,
     level_db: float,
     between: tuple[Value, Value] | None = None,
     seeds: int = defaults.LIMIT_SEEDS,
     folder: Path | None = None,
     workers: int = 0,
+    quantity: str | None = None,
 ) -> Limit:
-    """Find the coarsest value of a key whose level of the vibration stays below a limit.
+    """Find the coarsest value of a key whose level stays below a limit.
 
     Parameters
     ----------
-    scene : Scene. A scene without a sweep, on a random or a measured surface.
+    scene : scene. A scene without a sweep, on a random or a measured surface.
     key : str. Key of a number above 0, of the finish, or of the grade of the ball.
-    level_db : float, dB(A). The limit, at the listener of the scene.
+    level_db : float. The limit, dB(A) at the listener of a scene, dB re 1 um/s of a ring.
     between : pair of float or str. Range of the search. Default: a fifth of the value of the scene
         to five times it, as far as scenes are allowed, or all finishes or grades.
     seeds : int. Number of specimens, from 3 to 60.
     folder : Path. Folder of the specimens. Default: outputs/below-DIGITS.
     workers : int. Number of processes; 0: one per core.
+    quantity : str. Name of the quantity whose level is limited. Default: the leading one.
 
     Raises
     ------
@@ -87,7 +89,9 @@ def coarsest_value(
         raise SceneError(
             [f"seeds: got {quoted(seeds)}, allowed: a whole number from {FEWEST} to 60"]
         )
-    unsettled = drawing.with_free_steps(scene)
+    audition = audition_of(scene)
+    unsettled = audition.with_free_steps(scene)
+    asked = quantity_of(audition.quantities([unsettled]), quantity)
     target = folder or default_folder("below", [unsettled.scene])
     names = names_of(key)
     notes: list[str] = []
@@ -96,13 +100,14 @@ def coarsest_value(
     else:
         values, notes = _range_of_numbers(unsettled, key, between, workers, target)
     ends = [_changed(unsettled, key, value) for value in (values[0], values[-1])]
-    base = drawing.with_shared_steps(unsettled, ends)
+    base = audition.with_shared_steps(unsettled, ends)
     with open_choice([base], target, workers) as work:
         count = _count(work, scene, seeds)
         search = LimitSearch(
             work=work,
             base=base,
             key=key,
+            quantity=asked,
             level_db=float(level_db),
             count=count,
             is_given=between is not None,
@@ -113,22 +118,23 @@ def coarsest_value(
 # ---- key and range
 
 
-def _known_key(scene: Scene, key: str) -> str:
+def _known_key(scene: Any, key: str) -> str:
     """Return a dotted key whose value can be searched; refuse any other."""
-    key = full_key(key, Scene)
+    key = full_key(key, type(scene))
     value = labels.value_at(scene, key)
     place = f"{scene.place(key)}: {key}"
-    if key in (FINISH, drawing.GRADE):
+    last = key.rpartition(".")[2]
+    if last in (FINISH, GRADE):
         if value is None:
             raise SceneError([f"{place}: the scene has none; give it one from which to start"])
         return key
-    if key in SEED_KEYS:
+    if last == "seed":
         raise SceneError([f"{place}: a seed has no size; allowed: a number that has one"])
     if not is_number(value) or not value > 0 or isinstance(value, int):
         raise SceneError(
             [
                 f"{place}: got {quoted(value)}, allowed: a key with a number above 0,"
-                f" {FINISH} or {drawing.GRADE}"
+                " a finish or a grade"
             ]
         )
     return key
@@ -204,7 +210,8 @@ def _allowed_end(
 
 def _changed(base: Candidate, key: str, value: Value) -> Candidate:
     """Return the candidate of a value."""
-    return drawing.with_value(base, key, value, labels.worded(key, value))
+    audition = audition_of(base.scene)
+    return audition.with_value(base, key, value, labels.worded(key, value))
 
 
 def _short(value: float) -> float:
@@ -212,12 +219,12 @@ def _short(value: float) -> float:
     return float(f"{value:.{DIGITS}g}")
 
 
-def _count(work: OpenChoice, scene: Scene, seeds: int) -> int:
+def _count(work: OpenChoice, scene: Any, seeds: int) -> int:
     """Return the number of specimens; refuse a scene in which nothing is random."""
     count = min(seeds, work.specimens.count)
     if count < FEWEST:
         has = "no random surface"
-        if work.specimens.noun != "surfaces":
+        if count > 1:
             has = f"room for {count} of the {FEWEST} places that it takes"
         raise SceneError(
             [
@@ -240,6 +247,7 @@ class LimitSearch:
         work: OpenChoice,
         base: Candidate,
         key: str,
+        quantity: HeardQuantity,
         level_db: float,
         count: int,
         is_given: bool,
@@ -247,6 +255,7 @@ class LimitSearch:
         self._work = work
         self._base = base
         self._key = key
+        self._quantity = quantity
         self._level_db = level_db
         self._count = count
         self._is_given = is_given
@@ -272,6 +281,7 @@ class LimitSearch:
         return Limit(
             name=self._base.scene.name,
             key=self._key,
+            quantity=self._quantity,
             level_db=self._level_db,
             points=self._points,
             value=answer,
@@ -313,13 +323,13 @@ class LimitSearch:
         if omitted:  # nothing is known of 95 % of specimens where one of few has no level
             first = omitted[0]
             raise ContactError(f"{first.label}, specimen {first.number}: {first.reason}")
-        levels = [float(level_db(one.squares).max()) for one in contender.heard]
+        levels = [one.highest_level_db(self._quantity.name) for one in contender.heard]
         point = Point(value=value, levels_db=np.array(levels))
         self._points.append(point)
         noun = self._work.specimens.noun
         progress.line(
             f"{labels.worded(self._key, value)}: {percent(SHARE)} of {noun} lie"
-            f" below {point.upper_db:.1f} dB(A)"
+            f" below {point.upper_db:.1f} {self._quantity.level_unit}"
         )
         return point
 

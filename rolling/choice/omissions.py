@@ -1,11 +1,10 @@
-"""Specimens whose contact has no solution: foreseen, remembered, and refused where many."""
+"""Specimens whose contact has no solution: remembered, and refused where there are many."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
 
-from rolling.check import widest_places
 from rolling.choice.comparison import OmittedPair
 from rolling.choice.heard import Specimen, StoredFailure
 from rolling.contact.solver import ContactError
@@ -29,19 +28,6 @@ def remember(home: Path, specimen: Specimen, reason: str) -> None:
 def forget(specimen: Specimen) -> None:
     """Remove what is remembered of another contact, such as one on a narrower surface."""
     (specimen.folder / FAILED).unlink(missing_ok=True)
-
-
-def foreseen(home: Path, specimen: Specimen) -> str:
-    """Return why a specimen has no solution, as far as its surface tells; empty if it may have one.
-
-    What is foreseen is remembered.
-    """
-    if specimen.is_done:
-        return ""
-    reason = widest_places.reason_against(specimen.scene)
-    if reason:
-        remember(home, specimen, reason)
-    return reason
 
 
 def refuse_many(omitted: Sequence[OmittedPair], count: int, noun: str) -> None:

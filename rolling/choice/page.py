@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 from markupsafe import Markup
 
+from acoustics import wav
+from acoustics.arrays import Array
 from acoustics.texts import printable
 from rolling import __version__
 from rolling.choice import table, words
 from rolling.choice.choice import Choice
 from rolling.report import maps, records, text
 from rolling.report.templates import environment
-from rolling.results import listening
 from rolling.results.notes import UNVALIDATED
-from rolling.results.run_result import Run, read_run
 
 STYLE = """
 .wide { width: 100%; height: auto; background: white; }
@@ -24,39 +23,47 @@ STYLE = """
 """
 
 
-def first_runs(choice: Choice) -> dict[str, Run]:
-    """Return the run of the first specimen of each candidate by its label, as it is heard.
+class CandidateSound(NamedTuple):
+    """Sound of the first specimen of a candidate, at the gain that all candidates share.
 
-    A short track goes on with a random continuation, as on the page of a run, and does not repeat.
+    label, text : str. What it is called, and its numbers in words.
+    samples : array or None. Samples of full scale 1; None where nothing sounds.
+    wav : bytes. The content of its file.
     """
-    runs = {}
-    for contender in choice.contenders:
-        run = read_run(contender.specimens[0], contender.label)
-        ends = run.sound.once  # a fall is heard once, and a longer record as it is
-        if not ends and run.sound.duration < listening.MIN_S:
-            longer = run.scene.with_({"sound.listen_s": listening.MIN_S})
-            run = replace(run, scene=longer)
-        runs[contender.label] = run
-    return runs
+
+    label: str
+    text: str
+    samples: Array | None
+    wav: bytes
 
 
-def common_gain(runs: Mapping[str, Run]) -> float | None:
-    """Return the gain [full scale per Pa] at which all records sound and none clips."""
-    own = [listening.own_gain(listening.record_for_ear(run)) for run in runs.values()]
-    gains = [one.full_scale_per_pa for one in own if one.full_scale_per_pa > 0]
-    return min(gains, default=None)
+def candidate_sounds(choice: Choice) -> list[CandidateSound]:
+    """Return the sounds of all candidates, at the largest gain at which none clips."""
+    firsts = [choice.audition.first_sound(choice, one) for one in choice.contenders]
+    own = [wav.listening_gain(one.sound.samples) for one in firsts if one.sound.samples.any()]
+    gain = min(own, default=1.0)
+    sounds = []
+    for contender, (sound, text_of_sound) in zip(choice.contenders, firsts, strict=True):
+        sounds.append(
+            CandidateSound(
+                label=contender.label,
+                text=text_of_sound,
+                samples=gain * sound.samples if sound.samples.any() else None,
+                wav=sound.wav(gain),
+            )
+        )
+    return sounds
 
 
-def page(choice: Choice, runs: Mapping[str, Run], picture: bytes | None) -> bytes:
+def page(choice: Choice, sounds: Sequence[CandidateSound], picture: bytes | None) -> bytes:
     """Write the page of a choice.
 
     Parameters
     ----------
     choice : Choice. The answer.
-    runs : mapping. Run of the first specimen of each candidate by its label.
+    sounds : sequence of CandidateSound. Sound of the first specimen of each candidate.
     picture : bytes or None. Its picture, a PNG file; None if none could be drawn.
     """
-    gain = common_gain(runs)
     heads, *rows = table.cells(choice)
     template = environment().get_template("choice.html")
     return template.render(
@@ -65,8 +72,9 @@ def page(choice: Choice, runs: Mapping[str, Run], picture: bytes | None) -> byte
         sentences=choice.sentences,
         tried=choice.tried,
         numbers=choice.numbers,
-        sounds=[_sound(label, run, gain) for label, run in runs.items()],
+        sounds=[_shown(sound) for sound in sounds],
         picture=None if picture is None else maps.uri("image/png", picture),
+        has_bands=choice.contenders[0].third_octaves is not None,
         heads=heads,
         rows=rows,
         notes=[*words.notes(choice), *_again(choice), UNVALIDATED],
@@ -79,14 +87,10 @@ def _again(choice: Choice) -> list[str]:
     return [f"The same answer again: {choice.command}"] if choice.command else []
 
 
-def _sound(label: str, run: Run, gain: float | None) -> dict[str, Any]:
-    """Return label, level and sound of a run at a gain [full scale per Pa]."""
-    record = listening.record_for_ear(run)
-    src = None
-    if gain is not None and record.pressure.any():
-        src = records.compressed(gain * record.pressure)
+def _shown(sound: CandidateSound) -> dict[str, Any]:
+    """Return what the page shows of a sound."""
     return {
-        "label": printable(label),
-        "level": str(run.vibration),
-        "src": src,
+        "label": printable(sound.label),
+        "text": sound.text,
+        "src": None if sound.samples is None else records.compressed(sound.samples),
     }

@@ -1,8 +1,8 @@
 """What would help: how much louder a scene becomes when a value of its drawing is a little larger.
 
-The scene and the changed scene meet the same specimens, so that what they share cancels. The march
-is shared where the value does not change the contact. The linear chain gives every change a second
-time.
+The scene and the changed scene meet the same specimens, so that what they share cancels. Marches
+are shared where the value does not change the contact. Of balls, the linear chain gives every
+change a second time.
 """
 
 from __future__ import annotations
@@ -19,19 +19,18 @@ from acoustics.arrays import Array
 from acoustics.pairs import FIRST_PAIRS, SURE, paired_mean, pairs_needed
 from acoustics.texts import printable
 from rolling.choice import drawing
-from rolling.choice.candidates import Candidate
-from rolling.choice.chain import chain_levels
+from rolling.choice.audition import audition_of
+from rolling.choice.candidate import Candidate
 from rolling.choice.choosing import OpenChoice, default_folder, open_choice
-from rolling.choice.comparison import Contender, OmittedPair
-from rolling.choice.difference import Difference, difference
+from rolling.choice.comparison import Contender, OmittedPair, leading_of
+from rolling.choice.difference import Difference
 from rolling.choice.doubts import left_out_text
 from rolling.choice.drawing import ChangedValue, LeftOut
-from rolling.choice.specimens import Specimens
+from rolling.choice.heard import HeardQuantity
 from rolling.contact.solver import ContactError
 from rolling.run.budget import Budget, Clock
-from rolling.scene.messages import SceneError
+from rolling.scene.messages import SceneError, quoted
 from rolling.scene.models import full_key
-from rolling.scene.scene import Scene
 from rolling.terminal import defaults, files, progress
 
 if TYPE_CHECKING:
@@ -60,6 +59,8 @@ class Sensitivity:
         The same of each specimen.
     chain_db, chain_uncertainty_db : float or None, dB
         The same by the linear chain, for a larger value; None where it has no level.
+    quantity : HeardQuantity
+        The quantity whose level changes.
     """
 
     change: ChangedValue
@@ -67,10 +68,11 @@ class Sensitivity:
     levels_apart_db: Array
     chain_db: float | None
     chain_uncertainty_db: float | None
+    quantity: HeardQuantity
 
     @property
     def db(self) -> float:
-        """Change of the level of the vibration when the value is larger, dB(A)."""
+        """Change of the level when the value is larger, dB(A) or dB."""
         assert self.apart.db is not None  # a silent scene is refused
         return self._for_larger(self.apart.db)
 
@@ -107,6 +109,8 @@ class Sensitivities:
     ----------
     name : str
         Name of the scene.
+    quantity : HeardQuantity
+        The quantity whose level changes: the vibration of a ball, a band of a bearing.
     rows : list of Sensitivity
         The changes.
     left_out : list of LeftOut
@@ -126,15 +130,17 @@ class Sensitivities:
     --------
     >>> from pathlib import Path
     >>> import rolling
+    >>> from rolling.choice.audition import SOUND
     >>> found = rolling.Sensitivities(
-    ...     name="empty", rows=[], left_out=[], noun="surfaces", within_db=0.1, limit="",
-    ...     folder=Path(),
+    ...     name="empty", quantity=SOUND, rows=[], left_out=[], noun="surfaces", within_db=0.1,
+    ...     limit="", folder=Path(),
     ... )
     >>> found.sentences
     ['The scene has no value of a drawing that can be changed.']
     """
 
     name: str
+    quantity: HeardQuantity
     rows: list[Sensitivity]
     left_out: list[LeftOut]
     noun: str
@@ -150,32 +156,37 @@ class Sensitivities:
         -------
         table : pandas.DataFrame
             One row per value: key, value, changed_to, per (the step that the changes are for),
-            vibration_db and released_power_db (changes of the levels when the value is larger, with
-            their uncertainties), chain_db (the same by the linear chain), specimens, shares_march,
-            and note. Values that could not be changed stand last, with the reason as their note.
+            vibration_db, or medium_db of a bearing, and released_power_db (changes of the levels
+            when the value is larger, with their uncertainties), chain_db (the same by the linear
+            chain), specimens, shares_march, and note. Values that could not be changed stand last,
+            with the reason as their note.
         """
         import pandas as pd  # slow to import, for tables only
 
         rows: list[dict[str, Any]] = []
+        name = self.quantity.name
+        has_chain = any(row.chain_db is not None for row in self.rows)
+        has_released = any(row.released_db is not None for row in self.rows)
         for row in self.rows:
             change = row.change
-            rows.append(
-                {
-                    "key": change.key,
-                    "value": change.old,
-                    "changed_to": change.new,
-                    "per": f"+{change.step}",
-                    "vibration_db": row.db,
-                    "vibration_uncertainty_db": row.uncertainty_db,
-                    "chain_db": row.chain_db,
-                    "chain_uncertainty_db": row.chain_uncertainty_db,
-                    "released_power_db": row.released_db,
-                    "released_power_uncertainty_db": row.apart.released_uncertainty_db,
-                    "specimens": row.apart.pairs,
-                    "shares_march": change.shares_march,
-                    "note": _note(row),
-                }
-            )
+            columns: dict[str, Any] = {
+                "key": change.key,
+                "value": change.old,
+                "changed_to": change.new,
+                "per": f"+{change.step}",
+                f"{name}_db": row.db,
+                f"{name}_uncertainty_db": row.uncertainty_db,
+            }
+            if has_chain:
+                columns["chain_db"] = row.chain_db
+                columns["chain_uncertainty_db"] = row.chain_uncertainty_db
+            if has_released:
+                columns["released_power_db"] = row.released_db
+                columns["released_power_uncertainty_db"] = row.apart.released_uncertainty_db
+            columns["specimens"] = row.apart.pairs
+            columns["shares_march"] = change.shares_march
+            columns["note"] = _note(row)
+            rows.append(columns)
         for left in self.left_out:
             rows.append({"key": left.key, "note": left.reason})
         return pd.DataFrame(rows)
@@ -202,9 +213,10 @@ class Sensitivities:
         width = max(map(len, names), default=0)
         lines = []
         for name, row in zip(names, self.rows, strict=True):
-            line = f"{name:{width}}  {_number(row.db, row.uncertainty_db)}"
+            line = f"{name:{width}}  {_number(row.db, row.uncertainty_db, self.quantity)}"
             if row.chain_db is not None:
-                line += f", linear chain {_number(row.chain_db, row.chain_uncertainty_db)}"
+                of_chain = _number(row.chain_db, row.chain_uncertainty_db, self.quantity)
+                line += f", linear chain {of_chain}"
             lines.append(line)
         return lines
 
@@ -218,43 +230,49 @@ class Sensitivities:
 
 
 def improve_scene(
-    scene: Scene,
+    scene: Any,
     folder: Path | None = None,
     keys: Sequence[str] | None = None,
     budget: Budget = USUAL,
     workers: int = 0,
+    quantity: str | None = None,
 ) -> Sensitivities:
     """Find how much louder a scene becomes when a value of its drawing is a little larger.
 
     Parameters
     ----------
-    scene : Scene. A scene without a sweep.
+    scene : scene. A scene without a sweep.
     folder : Path. Folder of the specimens. Default: outputs/improve-DIGITS.
     keys : sequence of str. Keys of the values. Default: all that stand on a drawing.
     budget : Budget. How long it goes on; the first six specimens are always heard.
     workers : int. Number of processes; 0: one per core.
+    quantity : str. Name of the quantity whose level changes. Default: the leading one.
 
     Raises
     ------
-    SceneError : the scene sweeps, cannot run, makes no sound, or has no value of a key.
+    SceneError : the scene sweeps, cannot run, makes no sound, or has no value of a key, or there is
+        no such quantity.
     FolderError : the folder holds something else.
     ContactError : the contact of the scene has no solution.
     OSError, KeyboardInterrupt : finished pieces are kept.
     """
     refuse_sweep(scene)
-    base = drawing.unchanged(scene)
+    audition = audition_of(scene)
+    base = audition.unchanged(scene)
+    asked = quantity_of(audition.quantities([base]), quantity)
     target = folder or default_folder("improve", [base.scene])
-    changes, left_out = drawing.changes_of(scene, base, workers, target)
+    changes, left_out = drawing.changes_of(audition, scene, base, workers, target)
     if keys is not None:
         changes, left_out = _chosen(scene, keys, changes, left_out)
-    specimens = Specimens([base])
+    specimens = audition.specimens([base])
     looks = budget.looks(specimens.count, specimens.noun)  # refused before anything is written
     with open_choice([base], target, workers) as work:
-        search = _SpecimenLoop(work, base, budget, looks)
+        search = _SpecimenLoop(work, base, asked, budget, looks)
         rows = search.rows(changes)
     rows.sort(key=lambda row: -abs(row.db))
     return Sensitivities(
         name=scene.name,
+        quantity=asked,
         rows=rows,
         left_out=[*left_out, *search.failed],
         noun=work.specimens.noun,
@@ -265,14 +283,26 @@ def improve_scene(
     )
 
 
+def quantity_of(quantities: Sequence[HeardQuantity], name: str | None) -> HeardQuantity:
+    """Return the quantity of a name, the leading one without a name; refuse an unknown one."""
+    if name is None:
+        return leading_of(quantities)
+    by_name = {quantity.name: quantity for quantity in quantities}
+    if name not in by_name:
+        raise SceneError(
+            [f"quantity: got {quoted(name)}, allowed for this scene: {', '.join(by_name)}"]
+        )
+    return by_name[name]
+
+
 def _chosen(
-    scene: Scene, keys: Sequence[str], changes: list[ChangedValue], left_out: list[LeftOut]
+    scene: Any, keys: Sequence[str], changes: list[ChangedValue], left_out: list[LeftOut]
 ) -> tuple[list[ChangedValue], list[LeftOut]]:
     """Return the changes of some keys; refuse a key that is unknown or has no value."""
     known = [*(change.key for change in changes), *(left.key for left in left_out)]
     full = []
     for key in keys:
-        name = key if key in known else full_key(key, Scene)
+        name = key if key in known else full_key(key, type(scene))
         if name not in known:
             raise SceneError(
                 [
@@ -287,7 +317,7 @@ def _chosen(
     )
 
 
-def refuse_sweep(scene: Scene) -> None:
+def refuse_sweep(scene: Any) -> None:
     """Refuse a scene with a sweep."""
     if scene.sweep:
         keys = ", ".join(scene.sweep)
@@ -303,10 +333,16 @@ class _SpecimenLoop:
     """Hears changed scenes on the specimens of a scene until their changes are known."""
 
     def __init__(
-        self, work: OpenChoice, base: Candidate, budget: Budget, looks: Sequence[int]
+        self,
+        work: OpenChoice,
+        base: Candidate,
+        quantity: HeardQuantity,
+        budget: Budget,
+        looks: Sequence[int],
     ) -> None:
         self._work = work
         self._base = base
+        self._quantity = quantity
         self._budget = budget
         # The scatter of all pairs is that of the first six.
         self._looks = [count for count in looks if count >= FIRST_PAIRS] or looks[-1:]
@@ -346,7 +382,7 @@ class _SpecimenLoop:
     def _row(self, change: ChangedValue, count: int) -> Sensitivity | None:
         """Return the change of the level over some specimens; None where its contacts fail."""
         ((base,), _) = self._work.hear([self._base], count)
-        if not math.isfinite(base.level_db):
+        if not np.all(np.isfinite(base.levels_in(self._quantity.name))):
             raise SceneError([f"{change.candidate.scene.name}: makes no sound within hearing"])
         try:
             (base, changed), omitted = self._work.hear([self._base, change.candidate], count)
@@ -355,11 +391,12 @@ class _SpecimenLoop:
             return None
         for pair in omitted:
             self.omitted.setdefault(pair.number, pair)
-        if not np.all(np.isfinite(changed.levels_db)):
+        if not np.all(np.isfinite(changed.levels_in(self._quantity.name))):
             self.failed.append(LeftOut(change.key, change.name, "then nothing sounds"))
             return None
-        row = _sensitivity(change, base, changed, len(omitted))
-        progress.line(f"{change.name}: {_number(row.db, row.uncertainty_db)} per +{change.step}")
+        row = self._sensitivity(change, base, changed, len(omitted))
+        text = _number(row.db, row.uncertainty_db, self._quantity)
+        progress.line(f"{change.name}: {text} per +{change.step}")
         return row
 
     def _needed(self, row: Sensitivity) -> int:
@@ -370,30 +407,32 @@ class _SpecimenLoop:
         wanted_db = apart.wanted_scatter_db(self._budget.within_db)
         return pairs_needed(row.levels_apart_db, wanted_db)
 
+    def _sensitivity(
+        self, change: ChangedValue, base: Contender, changed: Contender, omitted: int
+    ) -> Sensitivity:
+        """Return the change of a level between two contenders on the same specimens.
 
-def _sensitivity(
-    change: ChangedValue, base: Contender, changed: Contender, omitted: int
-) -> Sensitivity:
-    """Return the change of a level between two contenders on the same specimens.
-
-    Some of their pairs are left out.
-    """
-    chain_db = None
-    chain_uncertainty_db = None
-    of_base = chain_levels(base.specimens)
-    of_changed = chain_levels(changed.specimens)
-    if of_base is not None and of_changed is not None:
-        of_pairs = paired_mean(of_changed - of_base)
-        chain_db = of_pairs.mean if change.is_upwards else -of_pairs.mean
-        if math.isfinite(of_pairs.error):
-            chain_uncertainty_db = of_pairs.uncertainty
-    return Sensitivity(
-        change=change,
-        apart=difference(changed.heard, base.heard, omitted=omitted),
-        levels_apart_db=changed.levels_db - base.levels_db,
-        chain_db=chain_db,
-        chain_uncertainty_db=chain_uncertainty_db,
-    )
+        Some of their pairs are left out.
+        """
+        audition = self._work.audition
+        name = self._quantity.name
+        chain_db = None
+        chain_uncertainty_db = None
+        of_base = audition.second_opinion(base.specimens)
+        of_changed = audition.second_opinion(changed.specimens)
+        if of_base is not None and of_changed is not None:
+            of_pairs = paired_mean(of_changed - of_base)
+            chain_db = of_pairs.mean if change.is_upwards else -of_pairs.mean
+            if math.isfinite(of_pairs.error):
+                chain_uncertainty_db = of_pairs.uncertainty
+        return Sensitivity(
+            change=change,
+            apart=audition.difference(name, changed.heard, base.heard, omitted=omitted),
+            levels_apart_db=changed.levels_in(name) - base.levels_in(name),
+            chain_db=chain_db,
+            chain_uncertainty_db=chain_uncertainty_db,
+            quantity=self._quantity,
+        )
 
 
 def write_sensitivities(result: Sensitivities) -> list[Path]:
@@ -421,7 +460,8 @@ def _sentences(result: Sensitivities) -> Iterator[str]:
     helpful = [row for row in sure if row.change.key != drawing.DISTANCE] or sure
     if helpful:
         best = helpful[0]
-        text = f"{_capital(_help(best))} is {_amount(best)} dB(A) quieter, which helps most"
+        amount = f"{_amount(best)} {result.quantity.decibels} quieter{_in_band(result)}"
+        text = f"{_capital(_help(best))} is {amount}, which helps most"
         others = [f"a {_help_words(row)} ({_amount(row)})" for row in helpful[1 : 1 + NEXT]]
         if others:
             text += f"; then come {' and '.join(others)}"
@@ -434,8 +474,8 @@ def _sentences(result: Sensitivities) -> Iterator[str]:
         if row.differs_from_chain:
             yield (
                 f"The linear chain does not confirm the change by {row.change.name}:"
-                f" {_number(row.chain_db, row.chain_uncertainty_db)} in place of"
-                f" {_number(row.db, row.uncertainty_db)} per +{row.change.step}."
+                f" {_number(row.chain_db, row.chain_uncertainty_db, result.quantity)} in place of"
+                f" {_number(row.db, row.uncertainty_db, result.quantity)} per +{row.change.step}."
             )
     wide = [row for row in result.rows if (row.uncertainty_db or 0.0) > result.within_db]
     if wide:
@@ -476,7 +516,7 @@ def _help(row: Sensitivity) -> str:
 def _help_words(row: Sensitivity) -> str:
     """Say by how much which value would be larger or smaller."""
     words = row.change.words.smaller if row.db > 0 else row.change.words.larger
-    if row.change.step == "one grade":
+    if row.change.step == drawing.ONE_GRADE:
         return f"one step {words}"
     return f"{row.change.step} {words}"
 
@@ -486,13 +526,18 @@ def _amount(row: Sensitivity) -> str:
     return _two_digits(abs(row.db), row.uncertainty_db)
 
 
-def _number(db: float | None, uncertainty_db: float | None) -> str:
+def _in_band(result: Sensitivities) -> str:
+    """Say in which band a level is, where it is that of a band."""
+    return "" if result.quantity.is_level else f" from {result.quantity.words}"
+
+
+def _number(db: float | None, uncertainty_db: float | None, quantity: HeardQuantity) -> str:
     """Write a change with its sign, its ± and its unit."""
     assert db is not None
     sign = ""
     if abs(db) >= SHOWN_DB:
         sign = "-" if db < 0 else "+"
-    return f"{sign}{_two_digits(abs(db), uncertainty_db)} dB(A)"
+    return f"{sign}{_two_digits(abs(db), uncertainty_db)} {quantity.decibels}"
 
 
 def _two_digits(size_db: float, uncertainty_db: float | None) -> str:

@@ -1,14 +1,17 @@
-"""Table of a choice: one row per candidate, the quietest first."""
+"""Table of a choice: a row for each candidate and quantity, the quietest first."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rolling.choice.comparison import ChoiceNumbers
-from rolling.choice.words import probability
+from acoustics.texts import printable
+from rolling.choice.comparison import ChoiceNumbers, Contender
+from rolling.choice.difference import Difference
+from rolling.choice.heard import HeardQuantity
+from rolling.choice.words import number, probability
 from rolling.numbers.quantity import uncertain
 from rolling.terminal.streams import columns
 
@@ -17,49 +20,74 @@ if TYPE_CHECKING:
 
 
 def rows(choice: ChoiceNumbers) -> list[dict[str, Any]]:
-    """Return the numbers of each candidate by the names of their columns.
+    """Return the numbers of each candidate and quantity by the names of their columns.
 
-    The differences are those from the quietest candidate, and None in its own row.
+    The differences are those from the quietest candidate, and None in its own rows.
     """
     found = []
-    for number, contender in enumerate(choice.contenders):
-        apart = choice.differences[number - 1] if number else None
-        scatter = None
-        if len(contender.heard) > 1 and math.isfinite(contender.level_db):
-            scatter = float(np.std(contender.levels_db, ddof=1))
-        row: dict[str, Any] = {
-            "candidate": contender.label,
-            "vibration_db": contender.level_db if math.isfinite(contender.level_db) else None,
-            "scatter_db": scatter,
-            "louder_db": None,
-            "louder_uncertainty_db": None,
-            "sureness": None,
-            "audible": None,
-            "n5_difference_percent": None,
-            "n5_difference_uncertainty_percent": None,
-            "released_power_db": contender.released_power_db,
-            "released_power_higher_db": None,
-            "released_power_higher_uncertainty_db": None,
-        }
-        if apart is not None:
-            row["louder_db"] = apart.db
-            row["louder_uncertainty_db"] = apart.uncertainty_db
-            row["sureness"] = apart.sureness
-            row["released_power_higher_db"] = apart.released_db
-            row["released_power_higher_uncertainty_db"] = apart.released_uncertainty_db
-            for part, size in apart.parts_db.items():
-                row[f"{part}_part_db"] = size if math.isfinite(size) else None
-            row["uncertainty_left_out"] = " ".join(apart.left_out_db)
-        if number and choice.audible:
-            judged = choice.audible[number - 1].audibility
-            if judged is not None:
-                row["audible"] = judged.verdict
-                row["n5_difference_percent"] = judged.difference_percent
-                row["n5_difference_uncertainty_percent"] = judged.uncertainty_percent
-        row["specimens"] = len(contender.heard)
-        row["left_out"] = len(choice.omitted)
-        found.append(row)
+    for place, contender in enumerate(choice.contenders):
+        for quantity in choice.quantities:
+            levels = contender.levels_in(quantity.name)
+            scatter = None
+            if len(levels) > 1 and np.all(np.isfinite(levels)):
+                scatter = float(np.std(levels, ddof=1))
+            row: dict[str, Any] = {"candidate": contender.label}
+            if len(choice.quantities) > 1:
+                row["quantity"] = quantity.words
+            row[quantity.column] = contender.mean_in(quantity)
+            row["scatter_db"] = scatter
+            row |= _difference_columns(choice, place, quantity.name)
+            row |= _room_columns(choice, place)
+            row |= _released_columns(choice, place)
+            row["specimens"] = len(contender.heard)
+            row["left_out"] = len(choice.omitted)
+            found.append(row)
     return found
+
+
+def _difference_columns(choice: ChoiceNumbers, place: int, quantity: str) -> dict[str, Any]:
+    """Return how much louder a candidate is than the quietest, with the parts of the ±."""
+    if not place:
+        return {"louder_db": None, "louder_uncertainty_db": None, "sureness": None}
+    apart = choice.by_quantity[place - 1][quantity]
+    columns_of_difference: dict[str, Any] = {
+        "louder_db": apart.db,
+        "louder_uncertainty_db": apart.uncertainty_db,
+        "sureness": apart.sureness,
+    }
+    for part, size in apart.parts_db.items():
+        columns_of_difference[f"{part}_part_db"] = size if math.isfinite(size) else None
+    columns_of_difference["uncertainty_left_out"] = " ".join(apart.left_out_db)
+    return columns_of_difference
+
+
+def _room_columns(choice: ChoiceNumbers, place: int) -> dict[str, Any]:
+    """Return whether the difference of a candidate is heard in a room; nothing if none is known."""
+    if not choice.audible:
+        return {}
+    judged = choice.audible[place - 1].audibility if place else None
+    return {
+        "audible": judged and judged.verdict,
+        "n5_difference_percent": judged and judged.difference_percent,
+        "n5_difference_uncertainty_percent": judged and judged.uncertainty_percent,
+    }
+
+
+def _released_columns(choice: ChoiceNumbers, place: int) -> dict[str, Any]:
+    """Return the released power of a candidate; nothing where no candidate has one."""
+    if not has_released_power(choice):
+        return {}
+    apart = choice.differences[place - 1] if place else None
+    return {
+        "released_power_db": choice.contenders[place].released_power_db,
+        "released_power_higher_db": apart and apart.released_db,
+        "released_power_higher_uncertainty_db": apart and apart.released_uncertainty_db,
+    }
+
+
+def has_released_power(choice: ChoiceNumbers) -> bool:
+    """Tell whether a candidate has a released power."""
+    return any(one.released_power_db is not None for one in choice.contenders)
 
 
 def frame(choice: ChoiceNumbers) -> pd.DataFrame:
@@ -69,48 +97,75 @@ def frame(choice: ChoiceNumbers) -> pd.DataFrame:
     return pd.DataFrame(rows(choice))
 
 
-HEADS = (
-    "candidate",
-    "vibration, mean, dB(A)",
-    "louder than the quietest, dB(A)",
-    "sure",
-    "in the room",
-    "released power, upper bound, dB(A)",
-    "higher than of the quietest, dB",
-)
+class Column(NamedTuple):
+    """A column of the table in words.
+
+    head, unit : str. Its head, in two lines on a terminal.
+    cells : list of str. A cell for each candidate.
+    """
+
+    head: str
+    unit: str
+    cells: list[str]
+
+
+def words_of(choice: ChoiceNumbers) -> list[Column]:
+    """Return the columns of the table in words, those of the released power last."""
+    found = [Column("candidate", "", list(choice.labels))]
+    for quantity in choice.quantities:
+        of_others = [of_one[quantity.name] for of_one in choice.by_quantity]
+        means = [_mean(contender, quantity) for contender in choice.contenders]
+        kind = "mean, " if quantity.is_level else "rms, "
+        found.append(Column(quantity.words, f"{kind}{quantity.unit}", means))
+        apart = ["-", *map(number, of_others)]
+        found.append(Column("louder than", f"the quietest, {quantity.decibels}", apart))
+    if len(choice.quantities) == 1:
+        found.append(Column("sure", "", ["-", *map(_sure, choice.differences)]))
+    if choice.audible:
+        judged = [one.audibility.verdict if one.audibility else "-" for one in choice.audible]
+        found.append(Column("in the room", "", ["-", *judged]))
+    if has_released_power(choice):
+        means = [_uncertain(one.released_power_db, None) for one in choice.contenders]
+        found.append(Column("released power", "upper bound, dB(A)", means))
+    return found
+
+
+def _mean(contender: Contender, quantity: HeardQuantity) -> str:
+    """Write the mean of a quantity over the specimens of a candidate."""
+    mean = contender.mean_in(quantity)
+    if mean is None:
+        return "silent"
+    return _uncertain(mean, None) if quantity.is_level else f"{mean:.3g}"
+
+
+def _sure(apart: Difference) -> str:
+    """Write how sure the sign of a difference is."""
+    return "-" if apart.sureness is None else probability(apart.sureness)
 
 
 def cells(choice: ChoiceNumbers) -> list[list[str]]:
-    """Return head and rows of the table in words."""
-    found = [[*HEADS]]
-    for row in rows(choice):
-        sure = "-"
-        if row["sureness"] is not None:
-            sure = probability(row["sureness"])
-        found.append(
-            [
-                row["candidate"],
-                _uncertain(row["vibration_db"], None),
-                _uncertain(row["louder_db"], row["louder_uncertainty_db"]),
-                sure,
-                row["audible"] or "-",
-                _uncertain(row["released_power_db"], None),
-                _uncertain(
-                    row["released_power_higher_db"], row["released_power_higher_uncertainty_db"]
-                ),
-            ]
-        )
-    return found
+    """Return head and rows of the table in words, with the difference of released powers."""
+    found = words_of(choice)
+    if has_released_power(choice):
+        higher = [
+            _uncertain(apart.released_db, apart.released_uncertainty_db)
+            for apart in choice.differences
+        ]
+        found.append(Column("higher than of", "the quietest, dB", ["-", *higher]))
+    heads = []
+    for column in found:
+        comma = "," if column.unit and not column.unit.startswith("the ") else ""
+        heads.append(f"{column.head}{comma} {column.unit}".strip())
+    rows_in_words = zip(*(column.cells for column in found), strict=True)
+    return [heads, *map(list, rows_in_words)]
 
 
 def lines(choice: ChoiceNumbers) -> str:
     """Write the table in columns for a terminal, without the difference of released powers."""
-    _, *found = cells(choice)
-    heads = [
-        ["", "vibration", "louder than", "sure", "in the room", "released power"],
-        ["", "mean, dB(A)", "the quietest, dB(A)", "", "", "upper bound, dB(A)"],
-    ]
-    return columns([*heads, *(row[:-1] for row in found)])
+    names, *others = words_of(choice)
+    listed = [["", "", *map(printable, names.cells)]]
+    listed += [[column.head, column.unit, *column.cells] for column in others]
+    return columns(list(zip(*listed, strict=True)))
 
 
 def _uncertain(db: float | None, uncertainty_db: float | None) -> str:

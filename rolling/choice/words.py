@@ -16,6 +16,7 @@ from acoustics.texts import printable
 from rolling.choice.comparison import ChoiceNumbers, Contender
 from rolling.choice.difference import Difference
 from rolling.choice.doubts import WITHOUT_SOLUTION, doubts
+from rolling.choice.heard import HeardQuantity
 from rolling.numbers.doubt import Severity
 from rolling.numbers.quantity import uncertain
 
@@ -30,19 +31,92 @@ def sentences(choice: ChoiceNumbers) -> list[str]:
     of_pairs = [doubt.line for doubt in limits if doubt.key == WITHOUT_SOLUTION]
     others = [doubt.line for doubt in limits if doubt.key != WITHOUT_SOLUTION]
     audible = [choice.audible[0].text] if choice.audible else []
-    return [_verdict(choice), *of_pairs, *_where(choice), *audible, *others]
+    if len(choice.quantities) > 1:
+        verdicts: list[str] = []
+        for place in range(len(choice.by_quantity)):
+            verdicts += _by_quantity(choice, place)
+    else:
+        verdicts = [_verdict(choice)]
+    return [*verdicts, *of_pairs, *_where(choice), *audible, *others]
 
 
 def in_short(choice: ChoiceNumbers) -> str:
     """Return the present answer for a line of progress."""
     quietest, other, apart = _first_two(choice)
+    if len(choice.quantities) > 1:
+        numbers = []
+        for quantity in choice.quantities:
+            numbers.append(f"{number(choice.by_quantity[0][quantity.name])} dB ({quantity.words})")
+        names = f"{printable(other.label)} less {printable(quietest.label)}"
+        return f"{names}: {', '.join(numbers)}"
     if apart.db is None:
         return _silence(choice)
-    number = uncertain(apart.db, apart.uncertainty_db)
-    return f"{quietest.label} is {number} dB(A) quieter than {other.label}"
+    return (
+        f"{quietest.label} is {uncertain(apart.db, apart.uncertainty_db)} dB(A) quieter than"
+        f" {other.label}"
+    )
 
 
-# ---- the verdict
+# ---- the verdict by several quantities
+
+
+def _by_quantity(choice: ChoiceNumbers, place: int) -> Iterator[str]:
+    """Say in which quantities one of two candidates is quieter, and which ones stay open."""
+    first = choice.contenders[0]
+    second = choice.contenders[place + 1]
+    still_open = []
+    for quantity in choice.quantities:
+        apart = choice.by_quantity[place][quantity.name]
+        if apart.db is None:
+            yield _of_rest(quantity, first, second)
+        elif apart.sureness is not None and not apart.is_sure:
+            still_open.append((quantity, apart))
+        else:
+            yield _of_quantity(quantity, apart, first, second, choice.noun)
+    for quantity, apart in still_open:
+        yield (
+            f"{quantity.where} it stays open which one is quieter: {printable(second.label)} is"
+            f" {number(apart)} dB above {printable(first.label)}"
+            f" ({_specimens(apart, choice.noun)})."
+        )
+
+
+def _of_rest(quantity: HeardQuantity, first: Contender, second: Contender) -> str:
+    """Say which of two candidates is at rest in a quantity, so that they have no difference."""
+    resting = [one for one in (first, second) if not one.rms_in(quantity.name).any()]
+    if len(resting) == 1:
+        return f"{quantity.where}, {printable(resting[0].label)} is at rest and the other is not."
+    return f"{quantity.where}, both are alike."
+
+
+def _of_quantity(
+    quantity: HeardQuantity, apart: Difference, first: Contender, second: Contender, noun: str
+) -> str:
+    """Say which of two candidates is quieter in a quantity, by how much and how sure that is."""
+    assert apart.db is not None  # asked by the caller
+    quiet, loud = (first, second) if apart.db > 0 else (second, first)
+    size = uncertain(abs(apart.db), apart.uncertainty_db)
+    if apart.db == 0 and apart.sureness is None:
+        return f"{quantity.where}, both are alike."
+    return (
+        f"{quantity.where}, {printable(quiet.label)} {quantity.verb} {size} dB {quantity.adverb}"
+        f" than {printable(loud.label)} ({_specimens(apart, noun)})."
+    )
+
+
+def _specimens(apart: Difference, noun: str) -> str:
+    """Say on how many specimens a difference was heard, and how sure its sign is."""
+    if apart.sureness is None:
+        return "one specimen, so it has no ±"
+    return f"{apart.pairs} {noun}; {probability(apart.sureness)} sure"
+
+
+def number(apart: Difference) -> str:
+    """Write a difference with its ±, `-` where there is none."""
+    return "-" if apart.db is None else uncertain(apart.db, apart.uncertainty_db)
+
+
+# ---- the verdict by one quantity
 
 
 class _FirstTwo(NamedTuple):
@@ -116,16 +190,13 @@ def capital(text: str) -> str:
 def _where(choice: ChoiceNumbers) -> Iterator[str]:
     """Say between which frequencies most of the difference lies."""
     quietest, other, apart = _first_two(choice)
-    if apart.db is None or not apart.is_sure:
+    quiet_bands = quietest.third_octaves
+    loud_bands = other.third_octaves
+    if not apart.is_sure or quiet_bands is None or loud_bands is None:
         return
-    edges = frequencies_of_difference(mean_bands(other) - mean_bands(quietest))
+    edges = frequencies_of_difference(loud_bands - quiet_bands)
     if edges is not None:
         yield f"The difference lies {edges}."
-
-
-def mean_bands(contender: Contender) -> Array:
-    """Return the mean A-weighted squares of a contender by third octave, (31,) [Pa2]."""
-    return np.asarray(np.mean([one.bands.mean(axis=0) for one in contender.heard], axis=0))
 
 
 def frequencies_of_difference(squares: Array) -> str | None:
@@ -165,12 +236,14 @@ def notes(choice: ChoiceNumbers) -> list[str]:
 def parts(choice: ChoiceNumbers) -> list[str]:
     """Return where the ± of each difference comes from, for --verbose."""
     found = []
-    for other, apart in zip(choice.contenders[1:], choice.differences, strict=True):
-        sizes = [
-            f"{name.replace('_', ' ')} {size:.2f} dB"
-            for name, size in apart.parts_db.items()
-            if size > 0
-        ]
-        if sizes:
-            found.append(f"± of {printable(other.label)}: {', '.join(sizes)}")
+    for other, of_one in zip(choice.contenders[1:], choice.by_quantity, strict=True):
+        for quantity in choice.quantities:
+            sizes = [
+                f"{name.replace('_', ' ')} {size:.2f} dB"
+                for name, size in of_one[quantity.name].parts_db.items()
+                if size > 0
+            ]
+            place = f", {quantity.words}" if len(of_one) > 1 else ""
+            if sizes:
+                found.append(f"± of {printable(other.label)}{place}: {', '.join(sizes)}")
     return found

@@ -6,53 +6,30 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 from acoustics.arrays import instance
 from acoustics.traps import ignoring_underflow
-from rolling.scene.bearing_scene import BearingScene
-from rolling.scene.scene import Scene
 from rolling.scene.swept import SweptScene
 from rolling.terminal import defaults
 from rolling.terminal import progress as terminal
 
 if TYPE_CHECKING:
-    from rolling.bearing_run.bearing_choice import BearingChoice
     from rolling.choice.choice import Choice
     from rolling.choice.limit import Limit
     from rolling.choice.sensitivity import Sensitivities
 
 
-@overload
-def choose(
-    scenes: Scene | Sequence[Scene],
-    within_db: float = ...,
-    minutes: float = ...,
-    folder: Path | str | None = ...,
-    workers: int = ...,
-    progress: bool | None = ...,
-    pairs: int | None = ...,
-) -> Choice: ...
-@overload
-def choose(
-    scenes: BearingScene | Sequence[BearingScene],
-    within_db: float = ...,
-    minutes: float = ...,
-    folder: Path | str | None = ...,
-    workers: int = ...,
-    progress: bool | None = ...,
-    pairs: int | None = ...,
-) -> BearingChoice: ...
 @ignoring_underflow
 def choose(
-    scenes: Any,
+    scenes: SweptScene | Sequence[SweptScene],
     within_db: float = defaults.WITHIN_DB,
     minutes: float = defaults.CHOICE_MINUTES,
     folder: Path | str | None = None,
     workers: int = 0,
     progress: bool | None = None,
     pairs: int | None = None,
-) -> Any:
+) -> Choice:
     """Choose the quietest of some scenes of one kind, and say by how much and how sure that is.
 
     All scenes are heard on the same random surfaces, or at several places of their scans, and each
@@ -80,7 +57,7 @@ def choose(
 
     Returns
     -------
-    choice : Choice or BearingChoice
+    choice : Choice
         Differences, of bearings by band, sentences, table and plot.
 
     Raises
@@ -108,25 +85,25 @@ def choose(
     >>> scene = rolling.read_scene("bearing-6204", words)
     >>> twice = scene.with_({"name": "twice", "bearing.surfaces.balls.waviness": {4: 0.04}})
     >>> choice = rolling.choose([scene, twice], workers=1, progress=False)
-    >>> round(choice.differences[0][0].db)
+    >>> round(choice.differences[0].db)
     6
 
     References
     ----------
     C. Stein, Annals of Mathematical Statistics 16, 1945, 243-258, for the number of pairs.
     """
-    from rolling.kinds.registry import kind_of
+    from rolling.choice.choosing import choose_scenes
     from rolling.run.budget import Budget
 
     listed = _listed(scenes)
     budget = Budget(within_db=within_db, minutes=minutes, pairs=pairs)
     with _kept_in(folder, progress) as kept:
-        return kind_of(listed[0]).choose(listed, kept, budget, workers)
+        return choose_scenes(listed, kept, budget, workers)
 
 
 @ignoring_underflow
 def sensitivities(
-    scene: Scene,
+    scene: SweptScene,
     keys: Sequence[str] | None = None,
     within_db: float = defaults.IMPROVED_WITHIN_DB,
     minutes: float = defaults.CHOICE_MINUTES,
@@ -134,16 +111,18 @@ def sensitivities(
     workers: int = 0,
     progress: bool | None = None,
     pairs: int | None = None,
+    quantity: str | None = None,
 ) -> Sensitivities:
     """Find how much louder a scene becomes when a value of its drawing is a little larger.
 
     Every value is changed by a tenth, a ball by a grade, and a skewness by 0.1. The scene and the
     changed scene are heard on the same specimens, at least six. Where a larger value is not
-    allowed, the value is divided by 1.1. The linear chain gives every change a second time.
+    allowed, the value is divided by 1.1. Of balls, the linear chain gives every change a second
+    time.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene or BearingScene
         A scene without a sweep.
     keys : sequence of str
         Keys of the values. Default: all that stand on a drawing and that the scene has.
@@ -159,6 +138,9 @@ def sensitivities(
     pairs : int
         Number of specimens, from 2 to 60, whatever the ± and the time. Default: as many as the
         wanted ± needs.
+    quantity : str
+        The quantity whose level changes: low, medium, high or housing of a bearing. Default:
+        medium; the vibration of a ball.
 
     Returns
     -------
@@ -188,7 +170,7 @@ def sensitivities(
     from rolling.choice.sensitivity import improve_scene
     from rolling.run.budget import Budget
 
-    instance("scene", scene, Scene)
+    instance("scene", scene, SweptScene)
     if isinstance(keys, str):
         raise TypeError(f"keys: got {keys!r}, allowed: a list of keys, as in [{keys!r}]")
     with _kept_in(folder, progress) as kept:
@@ -198,12 +180,13 @@ def sensitivities(
             keys=keys,
             budget=Budget(within_db=within_db, minutes=minutes, pairs=pairs),
             workers=workers,
+            quantity=quantity,
         )
 
 
 @ignoring_underflow
 def coarsest_below(
-    scene: Scene,
+    scene: SweptScene,
     key: str,
     level_db: float,
     between: tuple[float | str, float | str] | None = None,
@@ -211,6 +194,7 @@ def coarsest_below(
     folder: Path | str | None = None,
     workers: int = 0,
     progress: bool | None = None,
+    quantity: str | None = None,
 ) -> Limit:
     """Find the coarsest value of a key with which a scene stays below a level.
 
@@ -219,12 +203,13 @@ def coarsest_below(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene or BearingScene
         A scene without a sweep, on a random or a measured surface.
     key : str
         Key of a number above 0, of the finish, or of the grade of the ball.
-    level_db : float, dB(A)
-        The level of the vibration at the listener of the scene.
+    level_db : float
+        The level of the vibration at the listener of the scene, dB(A); of a band of the ring of a
+        bearing, dB re 1 um/s.
     between : pair of float or str
         Range of the search. Default: a fifth of the value of the scene to five times it, as far as
         scenes are allowed, or all finishes or grades.
@@ -235,6 +220,9 @@ def coarsest_below(
         numbers are kept.
     workers, progress : int, bool
         As in `simulate`.
+    quantity : str
+        The quantity whose level is limited: low, medium, high or housing of a bearing. Default:
+        medium; the vibration of a ball.
 
     Returns
     -------
@@ -270,7 +258,7 @@ def coarsest_below(
     """
     from rolling.choice.limit_search import coarsest_value
 
-    instance("scene", scene, Scene)
+    instance("scene", scene, SweptScene)
     with _kept_in(folder, progress) as kept:
         return coarsest_value(
             scene=scene,
@@ -280,6 +268,7 @@ def coarsest_below(
             seeds=seeds,
             folder=kept,
             workers=workers,
+            quantity=quantity,
         )
 
 

@@ -301,10 +301,9 @@ class Kind(ABC):
 
     # ---- choices
 
-    @abstractmethod
-    def choose(self, scenes: Sequence[Any], folder: Path | None, budget: Any, workers: int) -> Any:
-        """Choose between scenes; a folder keeps what is done."""
+    def audition(self) -> Any | None:
+        """Return how scenes of this kind are compared, an Audition of the room of choices.
 
-    @abstractmethod
-    def write_choice(self, choice: Any) -> None:
-        """Write the files of a choice, and print its answer."""
+        None where they are compared by the sound of their runs on specimens with other seeds.
+        """
+        return None

@@ -43,7 +43,7 @@ def worded(key: str, value: float | str) -> str:
     if value == WEIGHT:
         return BY_WEIGHT
     name, unit = named(key)
-    return f"{name} {printable(value) if isinstance(value, str) else f'{value:g} {unit}'}".rstrip()
+    return f"{name} {printable(value) if isinstance(value, str) else f'{value:g} {unit}'}".strip()
 
 
 def labels(runs: Sequence[RunFolder]) -> list[str]:

@@ -309,10 +309,17 @@ def _add_choose(commands: Any) -> None:
         "--below",
         type=arguments.number,
         metavar="LEVEL",
-        help="find the coarsest value of --key with which one scene stays below LEVEL dB(A)",
+        help="find the coarsest value of --key with which one scene stays below LEVEL dB(A);"
+        " a band of a bearing below LEVEL dB re 1 um/s",
     )
     choose.add_argument(
         "--key", metavar="KEY", help="value that is searched, such as surface.roughness_ra_um"
+    )
+    choose.add_argument(
+        "--quantity",
+        metavar="NAME",
+        help="quantity of a bearing that --improve and --below ask for: low, medium, high or"
+        " housing (default: medium)",
     )
     choose.add_argument(
         "--between",

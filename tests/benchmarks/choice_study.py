@@ -17,10 +17,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from rolling.choice.candidates import Candidate, candidate
 
 import rolling as rc
 from acoustics.pairs import FIRST_PAIRS, pairs_needed
-from rolling.choice.candidates import Candidate, candidate
 from rolling.choice.choosing import OpenChoice, open_choice
 from rolling.choice.comparison import Contender
 from rolling.choice.difference import difference

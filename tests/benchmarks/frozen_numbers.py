@@ -21,7 +21,7 @@ import numpy as np
 
 from acoustics.bands import BAND_NAMES
 
-EVERY = "*"  # of a place: every entry of a list; of what is left out: every name
+EVERY = "*"  # of a place: every entry of a list or mapping; of what is left out: every name
 ROOTS = ("numbers", "summary")  # of a run, all numbers of which are to be frozen: the first it has
 NOTHING = object()  # what stands at a place that does not exist
 NOT_SERIES = ("step_time",)  # processor times
@@ -136,6 +136,8 @@ def read(thing: Any, path: Sequence[str]) -> Any:
         return thing
     step, *rest = path
     if step == EVERY:
+        if isinstance(thing, Mapping):
+            thing = list(thing.values())
         if not isinstance(thing, list | tuple):
             return NOTHING
         entries = [read(entry, rest) for entry in thing]

@@ -14,11 +14,11 @@ import math
 from pathlib import Path
 
 import numpy as np
+from rolling.choice.chain import chain_levels
 
 from acoustics.arrays import Array
 from acoustics.pairs import paired_mean, student_factor
 from rolling.choice import drawing
-from rolling.choice.chain import chain_levels
 from rolling.choice.choosing import OpenChoice, open_choice
 from rolling.choice.limit import tolerance_limit
 from rolling.scene.scene import Scene

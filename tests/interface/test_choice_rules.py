@@ -6,30 +6,32 @@ Levels of specimens are given, and a stand-in writes them as marches would.
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
-import numpy as np
 import pytest
 
 import rolling as rc
 from acoustics.pairs import LOOKS
 from rolling import cli
+from rolling.built_in import ball_audition
+from rolling.built_in.ball_audition import BallAudition
+from rolling.built_in.ball_candidates import candidate, candidates_of
+from rolling.built_in.ball_heard import read_heard
+from rolling.built_in.ball_specimens import BallSpecimens
 from rolling.check import narrow_surface
-from rolling.choice import choosing, omissions, picture, solving, words
 from rolling.choice import doubts as choice_doubts
-from rolling.choice.candidates import candidate, candidates_of
+from rolling.choice import omissions, picture, solving, words
 from rolling.choice.choosing import choose_scenes, open_choice
 from rolling.choice.command import as_json
-from rolling.choice.heard import Specimen, read_heard
-from rolling.choice.specimens import Specimens
+from rolling.choice.heard import Specimen
+from rolling.choice.solving import RunSolver
 from rolling.contact.solver import ContactError
-from rolling.run.budget import Budget, Clock
-from rolling.scene.messages import SceneError
+from rolling.run.budget import Budget
 from rolling.terminal.files import FolderError, write_json
+from tests.support.marched_specimens import stand_in, write_heard
 
 # The third specimen of these scenes has a lone summit 68 um beside the middle, which is loaded.
 NARROW = """\
@@ -59,49 +61,8 @@ def wide(scene: rc.Scene) -> rc.Scene:
 
 @pytest.fixture
 def marched(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Write what is heard of specimens in place of marches, and list which were asked for.
-
-    Specimens of a candidate whose name has an `x` fail from the third on, every third one.
-    """
-    asked: list[str] = []
-
-    def solve(
-        folder: Path, specimens: Sequence[Specimen], labels: Sequence[str], **_: object
-    ) -> None:
-        for specimen, label in zip(specimens, labels, strict=True):
-            if specimen.is_heard:
-                continue
-            asked.append(label)
-            seed = specimen.scene.surface.seed
-            if "x" in label.split(",")[0] and seed % 3 == 0:
-                omissions.remember(folder, specimen, "no solution; take a larger surface.width_um")
-                continue
-            _write_heard(specimen, seed)
-
-    monkeypatch.setattr(choosing, "solve", solve)
-    monkeypatch.setattr(choosing, "_audible", lambda _: ())
-    return asked
-
-
-def _write_heard(specimen: Specimen, seed: int) -> None:
-    """Write a level of a specimen: 20 dB(A) over Ra, and a scatter of 2 dB."""
-    specimen.folder.mkdir(parents=True)
-    random = np.random.default_rng((seed, round(1e3 * specimen.scene.surface.roughness_ra_um)))
-    level_db = 40 + 20 * math.log10(specimen.scene.surface.roughness_ra_um) + random.normal(0, 2)
-    square = (20e-6) ** 2 * 10 ** (level_db / 10)
-    losses = len(specimen.loss_factors)
-    content: dict[str, Any] = {
-        "loss_factors": list(specimen.loss_factors),
-        "squares_pa2": [square] * losses,
-        "bands_pa2": [[square] + [0.0] * 30] * losses,
-        "released_power_db": 60.0,
-        "errors_db": {},
-        "parts_db": {"record": 1.0, "time_step": 0.3, "baffle": 6.0},
-        "baffle_db": [6.0] * 31,
-    }
-    for name in ("result.h5", "summary.json"):
-        (specimen.folder / name).touch()
-    write_json(specimen.folder / "heard.json", content)
+    """Write what is heard of specimens in place of marches, and list which were asked for."""
+    return stand_in(monkeypatch)
 
 
 def two(wide: rc.Scene, name: str = "x") -> list[rc.Scene]:
@@ -158,7 +119,7 @@ def test_another_contact_is_marched_again(
         omissions.remember(tmp_path / "out", specimen, "no solution")
         assert specimen.no_solution == "no solution"
         changed = rough.scene.with_({"surface.width_um": 512, "surface.seed": 4})
-        other = Specimen({}, changed, specimen.folder, specimen.loss_factors)
+        other = Specimen({}, changed, specimen.folder, rough, number=0)
         assert other.no_solution == ""
 
 
@@ -177,10 +138,10 @@ def test_a_wider_surface_goes_on_in_the_folder_of_the_narrow_one(
         narrow = work._specimen(candidates_of(two(scene))[0], 0)
         omissions.remember(tmp_path / "out", narrow, "no solution")
         wider = scene.with_({"surface.width_um": 256})
-        specimen = Specimen({}, wider, narrow.folder, narrow.loss_factors)
+        specimen = Specimen({}, wider, narrow.folder, narrow.candidate, number=0)
         monkeypatch.setattr(solving, "RunLoop", Loop)
         with pytest.raises(KeyboardInterrupt):
-            solving.solve(tmp_path / "out", [specimen], ["wider"], [], work._pool, work._bar)
+            work._solver.solve([specimen], ["wider"], stored=[])
     assert (narrow.folder / "scene.yaml").is_file()
     assert not (narrow.folder / "failed.json").exists()
 
@@ -213,7 +174,7 @@ def test_a_march_that_fails_is_remembered(
     scene: rc.Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Where nothing was foreseen; its pieces are removed, and no second march begins."""
-    monkeypatch.setattr(choosing, "foreseen", lambda *_: "")
+    monkeypatch.setattr(BallAudition, "foresee", lambda *_: "")
     failing = [candidate("narrow", scene.with_(seed=3))]
     for _ in range(2):
         with (
@@ -273,7 +234,7 @@ def test_a_check_foresees_the_seeds_that_a_choice_takes(
     ball = {"kind": "gaussian", "seed": 1, "roughness_ra_um": 0.02, "correlation_length_um": 12}
     both = scene.with_({"surface.seed": 5, "sphere.surface": ball})
     one = candidate("both", both)
-    taken = Specimens([one])
+    taken = BallSpecimens([one])
     seeds = [taken.scene(one, number).surface.seed for number in range(3)]
     (_, doubt) = narrow_surface.rules(both)
     assert seeds == [5, 6, 7] and "(seed 5, 6, 7," in doubt.text
@@ -291,44 +252,27 @@ def test_a_number_of_pairs_takes_the_time_that_it_takes(
     assert "9 surfaces were asked for" in choice.limit
 
 
-@pytest.mark.parametrize("pairs", [1, 61, 2.5, True])
-def test_other_numbers_of_pairs_are_refused(
-    wide: rc.Scene, tmp_path: Path, pairs: Any, marched: list[str]
-) -> None:
-    with pytest.raises(SceneError, match=r"pairs: got .*, allowed: a whole number from 2 to 60"):
-        choose_scenes(two(wide), tmp_path / "out", Budget(pairs=pairs), workers=1)
-    assert marched == [] and not (tmp_path / "out").exists()
-
-
-def test_the_limit_of_time_ends_a_choice_early_and_says_so(
-    wide: rc.Scene, tmp_path: Path, marched: list[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with monkeypatch.context() as fast:
-        fast.setattr(Clock, "is_over", True)
-        choice = choose_scenes(two(wide, "rough"), tmp_path / "out", Budget(), workers=1)
-    assert choice.pairs == LOOKS[0] and choice.is_early
-    assert "ended early, because the limit of 10 min was reached" in choice.sentences[-1]
-
-
 def test_a_choice_that_was_killed_gives_the_same_answer(
     wide: rc.Scene, tmp_path: Path, marched: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Killed in any batch, it takes the same looks again."""
     whole = choose_scenes(two(wide, "rough"), tmp_path / "whole", Budget(), workers=1)
     assert whole.pairs > LOOKS[1] and not whole.is_early
-    solve = choosing.solve
+    solve = RunSolver.solve
     calls = []
 
-    def killed(**given: Any) -> None:
+    def killed(
+        self: RunSolver, specimens: Sequence[Specimen], names: Sequence[str], **stored: Any
+    ) -> None:
         calls.append(0)
         if len(calls) == 3:
-            half = len(given["specimens"]) - 3  # within a batch
-            solve(**given | {key: given[key][:half] for key in ("specimens", "labels")})
+            half = len(specimens) - 3  # within a batch
+            solve(self, specimens[:half], names[:half], **stored)
             raise KeyboardInterrupt
-        solve(**given)
+        solve(self, specimens, names, **stored)
 
     with monkeypatch.context() as context:
-        context.setattr(choosing, "solve", killed)
+        context.setattr(RunSolver, "solve", killed)
         with pytest.raises(KeyboardInterrupt):
             choose_scenes(two(wide, "rough"), tmp_path / "killed", Budget(), workers=1)
     again = choose_scenes(two(wide, "rough"), tmp_path / "killed", Budget(), workers=1)
@@ -404,16 +348,6 @@ def rolling_messages() -> Any:
     return progress.begin(progress.Level.NORMAL)
 
 
-def test_a_finished_choice_of_an_older_version_is_kept(
-    wide: rc.Scene, tmp_path: Path, marched: list[str]
-) -> None:
-    (tmp_path / "out").mkdir()
-    write_json(tmp_path / "out" / "choice.json", OLD | {"sentences": ["A is quieter."]})
-    with pytest.raises(FolderError, match=r"version 0\.8\.0"):
-        choose_scenes(two(wide), tmp_path / "out", Budget(pairs=4), workers=1)
-    assert [path.name for path in (tmp_path / "out").iterdir()] == ["choice.json"]
-
-
 @pytest.mark.parametrize("name", ["choice.html", "choice.png", "smooth.wav"])
 def test_a_folder_by_the_name_of_a_file_is_refused_before_a_march(
     wide: rc.Scene, tmp_path: Path, marched: list[str], name: str
@@ -441,14 +375,17 @@ def test_each_rule_of_a_choice_raises_its_doubt(
     changed = [
         choice,
         replace(choice, overlap=True, is_early=True, limit="time is over"),
-        replace(choice, differences=[wide_apart], omitted=[], limit="that is all"),
+        replace(choice, by_quantity=[{"vibration": wide_apart}], omitted=[], limit="that is all"),
         replace(
-            choice, differences=[replace(wide_apart, parts_db={"scatter": 0.1, "baffle": 3.0})]
+            choice,
+            by_quantity=[
+                {"vibration": replace(wide_apart, parts_db={"scatter": 0.1, "baffle": 3.0})}
+            ],
         ),
     ]
     found = {doubt.key: doubt for one in changed for doubt in one.doubts}
-    raised = {rule for rule in choice_doubts.RULES for one in changed if [*rule(one)]}
-    assert raised == set(choice_doubts.RULES)
+    rules = {*choice_doubts.RULES, *ball_audition.RULES}
+    assert {rule for rule in rules for one in changed if [*rule(one)]} == rules
     assert found["uncertain_by_baffle"].decibels == 3.0
     assert {"uncertain_by_scatter", "pairs_without_solution", "left_out_parts"} <= found.keys()
     for one in changed:
@@ -474,8 +411,9 @@ def test_each_rule_of_a_choice_raises_its_doubt(
 def test_what_is_heard_is_read_with_its_types(
     wide: rc.Scene, tmp_path: Path, name: str, value: object, message: str
 ) -> None:
-    specimen = Specimen({}, wide, tmp_path / "01", loss_factors=(0.01,))
-    _write_heard(specimen, seed=1)
+    stated = candidate("stated", wide.with_({"plate.contact_loss_factor": 0.01}))
+    specimen = Specimen({}, wide, tmp_path / "01", candidate=stated, number=0)
+    write_heard(specimen, seed=1)
     assert read_heard(specimen).baffle_db is not None
     path = specimen.folder / "heard.json"
     path.write_text(json.dumps(json.loads(path.read_text()) | {name: value}))

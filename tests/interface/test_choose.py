@@ -12,11 +12,11 @@ import soundfile
 import rolling as rc
 from acoustics.pairs import LOOKS
 from rolling import cli
+from rolling.built_in.ball_audition import BallAudition
+from rolling.built_in.ball_candidates import candidate, candidates_of
 from rolling.choice import choosing
-from rolling.choice.candidates import candidate
 from rolling.results import listening
 from rolling.terminal import progress
-from tests.support.commands import tree
 
 SCENE = """\
 name: {name}
@@ -88,7 +88,7 @@ def test_a_specimen_is_a_run(chosen: Path) -> None:
 @pytest.fixture
 def without_room(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out the loudness in the room, which takes most of the time of a small choice."""
-    monkeypatch.setattr(choosing, "_audible", lambda _: ())
+    monkeypatch.setattr(BallAudition, "audible", lambda *_: ())
 
 
 @pytest.mark.slow
@@ -190,15 +190,6 @@ def test_one_scene_leaves_nothing_to_choose(
     assert not (tmp_path / "out").exists()
 
 
-def test_a_folder_of_somebody_else_stays_as_it_is(tmp_path: Path) -> None:
-    scenes = [write(tmp_path, "ground"), write(tmp_path, "lapped", ra=0.05)]
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "thesis.txt").write_text("mine")
-    before = tree(tmp_path / "out")
-    assert cli.main(["choose", *scenes, "--out", str(tmp_path / "out")]) == 2
-    assert tree(tmp_path / "out") == before
-
-
 @pytest.mark.slow
 def test_a_choice_of_another_program_is_not_mixed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -216,10 +207,12 @@ def test_a_choice_of_another_program_is_not_mixed(
 
 @pytest.mark.slow
 def test_damaged_numbers_are_named(tmp_path: Path, chosen: Path) -> None:
-    from rolling.choice.heard import Specimen, read_heard
+    from rolling.built_in.ball_heard import read_heard
+    from rolling.choice.heard import Specimen
 
     stored = rc.open_run(chosen / "runs" / "ground" / "01")
-    specimen = Specimen({}, stored.scene, tmp_path, loss_factors=(0.01,))
+    one = candidate("ground", stored.scene)
+    specimen = Specimen({}, stored.scene, tmp_path, candidate=one, number=0)
     (tmp_path / "heard.json").write_text('{"squares_pa2": [1]}')
     with pytest.raises(rc.FolderError, match=r"heard\.json"):
         read_heard(specimen)
@@ -230,7 +223,7 @@ def test_a_long_choice_says_how_long_its_first_marches_take(
 ) -> None:
     """A drop needs marches at many loads, and no answer comes before the first of them."""
     dropped = rc.read_scene("marble-dropped", ["sweep={rolling.drop_mm: [10, 20]}"])
-    candidates = choosing.candidates_of([dropped])
+    candidates = candidates_of([dropped])
     for expected in (True, False):  # a choice that goes on says nothing
         with (
             progress.begin(progress.Level.NORMAL),

@@ -1,11 +1,9 @@
-"""Bearings are chosen between on the terminal and in Python, and work that is done is kept."""
+"""Bearings are chosen between by the bands of their rings: laws, draws, and what is refused."""
 
 from __future__ import annotations
 
-import json
 import math
 from concurrent.futures import BrokenExecutor, Future
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +11,12 @@ import pytest
 
 import rolling as rc
 from acoustics.pairs import LOOKS
-from rolling.bearing_run import choosing
-from rolling.cli import main
+from rolling.bearing_contacts.plan import contact_plan
+from rolling.built_in import bearing_heard
+from rolling.built_in.bearing_audition import BearingAudition
+from rolling.choice.choosing import choose_scenes
 from rolling.run import pools
-from rolling.run.budget import Budget, Clock
+from rolling.run.budget import Budget
 from rolling.scene.messages import SceneError
 
 SMOOTH = [
@@ -31,13 +31,17 @@ def scene() -> rc.BearingScene:
     return rc.read_scene("bearing-6204", SMOOTH)
 
 
+def waves(amplitude_um: float, name: str = "waves") -> rc.BearingScene:
+    return scene().with_({"name": name, "bearing.surfaces.balls.waviness": {4: amplitude_um}})
+
+
 @pytest.mark.law("Choice of bearings: twice the waviness of the balls is 6 dB more in each band.")
-def test_twice_the_waviness_is_six_decibels_more(tmp_path: Path) -> None:
-    twice = scene().with_({"name": "twice", "bearing.surfaces.balls.waviness": {4: 0.04}})
-    choice = rc.choose([scene(), twice], folder=tmp_path / "out", workers=1, progress=False)
-    for apart in choice.differences[0]:
+def test_twice_the_waviness_is_six_decibels_more() -> None:
+    choice = rc.choose([scene(), waves(0.04, "twice")], workers=1, progress=False)
+    for apart in choice.by_quantity[0].values():
         assert apart.db == pytest.approx(6.02, abs=0.1)
-    assert {path.name for path in (tmp_path / "out").iterdir()} >= {"choice.csv", "choice.png"}
+    assert choice.leading.name == "medium"
+    assert choice.differences == [choice.by_quantity[0]["medium"]]
 
 
 @pytest.mark.law("Bearing: twice a fine roughness of balls is 6 dB more in the high band.")
@@ -49,39 +53,25 @@ def test_twice_the_roughness_of_balls_is_six_decibels_more() -> None:
     balls = "{kind: gaussian, roughness_ra_um: 0.005, correlation_length_um: 15, seed: 1}"
     rough = rc.read_scene("bearing-6204", [f"bearing.surfaces.balls={balls}", *SMOOTH[1:]])
     swept = rough.with_(sweep={"bearing.surfaces.balls.roughness_ra_um": [0.005, 0.01]})
-    one, two = choosing.candidates_of([swept])
+    one, two = BearingAudition().candidates([swept])
     for draw in (0, 3):
-        ratio = (
-            choosing.heard_specimen(two.scene, two.plan, {}, draw).high
-            / choosing.heard_specimen(one.scene, one.plan, {}, draw).high
-        )
-        assert 20 * math.log10(ratio) == pytest.approx(6.02, abs=0.05)
+        high = [
+            bearing_heard.heard_specimen(each.scene, contact_plan(each.scene), {}, draw)["high"]
+            for each in (one, two)
+        ]
+        assert 20 * math.log10(high[1] / high[0]) == pytest.approx(6.02, abs=0.05)
 
 
-def test_a_choice_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    grades = {"bearing.surfaces.balls.waviness": {4: 0.04}}
-    scenes = [scene(), scene().with_({"name": "twice", **grades})]
-    heard = []
-    move = choosing.heard_specimen
-
-    def counted(*given):
-        if len(heard) == 3:
-            raise KeyboardInterrupt
-        heard.append(given)
-        return move(*given)
-
-    monkeypatch.setattr(choosing, "heard_specimen", counted)
-    with pytest.raises(KeyboardInterrupt):
-        choosing.choose_bearings(scenes, tmp_path / "out", workers=1)
-    kept = json.loads((tmp_path / "out" / "choice.json").read_text())["heard"]
-    assert [len(of_one) for of_one in kept] == [2, 1]
-    again = []
-    monkeypatch.setattr(choosing, "heard_specimen", lambda *given: again.append(0) or move(*given))
-    choice = choosing.choose_bearings(scenes, tmp_path / "out", workers=1)
-    assert len(again) == 2 * choice.pairs - 3
-    of_two_processes = choosing.choose_bearings(scenes, tmp_path / "other", workers=2)
-    for band, rms in choice.rms.items():
-        assert np.array_equal(of_two_processes.rms[band], rms)
+@pytest.mark.slow
+def test_two_processes_hear_the_same(tmp_path: Path) -> None:
+    scenes = [scene(), waves(0.04)]
+    budget = Budget(pairs=2)
+    one, two = (
+        choose_scenes(scenes, tmp_path / str(workers), budget, workers=workers)
+        for workers in (1, 2)
+    )
+    for band, rms in one.rms.items():
+        assert np.array_equal(two.rms[band], rms)
 
 
 def test_a_killed_process_costs_no_specimen(
@@ -100,115 +90,89 @@ def test_a_killed_process_costs_no_specimen(
                 raise BrokenExecutor
             return super().submit(task)
 
-    monkeypatch.setattr(choosing, "pool_for_tasks", lambda workers, tasks: Broken())
-    twice = scene().with_({"name": "twice", "bearing.surfaces.balls.waviness": {4: 0.04}})
-    choice = choosing.choose_bearings([scene(), twice], tmp_path / "out")
+    monkeypatch.setattr(bearing_heard, "pool_for_tasks", lambda workers, tasks: Broken())
+    choice = choose_scenes([scene(), waves(0.04)], tmp_path / "out")
     assert choice.pairs >= LOOKS[0]
 
 
-def waves(amplitude_um: float) -> rc.BearingScene:
-    return scene().with_({"name": "waves", "bearing.surfaces.balls.waviness": {4: amplitude_um}})
-
-
-def test_the_number_of_specimens_may_be_given(tmp_path: Path) -> None:
-    budget = Budget(pairs=2)
-    choice = choosing.choose_bearings([scene(), waves(0.04)], tmp_path / "out", budget, workers=1)
-    assert choice.pairs == 2
-    stored = json.loads((tmp_path / "out" / "choice.json").read_text())
-    assert stored["pairs"] == 2 and stored["sentences"] == choice.sentences
-    assert choice.differences[0][0].uncertainty_db < choice.within_db
-    assert "above the wanted" not in " ".join(choice.sentences)
-    assert "above the wanted 0.001 dB" in replace(choice, within_db=0.001).sentences[-1]
-
-
-def test_a_wrong_number_of_specimens_is_refused_before_marches(tmp_path: Path) -> None:
-    with pytest.raises(SceneError, match="allowed: a whole number from 2 to 60"):
-        choosing.choose_bearings([scene(), waves(0.04)], tmp_path / "out", Budget(pairs=61))
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize("heard", [[], [[{"low": 1.0}], []], [[1], [1]], [5, 5]])
-def test_damaged_specimens_are_told(tmp_path: Path, heard: list[object]) -> None:
-    scenes = [scene(), waves(0.04)]
-    out = tmp_path / "out"
-    choosing.choose_bearings(scenes, out, Budget(pairs=2), workers=1)
-    stored = json.loads((out / "choice.json").read_text())
-    (out / "choice.json").write_text(json.dumps({**stored, "heard": heard}))
-    with pytest.raises(rc.FolderError, match="damaged"):
-        choosing.choose_bearings(scenes, out, Budget(pairs=2), workers=1)
-
-
-def test_other_numbers_of_specimens_are_refused_before_a_march(tmp_path: Path) -> None:
-    budget = Budget(pairs=61)
-    with pytest.raises(SceneError, match="allowed: a whole number from 2 to 60"):
-        choosing.choose_bearings([scene(), waves(0.04)], tmp_path / "out", budget, workers=1)
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize("heard", [[], [[]], [[1], [2]], [[{"low": "much"}], []], {"a": 1}])
-def test_a_choice_that_a_stranger_wrote_is_refused(tmp_path: Path, heard: object) -> None:
-    candidates = choosing.candidates_of([scene(), waves(0.04)])
-    kept = choosing._as_json(candidates) | {"heard": heard}
-    (tmp_path / "choice.json").write_text(json.dumps(kept))
-    with pytest.raises(rc.FolderError, match=r"choice\.json: it is damaged"):
-        choosing._take_heard(tmp_path, candidates)
-
-
-def test_the_limit_of_time_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Clock, "is_over", True)
-    monkeypatch.setattr(choosing, "specimens_needed", lambda choice: 60)
-    choice = choosing.choose_bearings([scene(), waves(0.04)], tmp_path / "out", workers=1)
-    assert choice.pairs == LOOKS[0] and choice.is_early
-    assert "ended early, because the limit of 10 min" in choice.sentences[-1]
-
-
-def test_a_choice_of_an_older_version_is_kept_or_starts_anew(tmp_path: Path) -> None:
-    """It did not write which program it was of, and numbers of two programs are not mixed."""
-    out = tmp_path / "out"
-    out.mkdir()
-    scenes = [scene(), waves(0.04)]
-    old = {"format": choosing.FORMATS[1], "identity": "", "labels": [], "heard": []}
-    (out / "choice.json").write_text(json.dumps(old))
-    (out / "choice.csv").touch()
-    with pytest.raises(rc.FolderError, match="an older version"):
-        choosing.choose_bearings(scenes, out, workers=1)
-    (out / "choice.csv").unlink()
-    choice = choosing.choose_bearings(scenes, out, Budget(pairs=2), workers=1)
-    assert choice.pairs == 2
-    assert json.loads((out / "choice.json").read_text())["format"] == choosing.FORMAT
-
-
-def test_what_leaves_nothing_to_choose_is_refused(tmp_path: Path) -> None:
+def test_what_leaves_nothing_to_choose_is_refused() -> None:
     with pytest.raises(SceneError, match="nothing to choose"):
-        choosing.candidates_of([scene()])
+        BearingAudition().candidates([scene()])
     other = scene().with_({"bearing.turning": "outer"})
     with pytest.raises(SceneError, match=r"bearing\.turning"):
-        choosing.candidates_of([scene(), other])
+        BearingAudition().candidates([scene(), other])
 
 
-def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "notes.txt").write_text("mine")
-    twice = scene().with_({"bearing.surfaces.balls.waviness": {4: 0.04}})
-    with pytest.raises(rc.FolderError, match="other files"):
-        choosing.choose_bearings([scene(), twice], tmp_path / "out")
-    assert (tmp_path / "out" / "notes.txt").read_text() == "mine"
-
-
-def test_a_bearing_and_a_sphere_are_not_compared(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as ended:
-        main(["choose", "bearing-6204", "quickstart"])
-    assert ended.value.code == 2
-    assert "one kind" in capsys.readouterr().err
-
-
-def test_bearings_at_rest_are_alike(tmp_path: Path) -> None:
+def test_bearings_at_rest_are_alike() -> None:
     """What rounding leaves of a smooth ring has no level, nor does its housing."""
     plate = "{material: steel-s235, thickness_mm: 8, length_mm: 120, width_mm: 90}"
     still = rc.read_scene("bearing-6204", [*SMOOTH, "bearing.surfaces.balls=", f"plate={plate}"])
     swept = still.with_(sweep={"bearing.density_kg_m3": [7800, 7801]})
-    choice = rc.choose(swept, folder=tmp_path / "out", workers=1, progress=False)
+    choice = rc.choose(swept, workers=1, progress=False)
     assert set(choice.rms) == {"low", "medium", "high", "housing"}
     for of_band in choice.rms.values():
         np.testing.assert_array_equal(of_band, 0.0)
     assert all("alike" in sentence for sentence in choice.sentences)
+    assert "silent" in str(choice)
+    assert choice.table()["housing_laeq_db"].isna().all()
+
+
+# ---- what would help
+
+
+@pytest.mark.law("Sensitivity of a bearing: a tenth more of a waviness is 20 lg 1.1 in its band.")
+def test_a_tenth_more_waviness_is_a_closed_form() -> None:
+    key = "bearing.surfaces.balls.waviness.4"
+    for quantity in ("low", None):
+        found = rc.sensitivities(
+            scene(), [key], pairs=2, workers=1, progress=False, quantity=quantity
+        )
+        (row,) = found.rows
+        assert row.db == pytest.approx(20 * math.log10(1.1), abs=0.02)
+        assert row.change.shares_march and row.chain_db is None
+    assert "from 300 to 1800 Hz" in found.sentences[0]
+    assert "medium_db" in found.table() and "chain_db" not in found.table()
+    found.plot()
+
+
+def test_the_values_of_a_drawing_of_a_bearing_can_be_changed() -> None:
+    audition = BearingAudition()
+    given = rc.read_scene("bearing-6204")
+    keys = {wanted.key.removeprefix("bearing.") for wanted in audition.drawing_values(given)}
+    assert keys >= {
+        "axial_load_n",
+        "radial_clearance_um",
+        "conformity_inner",
+        "conformity_outer",
+        "surfaces.balls.grade",
+        "surfaces.inner.roughness_ra_um",
+        "surfaces.outer.roughness_ra_um",
+    }
+    assert "radial_load_n" not in keys  # it has none
+    base = audition.unchanged(given)
+    for wanted in audition.drawing_values(given):
+        changed = audition.with_value(base, wanted.set_key, wanted.larger, "larger")
+        assert changed.scene != given
+
+
+def test_a_quantity_that_a_scene_has_not_is_refused() -> None:
+    with pytest.raises(SceneError, match="allowed for this scene: low, medium, high"):
+        rc.sensitivities(scene(), workers=1, progress=False, quantity="housing")
+
+
+def test_a_speed_below_a_level_of_a_band_obeys_it() -> None:
+    limit = rc.coarsest_below(
+        scene(),
+        "speed_rpm",
+        26.0,
+        between=(1500, 1600),
+        seeds=3,
+        workers=1,
+        progress=False,
+        quantity="low",
+    )
+    assert limit.quantity.name == "low" and limit.noun == "specimens"
+    assert all(point.levels_db.shape == (3,) for point in limit.points)
+    below = [point for point in limit.points if point.upper_db <= 26.0]
+    assert (limit.value is None) == (not below)
+    assert "dB re 1 um/s" in limit.sentences[0]

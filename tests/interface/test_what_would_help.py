@@ -11,6 +11,8 @@ from scipy.stats import norm
 
 import rolling as rc
 from rolling import cli
+from rolling.built_in import ball_drawing
+from rolling.built_in.ball_audition import BallAudition
 from rolling.choice import drawing, solving
 from rolling.choice.limit import Point, falls, from_quiet, tolerance_factor
 from rolling.choice.limit_search import LimitSearch, coarsest_value
@@ -76,8 +78,8 @@ def test_distance_is_a_closed_form_and_costs_no_march(
 def test_speed_keeps_the_track(scene: rc.Scene) -> None:
     """A duration would give a faster sphere a longer track, and so another contact."""
     timed = scene.with_(distance_mm=None, duration_s=0.006)
-    base = drawing.unchanged(timed)
-    faster = drawing.with_value(base, "rolling.speed_m_s", 0.22, "faster")
+    base = ball_drawing.unchanged(timed)
+    faster = ball_drawing.with_value(base, "rolling.speed_m_s", 0.22, "faster")
     assert contact_identity(faster.scene) == contact_identity(base.scene)
     assert base.scene.track.steps == timed.track.steps
 
@@ -92,7 +94,9 @@ def test_each_value_of_a_drawing_has_a_change(scene: rc.Scene, tmp_path: Path) -
             "rolling.load_n": "weight",
         }
     )
-    changes, left_out = drawing.changes_of(made, drawing.unchanged(made), 1, tmp_path)
+    changes, left_out = drawing.changes_of(
+        BallAudition(), made, ball_drawing.unchanged(made), 1, tmp_path
+    )
     by_key = {change.key: change for change in changes}
     assert len(left_out) == 1, left_out
     finish = by_key["surface.roughness_ra_um"]  # of the library

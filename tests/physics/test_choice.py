@@ -16,11 +16,11 @@ from acoustics.pairs import FIRST_PAIRS, LOOKS, looks, paired_mean, pairs_needed
 from acoustics.unbaffled import SHARED_PART
 from rolling.ball import scene_surface
 from rolling.ball.records import smooth_contact_of
-from rolling.choice.candidates import LOSS_FACTORS, candidate, candidates_of
-from rolling.choice.difference import difference
+from rolling.built_in.ball_candidates import LOSS_FACTORS, candidate, candidates_of
+from rolling.built_in.ball_difference import difference
+from rolling.built_in.ball_heard import HeardBall, LevelError
+from rolling.built_in.ball_specimens import BallSpecimens
 from rolling.choice.doubts import left_out_text
-from rolling.choice.heard import Heard, LevelError
-from rolling.choice.specimens import Specimens
 from rolling.choice.words import frequencies_of_difference
 from rolling.numbers.quantity import PART_WORDS
 
@@ -41,12 +41,12 @@ SMALL = {
 }
 
 
-def heard(levels_db: list[float], band: str = "1000", grid_db: float | None = None) -> Heard:
+def heard(levels_db: list[float], band: str = "1000", grid_db: float | None = None) -> HeardBall:
     """Make what is heard of a specimen whose sound lies in one third octave, by loss factor."""
     squares = (20e-6) ** 2 * 10 ** (np.array(levels_db) / 10)
     bands = np.zeros((len(levels_db), len(BAND_NAMES)))
     bands[:, BAND_NAMES.index(band)] = squares
-    return Heard(
+    return HeardBall(
         loss_factors=tuple(LOSS_FACTORS[: len(levels_db)]),
         squares=squares,
         bands=bands,
@@ -73,7 +73,7 @@ def test_equal_free_plates_share_what_the_baffle_changes() -> None:
     """Sounds in the same band keep a part of it, sounds in other bands and of other plates all."""
     free = np.full(len(BAND_NAMES), 6.0)
 
-    def part(first: Heard, second: Heard) -> float:
+    def part(first: HeardBall, second: HeardBall) -> float:
         return difference([first] * 4, [second] * 4).parts_db["baffle"]
 
     low = replace(heard([60.0]), baffle_db=free)
@@ -225,7 +225,7 @@ def test_frequencies_hold_most_of_the_difference() -> None:
 def test_candidates_meet_the_same_seeds() -> None:
     scene = rc.Scene.from_dict(SMALL)
     both = candidates_of([scene, scene.with_(name="fine", roughness_ra_um=0.1, seed=9)])
-    specimens = Specimens(both)
+    specimens = BallSpecimens(both)
     for number in range(3):
         seeds = {specimens.scene(one, number).surface.seed for one in both}
         assert seeds == {5 + number}
@@ -252,7 +252,7 @@ def test_candidates_of_one_surface_share_their_contact() -> None:
     scene = rc.Scene.from_dict(SMALL)
     thick = scene.with_(name="thick", thickness_mm=8)
     fast = scene.with_(name="fast", speed_m_s=1.0)
-    specimens = Specimens(candidates_of([scene, thick]))
+    specimens = BallSpecimens(candidates_of([scene, thick]))
     found = {contact_identity(specimens.scene(one, 0)) for one in candidates_of([scene, thick])}
     assert len(found) == 1
     steps = {one.scene.numerics.step_nodes for one in candidates_of([scene, thick])}
@@ -264,7 +264,7 @@ def test_candidates_of_one_surface_share_their_contact() -> None:
 def test_places_of_a_scan_are_a_contact_width_apart(tmp_path: Path) -> None:
     scene = scan(tmp_path)
     (one, _) = candidates_of([scene, scene.with_(name="heavier", load_n=1.1 * scene.load)])
-    specimens = Specimens([one])
+    specimens = BallSpecimens([one])
     assert specimens.count >= LOOKS[0]
     across = sorted(
         specimens.scene(one, number).rolling.across_um for number in range(specimens.count)
@@ -287,7 +287,7 @@ def test_places_of_a_scan_share_its_prepared_surface(
         (tmp_path / name).mkdir()
         scenes.append(scan(tmp_path / name).with_(name=name))
     candidates = candidates_of(scenes)
-    specimens = Specimens(candidates)
+    specimens = BallSpecimens(candidates)
     first = {}
     for _ in range(2):
         for number in range(6):

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from rolling.ball.assumed_bodies import bodies_text, with_bodies
+from rolling.choice.audition import nothing_to_choose
+from rolling.choice.candidate import LONGEST_NAME, MAX_CANDIDATES, Candidate, slug
 from rolling.kinds.run_folder import RunFolder
 from rolling.results import labels
 from rolling.results.labels import SEED
@@ -16,8 +17,6 @@ from rolling.scene import step_rule
 from rolling.scene.messages import SceneError, plain_number, quoted
 from rolling.scene.scene import Scene
 
-MAX_CANDIDATES = 24
-LONGEST_NAME = 80  # letters of the name of a folder
 SHORT_S = 0.2  # records that are shorter have to last equally long
 SAME_DURATION = 0.01  # relative; tracks are whole nodes, so durations differ a little
 LOSS_KEY = "plate.contact_loss_factor"
@@ -27,32 +26,25 @@ LISTENER_KEYS = ("sound.distance_m", "sound.listener_mm", "sound.ball", "sound.r
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
-    """One of the scenes among which a person chooses.
+class BallCandidate(Candidate):
+    """A scene of a ball with dynamics, whose vibration is heard.
 
-    label : str. What it is called in sentences.
-    scene : Scene. A scene without a sweep, with dynamics, whose vibration is heard.
     loss_factors : tuple of float. Loss factors of the contact at which it is heard.
     added : str. Bodies that were added to a scene without dynamics, in words; empty if none were.
     """
 
-    label: str
     scene: Scene
     loss_factors: tuple[float, ...]
     added: str
 
-    @property
-    def folder_name(self) -> str:
-        """Name of the folder of its specimens."""
-        return slug(self.label)[:LONGEST_NAME]
+
+def of_ball(candidate: Candidate) -> BallCandidate:
+    """Return a candidate of a choice of balls as what it is."""
+    assert isinstance(candidate, BallCandidate)
+    return candidate
 
 
-def slug(label: str) -> str:
-    """Write a label in letters that every file system takes."""
-    return re.sub(r"[^A-Za-z0-9.=-]+", "_", label.replace("µ", "u")).strip("._") or "candidate"
-
-
-def candidates_of(scenes: Sequence[Scene]) -> list[Candidate]:
+def candidates_of(scenes: Sequence[Scene]) -> list[BallCandidate]:
     """Return the candidates of scenes: each run of a sweep is one.
 
     A single scene with faults is compared with the same scene without them.
@@ -116,16 +108,11 @@ def _without_faults(run: RunFolder) -> RunFolder:
     if ball is not None and ball.faults:
         changes["sphere.surface.faults"] = None
     if not changes:
-        raise SceneError(
-            [
-                f"{scene.name}: a single scene leaves nothing to choose between; give two scenes,"
-                " a scene with a sweep or one with faults, or ask for --improve or --below"
-            ]
-        )
+        raise nothing_to_choose(scene)
     return replace(run, scene=scene.with_(changes))
 
 
-def candidate(label: str, scene: Scene) -> Candidate:
+def candidate(label: str, scene: Scene) -> BallCandidate:
     """Return a candidate of a scene without a sweep, whose vibration will be heard."""
     added = ""
     changes: dict[str, Any] = {
@@ -145,7 +132,7 @@ def candidate(label: str, scene: Scene) -> Candidate:
         loss_factors = (scene.plate.contact_loss_factor,)
     else:
         changes[LOSS_KEY] = LOSS_FACTORS[0]
-    return Candidate(
+    return BallCandidate(
         label=label,
         scene=scene.with_(changes),
         loss_factors=loss_factors,
@@ -153,7 +140,7 @@ def candidate(label: str, scene: Scene) -> Candidate:
     )
 
 
-def _with_shared_steps(candidates: Sequence[Candidate]) -> list[Candidate]:
+def _with_shared_steps(candidates: Sequence[BallCandidate]) -> list[BallCandidate]:
     """Give candidates with `step_nodes: auto` the shortest steps that it takes for any of them.
 
     Equal contacts then share their marches, and other steps do not pass for other sounds.
@@ -175,7 +162,7 @@ def _with_shared_steps(candidates: Sequence[Candidate]) -> list[Candidate]:
 # ---- comparability
 
 
-def _incomparable(candidates: Sequence[Candidate]) -> Iterator[str]:
+def _incomparable(candidates: Sequence[BallCandidate]) -> Iterator[str]:
     """Yield a sentence for each key whose difference makes a comparison void."""
     first = candidates[0].scene
     for other in candidates[1:]:
@@ -197,7 +184,7 @@ def _incomparable(candidates: Sequence[Candidate]) -> Iterator[str]:
         yield from _other_duration(candidates[0], other)
 
 
-def _other_duration(first: Candidate, other: Candidate) -> Iterator[str]:
+def _other_duration(first: BallCandidate, other: BallCandidate) -> Iterator[str]:
     """Yield a sentence where two records differ in length and one is short."""
     mine = first.scene.duration
     theirs = other.scene.duration

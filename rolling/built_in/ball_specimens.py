@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 
 from acoustics.pairs import LOOKS, MOST_PAIRS
 from rolling.ball.records import smooth_contact_of
-from rolling.choice.candidates import Candidate
+from rolling.choice.audition import Specimens
+from rolling.choice.candidate import Candidate
 from rolling.scene.scene import Scene
 from rolling.scene.seeds import seeds_of, with_seed
 
@@ -38,8 +39,8 @@ class Places(NamedTuple):
     overlap: bool
 
 
-class Specimens:
-    """What varies from specimen to specimen of some candidates.
+class BallSpecimens(Specimens):
+    """What varies from specimen to specimen of some candidates: seeds, or places of a scan.
 
     Attributes
     ----------

@@ -15,7 +15,8 @@ import numpy as np
 
 from acoustics.arrays import Array
 from rolling.ball.records import bodies_of, listener_of
-from rolling.choice.candidates import LOSS_KEY
+from rolling.built_in.ball_candidates import LOSS_KEY
+from rolling.built_in.ball_heard import loss_factors_of
 from rolling.choice.heard import Specimen
 from rolling.kinds.run_folder import RESULT
 from rolling.marches import force_law
@@ -58,10 +59,10 @@ def _chain_level(specimen: Specimen) -> float | None:
     if specimen.scene.rolling.drop_mm is not None:
         return None
     path = specimen.folder / CHAIN
-    level = _stored_level(path, specimen.loss_factors)
+    level = _stored_level(path, loss_factors_of(specimen))
     if level is None:
         level = _computed_level(specimen)
-        write_bytes(path, to_bytes(StoredLevel(specimen.loss_factors, level)))
+        write_bytes(path, to_bytes(StoredLevel(loss_factors_of(specimen), level)))
     return level
 
 
@@ -86,7 +87,7 @@ def _computed_level(specimen: Specimen) -> float | None:
     if closed and scene.motion.is_constant(scene.duration):
         approach = result.series["approach"]
     levels = []
-    for loss_factor in specimen.loss_factors:
+    for loss_factor in loss_factors_of(specimen):
         with_loss = _with_loss(scene, loss_factor)
         estimate = radiators.vibration_estimate(
             bodies_of(with_loss),
