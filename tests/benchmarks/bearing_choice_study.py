@@ -280,7 +280,8 @@ def chosen(number: int, within_db: float, folder: Path) -> list[dict[str, Any]]:
     choice = rc.choose(
         [first, second], folder=folder, within_db=within_db, workers=1, progress=False
     )
-    (differences,) = choice.differences
+    (differences,) = choice.by_quantity
+    sign = 1 if choice.labels[0] == first.name else -1  # the quieter one stands first
     theory = []
     openness = 0.0
     for scene in (first, second):
@@ -288,20 +289,20 @@ def chosen(number: int, within_db: float, folder: Path) -> list[dict[str, Any]]:
         openness = max(openness, linear.openness)
         theory.append(linear.levels())
     rows = []
-    for apart in differences:
-        truth = theory[1][apart.band] - theory[0][apart.band]
+    for band, apart in differences.items():
+        truth = sign * (theory[1][band] - theory[0][band])
         rows.append(
             {
                 "pair": number,
                 "changed": changed,
                 "window_mm": values["numerics"]["window_mm"],
                 "openness": openness,
-                "band": apart.band,
+                "band": band,
                 "specimens": apart.pairs,
                 "theory_db": truth,
                 "stated_db": apart.db,
                 "uncertainty_db": apart.uncertainty_db,
-                "gain_db": apart.gain_db,
+                "gain_db": apart.parts_db["gains"],
                 "ratio": (apart.db - truth) / apart.uncertainty_db,
             }
         )

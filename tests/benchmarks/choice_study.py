@@ -17,13 +17,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from rolling.choice.candidates import Candidate, candidate
 
 import rolling as rc
 from acoustics.pairs import FIRST_PAIRS, pairs_needed
+from rolling.built_in.ball_candidates import BallCandidate, candidate
+from rolling.built_in.ball_difference import difference
 from rolling.choice.choosing import OpenChoice, open_choice
 from rolling.choice.comparison import Contender
-from rolling.choice.difference import difference
 
 SEEDS = 60
 WITHIN_DB = (1.0, 0.4, 0.25)  # wanted ±; the smaller ones ask for more than six pairs
@@ -132,7 +132,7 @@ def hear_pairs(out: Path, workers: int) -> list[Pair]:
     return pairs
 
 
-def _heard(work: OpenChoice, candidates: list[Candidate]) -> list[Contender]:
+def _heard(work: OpenChoice, candidates: list[BallCandidate]) -> list[Contender]:
     """Hear candidates on all seeds, some seeds at a time."""
     for count in range(10, SEEDS, 10):
         work.hear(candidates, count)

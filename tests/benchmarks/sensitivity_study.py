@@ -14,10 +14,13 @@ import math
 from pathlib import Path
 
 import numpy as np
-from rolling.choice.chain import chain_levels
 
 from acoustics.arrays import Array
 from acoustics.pairs import paired_mean, student_factor
+from rolling.built_in import ball_drawing
+from rolling.built_in.ball_audition import BallAudition
+from rolling.built_in.ball_candidates import LOSS_KEY, BallCandidate
+from rolling.built_in.chain import chain_levels
 from rolling.choice import drawing
 from rolling.choice.choosing import OpenChoice, open_choice
 from rolling.choice.limit import tolerance_limit
@@ -96,7 +99,7 @@ def main() -> None:
     for scene in scenes():
         if scene.name not in given.scenes:
             continue
-        base = drawing.unchanged(scene)
+        base = ball_drawing.unchanged(scene)
         folder = given.out / scene.name
         with open_choice([base], folder, given.workers) as work:
             below += _study(work, scene, base, folder, given.surfaces, rates)
@@ -108,18 +111,18 @@ def main() -> None:
 def _study(
     work: OpenChoice,
     scene: Scene,
-    base: drawing.Candidate,
+    base: BallCandidate,
     folder: Path,
     surfaces: int,
     rates: _Rates,
 ) -> list[float]:
     """Print the rows of a scene; return the shares of levels below tolerance limits."""
-    changes, _ = drawing.changes_of(scene, base, 1, folder)
+    changes, _ = drawing.changes_of(BallAudition(), scene, base, 1, folder)
     (own,) = work.hear([base], surfaces).contenders
     chain = chain_levels(own.specimens)
     assert chain is not None  # as nothing falls
     for change in changes:
-        if change.key in (drawing.DISTANCE, drawing.LOSS, "plate.loss_factor"):
+        if change.key in (drawing.DISTANCE, LOSS_KEY, "plate.loss_factor"):
             continue
         (changed,) = work.hear([change.candidate], surfaces).contenders
         apart = changed.levels_db - own.levels_db
