@@ -24,7 +24,7 @@ from rolling.bearing_contacts.contact_uncertainty import (
 )
 from rolling.bearing_contacts.joined_tracks import rough_rows
 from rolling.bearing_contacts.plan import ContactPlan
-from rolling.bearing_contacts.solving import Marches
+from rolling.run.march_files import Marches
 
 
 class RoughBand(NamedTuple):

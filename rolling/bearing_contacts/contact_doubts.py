@@ -27,10 +27,10 @@ from rolling.bearing_contacts.plan import (
     law_of,
     radius_of,
 )
-from rolling.bearing_contacts.solving import ContactMarch, Marches
 from rolling.marches.piece import contact_identity
 from rolling.numbers.bearing_numbers import MarchedContact
 from rolling.numbers.doubt import Doubt, Severity, sized
+from rolling.run.march_files import ContactMarch, Marches
 from rolling.scene.laws import AUTOCORRELATIONS, Roughness
 from rolling.scene.surfaces import BallHeightFile
 from rolling.surface.ball_form import form_heights

@@ -24,7 +24,7 @@ from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL, RingRecord
 from rolling.bearing_contacts.contacts import RoughContact
 from rolling.bearing_contacts.joined_tracks import rough_rows
 from rolling.bearing_contacts.plan import ContactPlan, radius_of
-from rolling.bearing_contacts.solving import Marches
+from rolling.run.march_files import Marches
 
 WHOLE_TURN = 0.99  # of a turn, from which on a stretch is all of it
 STEP_HZ = 4.0  # between frequencies at which the mobility of the ring is taken

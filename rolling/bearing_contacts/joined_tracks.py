@@ -19,11 +19,11 @@ from rolling.bearing_contacts.plan import (
     kinds_of_contact,
     radius_of,
 )
-from rolling.bearing_contacts.solving import ContactMarch, Marches
 from rolling.bearing_contacts.specimen_turn import RoughBody, rough_body
 from rolling.bearing_contacts.turns import continued_turn
 from rolling.heights.in_metres import read_heights
 from rolling.marches.piece import contact_identity
+from rolling.run.march_files import ContactMarch, Marches
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import BallHeightFile, BallSurface, GradedBall
 from rolling.surface.ball_form import form_heights

@@ -1,110 +1,20 @@
-"""Marches of the contacts of bearings: in memory, or in a folder with pieces that outlast a kill.
-
-Scenes of equal contact are marched once, over all runs of a sweep. The march of a contact is
-stored in `contacts/IDENTITY.npz` of the run folder, and its pieces are removed then. Its scene
-stands beside it, and `rolling run` takes it. A run may take equal marches from the folder of
-another one, which is judged as the file of a stranger.
-"""
+"""Marches of some contacts of bearings alone: in memory, or in a folder that keeps their pieces."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack, suppress
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
-import numpy as np
-
-from acoustics.arrays import Array, short_repr
 from rolling.contact.solver import ContactError
-from rolling.kinds.march import March, MarchStore
+from rolling.kinds.march import March
 from rolling.kinds.run_folder import RunFolder
-from rolling.marches.effort import PieceEffort
-from rolling.marches.march_variables import EFFORT
 from rolling.marches.piece import contact_identity
-from rolling.marches.result import Result
-from rolling.record.definition import TEXT, Variable, by_name
-from rolling.record.npz_file import npz_bytes, read_npz
-from rolling.record.sealed_file import seal, sealed_content
-from rolling.run import folder as folders
 from rolling.run.executor import RunFiles, RunLoop, ended_by_signal
+from rolling.run.march_files import ContactStore, Marches
 from rolling.run.pools import local_pool
-from rolling.run.taken import OTHER_CONTACT, TakenMarches
-from rolling.scene import file as scene_file
 from rolling.scene.scene import Scene
 from rolling.terminal import progress, shortage
-from rolling.terminal.files import FolderError, make_below, write_bytes
-
-CONTACTS = "contacts"  # folder of the marches, in the run folder
-_MAX_BESIDE = 10_000  # bytes of the file of a march beside its approach
-_IDENTITY = Variable("identity", "", "1", TEXT, "contact identity")
-_VARIABLES = by_name(  # of the file of a march
-    Variable("approach_m", "place", "m", "f8", "approach at each position"),
-    Variable("numbers", "number", "Pa, m2", "f8", "maximum pressure, and mean contact area"),
-    EFFORT,
-    _IDENTITY,
-)
-
-
-@dataclass(frozen=True)
-class ContactMarch:
-    """March of a contact along its closed track.
-
-    approach_m : (steps,) array, m. Approach at each position.
-    max_pressure_pa : float, Pa. Maximum pressure along the track.
-    contact_area_m2 : float, m2. Mean contact area.
-    effort : PieceEffort, s. Processor times; zeros for a march that was taken from another run.
-    """
-
-    __repr__ = short_repr
-
-    approach_m: Array
-    max_pressure_pa: float
-    contact_area_m2: float
-    effort: PieceEffort
-
-
-Marches = Mapping[str, ContactMarch]  # by contact identity
-
-
-class ContactStore(MarchStore):
-    """Marches of the contacts of bearings: in memory, or in files that outlast the command.
-
-    folder : Path or None. Run folder, whose marches are taken and kept; None for memory alone.
-    homes : sequence of Path. Run folders of other bearings, whose sound marches are taken.
-    """
-
-    def __init__(self, folder: Path | None = None, homes: Sequence[Path] = ()) -> None:
-        self._folder = folder
-        self._homes = homes
-        self.is_lasting = folder is not None
-
-    def find(self, march: March, identity: str) -> ContactMarch | None:
-        """Return the march of a contact from a file, if there is one that is sound."""
-        known = None
-        if self._folder is not None:
-            known = _sound_march(self._folder, march.scene, identity)
-        if known is not None:
-            return known
-        for home in self._homes:
-            known = _sound_march(home, march.scene, identity)
-            if known is not None:
-                known = replace(known, effort=PieceEffort(0.0, 0.0, 0.0))  # of another run
-                self._write(march.scene, identity, known)
-                return known
-        return None
-
-    def keep(self, march: March, identity: str, result: Result) -> ContactMarch:
-        """Return the march of a contact from its complete result, and write its file."""
-        whole = march_of(result)
-        self._write(march.scene, identity, whole)
-        return whole
-
-    def _write(self, scene: Scene, identity: str, march: ContactMarch) -> None:
-        """Write the file of a march with its scene beside it, where there is a folder."""
-        if self._folder is not None:
-            _write_scene(self._folder, scene, identity)
-            _write_march(self._folder, identity, march)
 
 
 def march_contacts(
@@ -165,95 +75,3 @@ def march_contacts(
 def march_of_contact(scene: Scene, is_first: bool = True) -> March:
     """Return the march of a contact of a bearing, which a first sound needs or not."""
     return March(scene, name=f"{scene.name}, {scene.load:g} N", is_first=is_first)
-
-
-def march_of(result: Result) -> ContactMarch:
-    """Return the march of a contact from its complete result."""
-    return ContactMarch(
-        approach_m=result.series["approach"][: result.solved_steps],
-        max_pressure_pa=float(result.series["max_pressure"].max()),
-        contact_area_m2=float(result.series["contact_area"].mean()),
-        effort=result.effort.of_march(),
-    )
-
-
-# ---- files
-
-
-def march_path(folder: Path, identity: str) -> Path:
-    """Return the file of a march in a run folder."""
-    return folder / CONTACTS / f"{identity[:32]}.npz"
-
-
-def _write_march(folder: Path, identity: str, march: ContactMarch) -> None:
-    """Write the file of a march, with its identity and a digest at its end."""
-    arrays = {
-        "approach_m": march.approach_m,
-        "numbers": np.array([march.max_pressure_pa, march.contact_area_m2]),
-        EFFORT.name: np.array(march.effort),
-        _IDENTITY.name: np.array(identity),
-    }
-    content = npz_bytes(_VARIABLES, arrays)
-    write_bytes(march_path(folder, identity), content + seal(content))
-
-
-def _write_scene(folder: Path, scene: Scene, identity: str) -> None:
-    """Write the scene of a march beside its file."""
-    home = folder / CONTACTS
-    make_below(folder, home)
-    path = march_path(folder, identity).with_suffix(".yaml")
-    text = scene_file.dump(folders.with_relative_paths(home, scene))
-    write_bytes(path, text.encode())
-
-
-def _sound_march(folder: Path, scene: Scene, identity: str) -> ContactMarch | None:
-    """Read the march of a contact in a run folder; None for a missing or damaged file."""
-    with suppress(FolderError):
-        return read_march(folder, scene, identity)
-    return None
-
-
-def take_march(taken: TakenMarches, march: March) -> bool:
-    """Note whether the folder of another bearing has a sound march of a contact, and return it."""
-    scene = march.scene
-    identity = contact_identity(scene)
-    name = f"{scene.name} at {scene.load:g} N"
-    if not march_path(taken.folder, identity).exists():
-        taken.leave(name, OTHER_CONTACT)
-        return False
-    try:
-        read_march(taken.folder, scene, identity)
-    except FolderError as error:
-        taken.leave(name, str(error))
-        return False
-    taken.take(name)
-    return True
-
-
-def read_march(folder: Path, scene: Scene, identity: str) -> ContactMarch:
-    """Read the march of a contact from a run folder that a stranger may have made.
-
-    Raises
-    ------
-    FolderError : the file is missing or damaged, or holds another march.
-    """
-    path = march_path(folder, identity)
-    steps = scene.track.solved_steps
-    content = sealed_content(path, 8 * steps + _MAX_BESIDE)
-    lengths = {"place": steps, "number": 2, "part": len(PieceEffort._fields)}
-    try:
-        arrays = read_npz(content, _VARIABLES, lengths)
-        if str(arrays.pop(_IDENTITY.name)) != identity:
-            raise ValueError("the march of another contact")
-        if not all(np.all(np.isfinite(values)) for values in arrays.values()):
-            raise ValueError("values that are no finite numbers")
-    except Exception as error:  # of any kind on hostile files
-        text = " ".join(str(error).split()) or type(error).__name__
-        raise FolderError(f"{path}: no march of this contact ({text})") from error
-    pressure, area = arrays["numbers"].tolist()
-    return ContactMarch(
-        approach_m=arrays["approach_m"],
-        max_pressure_pa=pressure,
-        contact_area_m2=area,
-        effort=PieceEffort(*arrays[EFFORT.name].tolist()),
-    )

@@ -17,7 +17,6 @@ from rolling.bearing_contacts.contact_doubts import contact_doubts, marched_cont
 from rolling.bearing_contacts.contact_uncertainty import contact_uncertainty
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
-from rolling.bearing_contacts.solving import Marches
 from rolling.bearing_run import stored_run
 from rolling.bearing_run.bearing_run import BearingRun, numbered, with_numbers
 from rolling.bearing_run.moved_ring import moved_ring
@@ -32,6 +31,7 @@ from rolling.marches.effort import Effort
 from rolling.marches.piece import contact_identity
 from rolling.numbers.bearing_numbers import FaultlessNumbers
 from rolling.results.stored_numbers import read_stored
+from rolling.run.march_files import Marches
 from rolling.scene import library
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.messages import SceneError

@@ -34,6 +34,7 @@ from rolling.record.definition import (
     Record,
     RecordDefinition,
     RecordGroup,
+    Series,
     Variable,
 )
 from rolling.record.hdf5_writer import to_xarray
@@ -163,6 +164,12 @@ def record_of(run: SolvedBearing) -> Record:
 def _places(turn_m: float, points: int) -> Array:
     """Return the places [m] of equally spaced points around a turn of some length."""
     return turn_m * np.arange(points) / points
+
+
+def series_of(run: SolvedBearing) -> Series:
+    """Return the arrays of the result of a run."""
+    definitions = DEFINITION.groups[ROOT].by_name
+    return {definitions[name]: values for name, values in record_of(run)[ROOT].arrays.items()}
 
 
 def result_dataset(run: SolvedBearing) -> xarray.Dataset:

@@ -11,20 +11,14 @@ from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing.ring_record import NOTHING_UM_S
 from rolling.bearing_contacts.bearing_check import check_bearing, conclusion, lines_in_short
 from rolling.bearing_contacts.plan import contact_plan
-from rolling.bearing_contacts.solving import (
-    ContactMarch,
-    ContactStore,
-    Marches,
-    march_of_contact,
-    take_march,
-)
+from rolling.bearing_contacts.solving import march_of_contact
 from rolling.bearing_run import run_lines, sentences, simulation, stored_run
 from rolling.bearing_run.bearing_run import BearingRun
 from rolling.bearing_run.former_bearing import former_bearing
 from rolling.check.findings import Findings
 from rolling.kinds.figure_kind import FigureKind
 from rolling.kinds.heard_sound import HeardSound
-from rolling.kinds.kind import Kind, Still
+from rolling.kinds.kind import Still
 from rolling.kinds.march import March
 from rolling.kinds.page_parts import PageParts
 from rolling.kinds.run_folder import LISTEN, RunFolder
@@ -33,15 +27,18 @@ from rolling.numbers.bearing_numbers import BearingNumbers
 from rolling.numbers.quantity import Quantity
 from rolling.numbers.run_file import BEARING_KIND, StoredBearing
 from rolling.results import shared_lines
-from rolling.run.taken import TakenMarches
+from rolling.run.march_files import ContactMarch, Marches, MarchesInFiles
 from rolling.scene.bearing_scene import BearingScene
-from rolling.terminal import files, progress
+from rolling.terminal import files
 
 if TYPE_CHECKING:
     from rolling.built_in.bearing_audition import BearingAudition
+    from rolling.record.definition import Series
+    from rolling.recordings.compared_run import ComparedRun
+    from rolling.recordings.recorded import MeasuredQuantity
 
 
-class TurningBearing(Kind):
+class TurningBearing(MarchesInFiles):
     """A ball bearing that turns under a constant load."""
 
     name = BEARING_KIND
@@ -85,10 +82,6 @@ class TurningBearing(Kind):
         """Return the conclusion of a check, the numbers that a designer asks for, and doubts."""
         return lines_in_short(findings)
 
-    def resound(self, scene: BearingScene, overrides: Sequence[str]) -> BearingScene:
-        """Return the scene of stored runs with values that leave its contacts as they are."""
-        raise NotImplementedError
-
     # ---- marches
 
     def marches(self, scene: BearingScene, film: bool = False) -> list[March]:
@@ -96,31 +89,6 @@ class TurningBearing(Kind):
         first, rest = contact_plan(scene).stages
         marches = [march_of_contact(contact) for contact in first]
         return marches + [march_of_contact(contact, is_first=False) for contact in rest]
-
-    def march_store(
-        self,
-        folder: Path | None = None,
-        done: Sequence[RunFolder] = (),
-        sources: Sequence[RunFolder] = (),
-    ) -> ContactStore:
-        """Return the files of marches of the folder, and of the folders of runs elsewhere."""
-        return ContactStore(folder, list(dict.fromkeys(run.home for run in sources)))
-
-    def take_marches(
-        self, start_from: Path, elsewhere: Sequence[RunFolder], own: Sequence[RunFolder]
-    ) -> list[RunFolder]:
-        """Return runs elsewhere with marches that own runs lack, and say which ones these are."""
-        home = elsewhere[0].home
-        taken = TakenMarches(home)
-        contacts: dict[str, March] = {}
-        for run in own:
-            if not run.is_done:
-                for march in self.marches(run.scene):
-                    contacts.setdefault(contact_identity(march.scene), march)
-        has_some = [take_march(taken, march) for march in contacts.values()]
-        for line in taken.lines():
-            progress.line(line)
-        return list(elsewhere) if any(has_some) else []
 
     # ---- runs
 
@@ -157,9 +125,6 @@ class TurningBearing(Kind):
         """Read a run from its folder."""
         return simulation.read_run(place, label)
 
-    def refuse_edited(self, runs: Sequence[RunFolder]) -> None:
-        """Do nothing: the identity of a march holds the digest of its heights."""
-
     def former_stored(self, content: bytes) -> StoredBearing:
         """Return the numbers of a run of version 0.8."""
         return former_bearing(content)
@@ -173,6 +138,16 @@ class TurningBearing(Kind):
         if speed is not None or seed:
             raise ValueError("--speed, --seed: a bearing turns on at the speed of its scene")
         return stored_run.write_long(run, seconds)
+
+    def series(self, run: BearingRun) -> Series:
+        """Return the motion of the ring, the loads of the balls, and the tracks."""
+        return stored_run.series_of(run)
+
+    def compared(self, run: BearingRun, quantity: MeasuredQuantity) -> ComparedRun:
+        """Return the motion of the ring of a run, or the sound of its housing plate."""
+        from rolling.bearing_run.compared_records import records_of_bearing
+
+        return records_of_bearing(run, quantity)
 
     # ---- how runs are shown
 

@@ -36,6 +36,7 @@ from rolling.results import (
     shared_lines,
 )
 from rolling.results.former_numbers import former_numbers
+from rolling.results.result_arrays import series_of
 from rolling.results.run_result import PASSES, Run, make_run, read_run, write_run
 from rolling.run.taken import OTHER_CONTACT, TakenMarches
 from rolling.scene import file
@@ -46,6 +47,9 @@ from rolling.terminal.files import FolderError
 
 if TYPE_CHECKING:
     from rolling.built_in.ball_audition import BallAudition
+    from rolling.record.definition import Series
+    from rolling.recordings.compared_run import ComparedRun
+    from rolling.recordings.recorded import MeasuredQuantity
 
 
 class ResultsOfRuns(MarchStore):
@@ -222,11 +226,25 @@ class RollingBall(Kind):
             progress.line(f"warning: {text}")
         return path
 
+    def series(self, run: Run) -> Series:
+        """Return the series along the track."""
+        return series_of(run)
+
+    def compared(self, run: Run, quantity: MeasuredQuantity) -> ComparedRun:
+        """Return the sound of a run, or its channels of a quantity."""
+        from rolling.recordings.ball_records import records_of_ball
+
+        return records_of_ball(run, quantity)
+
     # ---- how runs are shown
 
     def answer_lines(self, done: Sequence[RunFolder]) -> list[str]:
         """Return sentence, table and conclusion of runs."""
         return run_lines.answer_lines(done)
+
+    def html_answer(self, done: Sequence[RunFolder]) -> str:
+        """Return sentence, table and conclusion of runs as HTML."""
+        return run_lines.html_table(done)
 
     def doubt_lines(self, done: Sequence[RunFolder]) -> list[str]:
         """Return the lines on channels and the largest doubts."""

@@ -314,7 +314,7 @@ def scene_rules(scene: Scene) -> Iterator[Finding | Doubt]:
     yield from _track(scene)
     yield from _march(scene)
     yield from _memory(scene)
-    yield from _smooth_contact(scene)
+    yield from smooth_contact_rules(scene)
     yield from resolution.rules(scene)
     if fits:
         yield from heights.rules(scene)
@@ -443,7 +443,7 @@ def _memory(scene: Scene) -> Iterator[Finding | Doubt]:
 # ---- contact of a smooth sphere
 
 
-def _smooth_contact(scene: Scene) -> Iterator[Finding | Doubt]:
+def smooth_contact_rules(scene: Scene) -> Iterator[Finding | Doubt]:
     """State the smooth elastic contact, its hardness, and the nodes that resolve it."""
     contact = smooth_contact_of(scene)
     length, width = contact.semi_axes_m()

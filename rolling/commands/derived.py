@@ -146,12 +146,18 @@ def _page_file(
     files.write_bytes(path, content)
 
 
-def write_tables(runs: Sequence[RunFolder], folder: Path) -> None:
-    """Write the numbers of runs that a person reads, and their third octaves, as CSV."""
+def write_tables(runs: Sequence[RunFolder], folder: Path) -> list[Path]:
+    """Write the numbers of runs that a person reads, and their third octaves, as CSV.
+
+    Return the files, that of the numbers first. Runs without third octaves have one file.
+    """
+    paths = [folder / TABLE]
     bands = runs_table.bands_table(runs)
     if len(bands):
+        paths.append(folder / BANDS)
         write_table(bands, folder / BANDS)
     write_table(runs_table.runs_table(runs, shown=True), folder / TABLE)
+    return paths
 
 
 def write_table(frame: pd.DataFrame, path: Path) -> None:

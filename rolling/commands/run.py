@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,12 @@ from rolling.commands.derived import write_derived_alone
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import PAGE, RunFolder
 from rolling.kinds.stored import refuse_former
+from rolling.marches.piece import contact_identity
 from rolling.run import folder as folders
 from rolling.run.ending import Ending
 from rolling.run.solving import runs_of_part, solve_folder
+from rolling.scene.file import SET
+from rolling.scene.messages import SceneError
 from rolling.terminal import pages, progress
 from rolling.terminal.files import FolderError
 
@@ -95,7 +99,7 @@ def resound(
     Raises
     ------
     FolderError : nothing is solved in the run folder, or `out` holds another scene.
-    SceneError : the overrides are not allowed.
+    SceneError : the overrides are not allowed, or need contacts that were not marched.
     """
     stored = [run for run in folders.stored_runs(folder) if run.is_done]
     if not stored:
@@ -103,6 +107,7 @@ def resound(
     refuse_former(stored)
     before = folders.stored_scene(folder)
     scene = kind_of(before).resound(before, overrides)
+    _refuse_other_contacts(before, scene, overrides)
     program = folders.made_by(stored[0].home)
     if program != folders.this_program():
         progress.line(f"{folder}: marched by {program}, heard by {folders.this_program()}")
@@ -113,6 +118,31 @@ def resound(
         write_derived_alone(ending, runs, report)
     _print_runs(target, runs)
     return failures
+
+
+def _refuse_other_contacts(before: Any, scene: Any, overrides: Sequence[str]) -> None:
+    """Refuse overrides of a stored scene with which its runs need contacts that it has not.
+
+    A key is named where it needs other contacts without the others; otherwise all of them are.
+    """
+    known = _contacts(before)
+    if _contacts(scene) <= known:
+        return
+    kind = kind_of(before)
+    alone = []
+    for override in overrides:
+        with suppress(SceneError):  # a value that is allowed beside the others only
+            if not _contacts(kind.resound(before, [override])) <= known:
+                alone.append(override)
+    names = [override.partition("=")[0].strip() for override in alone or overrides]
+    needed = "needs a new run, because its contacts are not those of the stored run"
+    raise SceneError([f"{SET}: {name}: {needed}" for name in names])
+
+
+def _contacts(scene: Any) -> set[str]:
+    """Return the identities of the contacts that the runs of a scene march."""
+    kind = kind_of(scene)
+    return {contact_identity(march.scene) for _, run in scene.runs() for march in kind.marches(run)}
 
 
 def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:

@@ -11,7 +11,7 @@ from acoustics.texts import printable
 from rolling.commands.answers import print_answers
 from rolling.commands.derived import write_report, write_table, write_tables
 from rolling.kinds.registry import kind_of
-from rolling.kinds.run_folder import BANDS, PAGE, TABLE, RunFolder
+from rolling.kinds.run_folder import PAGE, RunFolder
 from rolling.kinds.stored import refuse_former
 from rolling.numbers import views
 from rolling.results import labels, runs_table
@@ -183,11 +183,11 @@ def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None)
 def table(
     folder: Path, numbers: Sequence[str], against: Sequence[str], over: str = labels.SEED
 ) -> list[Path]:
-    """Print the table of a sweep, write tables, statistics and plots, as far as runs are done.
+    """Print the table of runs, write tables, statistics and plots, as far as runs are done.
 
     Parameters
     ----------
-    folder : Path. The folder of the sweep.
+    folder : Path. The run folder; a single run has tables alone.
     numbers : sequence of str. Columns of runs.csv to plot. Empty: the two numbers.
     against : sequence of str. One or two swept keys. Empty: the first swept key.
     over : str. The swept key over which statistics are made. Default: the seed.
@@ -198,11 +198,11 @@ def table(
 
     Raises
     ------
-    FolderError : the folder holds no done run of a sweep, or a name is unknown. Nothing is written.
+    FolderError : the folder holds no run that is done, or a name is unknown. Nothing is written.
     """
     runs = folders.stored_runs(folder)
-    if not runs[0].values or not any(run.is_done for run in runs):
-        raise FolderError(f"{folder}: no run of a sweep is done, so there is nothing to tabulate")
+    if not any(run.is_done for run in runs):
+        raise FolderError(f"{folder}: no run is done, so there is nothing to tabulate")
     frame = runs_table.runs_table(runs)
     solved = frame.dropna(how="all")
     swept = list(runs[0].values)
@@ -220,9 +220,9 @@ def table(
         _refuse_unknown(name, list(solved.select_dtypes("number")), "number of runs.csv")
     if not progress.is_quiet():
         print_answers([run for run in runs if run.is_done])
-    paths = [folder / TABLE, folder / BANDS, folder / "statistics.csv"]
-    write_tables(runs, folder)
-    write_table(runs_table.seed_statistics(runs, over), paths[2])
+    statistics = folder / "statistics.csv"
+    paths = [*write_tables(runs, folder), statistics]
+    write_table(runs_table.seed_statistics(runs, over), statistics)
     axes = list(against) or keys[:1]
     if not axes:
         return paths

@@ -1,20 +1,26 @@
 """What a kind of scene tells: its marches, what it makes of them, and how its runs are shown.
 
 Rooms above know runs, folders, pools, pages and the terminal, and no kind. A kind knows its scene,
-its motion, its numbers and its pictures, and neither pools nor folders of sweeps.
+its motion, its numbers and its pictures, and neither pools nor folders of sweeps. What follows from
+its marches alone has a body here; `rolling.built_in.plain_kind` has the files of its runs as well.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from rolling.kinds.run_folder import RunFolder
 from rolling.numbers import views
 from rolling.numbers.quantity import Quantity
+from rolling.scene import file
+from rolling.scene.sweep import run_name
 from rolling.scene.swept import SweptScene
+from rolling.terminal.files import FolderError
+from rolling.terminal.streams import folded
 
 if TYPE_CHECKING:  # a scene is read without the solver
     from rolling.check.findings import Findings
@@ -22,6 +28,9 @@ if TYPE_CHECKING:  # a scene is read without the solver
     from rolling.kinds.heard_sound import FileGain, HeardSound
     from rolling.kinds.march import March, MarchStore
     from rolling.kinds.page_parts import PageParts
+    from rolling.record.definition import Series
+    from rolling.recordings.compared_run import ComparedRun
+    from rolling.recordings.recorded import MeasuredQuantity
 
 NOT_IN_0_8 = -1
 
@@ -78,11 +87,12 @@ class Kind(ABC):
 
     # ---- scenes
 
-    @abstractmethod
     def refuse(
         self, scene: Any, workers: int, folder: Path | None, unsolved: Sequence[Any] | None = None
     ) -> None:
         """Refuse a scene, with or without a sweep, that cannot be run here.
+
+        By default the marches decide.
 
         Parameters
         ----------
@@ -100,27 +110,48 @@ class Kind(ABC):
         SceneError
             Memory or disk do not suffice, a package is missing, or a height file cannot be used.
         """
+        from rolling.check.marched import refuse_contacts
 
-    @abstractmethod
+        if unsolved is None:
+            unsolved = [run for _, run in scene.runs()]
+        contacts = [march.scene for run in unsolved for march in self.marches(run)]
+        refuse_contacts(contacts, workers, folder)
+
     def check(self, scene: Any, solve: bool = True) -> Findings:
-        """Judge all runs of a scene before anything is computed; solve a contact if asked to."""
+        """Judge all runs of a scene before anything is computed; solve a contact if asked to.
 
-    @abstractmethod
+        By default the marches are judged, and no contact is solved.
+        """
+        from rolling.check.marched import check_contacts
+
+        return check_contacts(
+            {
+                run_name(values) or scene.name: [march.scene for march in self.marches(run)]
+                for values, run in scene.runs()
+            }
+        )
+
     def conclusion(self, scene: Any, findings: Any) -> str:
         """State in a sentence how long a scene takes, and with which verdict at best."""
+        from rolling.check import forecast
 
-    @abstractmethod
+        if findings.refusal is not None:
+            return f"It does not run: {findings.refusal.text}."
+        return f"It runs in {forecast.takes(findings.seconds)}."
+
     def lines_in_short(self, scene: Any, findings: Any) -> list[str]:
         """Return the conclusion of a check, and the lines that a person reads first."""
+        warnings = [folded(f"warning: {line}") for line in findings.warnings]
+        return [folded(self.conclusion(scene, findings), ""), *warnings]
 
-    @abstractmethod
     def resound(self, scene: Any, overrides: Sequence[str]) -> Any:
-        """Return the scene of stored runs with other values that need no new march.
+        """Return the scene of stored runs with other values, which its marches have to allow.
 
         Raises
         ------
-        SceneError : a key needs a new solution, or a value is not allowed.
+        SceneError : a value is not allowed.
         """
+        return file.with_overrides(scene, overrides)
 
     def kept_scene(self, scene: Any, folder: Path) -> Any:
         """Return the scene of a run in memory as a folder keeps it."""
@@ -195,11 +226,13 @@ class Kind(ABC):
         FolderError : a file is missing or damaged, or the result is that of another scene.
         """
 
-    @abstractmethod
     def refuse_edited(self, runs: Sequence[RunFolder]) -> None:
-        """Raise SceneError where the height file of a run that is done has other bytes now."""
+        """Raise SceneError where the height file of a run that is done has other bytes now.
 
-    @abstractmethod
+        By default nothing is done: the identity of a march holds the digest of its heights.
+        """
+        return
+
     def former_stored(self, content: bytes) -> Any:
         """Return the stored numbers of a run of version 0.8 from its summary.json.
 
@@ -207,6 +240,7 @@ class Kind(ABC):
         ------
         ValueError : it is none.
         """
+        raise ValueError(f"numbers of version 0.8, which knew no {self.name}")
 
     # ---- sounds of runs
 
@@ -223,7 +257,6 @@ class Kind(ABC):
 
         return plain_gains(stored.files)
 
-    @abstractmethod
     def write_long(
         self, run: Any, seconds: float, speed: float | tuple[float, float] | None, seed: int
     ) -> Path:
@@ -233,12 +266,30 @@ class Kind(ABC):
         ------
         ValueError : the run has no long record, or a number is not allowed.
         """
+        raise ValueError(f"a run of a {self.name} has no record longer than its own")
+
+    def series(self, run: Any) -> Series:
+        """Return the arrays of a run that a Dataset of a sweep has."""
+        return {}
+
+    def compared(self, run: Any, quantity: MeasuredQuantity) -> ComparedRun:
+        """Return the records of a run of a quantity, which a recording is compared with.
+
+        Raises
+        ------
+        FolderError : the run has none; the message says which ones it has.
+        """
+        raise FolderError(f"{run.folder}: a run of a {self.name} has no record of {quantity.name}")
 
     # ---- how runs are shown
 
     @abstractmethod
     def answer_lines(self, done: Sequence[RunFolder]) -> list[str]:
         """Return the answer of runs as the terminal prints it first."""
+
+    def html_answer(self, done: Sequence[RunFolder]) -> str:
+        """Return the answer of runs as HTML for a notebook; by default that of the terminal."""
+        return f"<pre>{escape(chr(10).join(self.answer_lines(done)))}</pre>"
 
     @abstractmethod
     def doubt_lines(self, done: Sequence[RunFolder]) -> list[str]:

@@ -6,6 +6,10 @@ asked for. The classes of their scenes stand below, so a scene is read without t
 
 from __future__ import annotations
 
+import copyreg
+import dataclasses
+import pickle
+import sys
 from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
@@ -28,6 +32,10 @@ _added: dict[str, Kind] = {}
 def register(kind: Kind) -> None:
     """Add a kind of scene, whose scenes are then run, shown and chosen as all others.
 
+    Worker processes get the kind from this process, with the code of its modules, which they need
+    not find. Such a module does without `from __future__ import annotations`: where it cannot be
+    imported, the text of an annotation has no meaning.
+
     Parameters
     ----------
     kind : Kind
@@ -49,7 +57,40 @@ def register(kind: Kind) -> None:
         raise TypeError(f"kind: got {kind!r}, allowed: a Kind")
     if kind.name in MODULES:
         raise ValueError(f"kind: got {quoted(kind.name)}, which is a kind of the program")
+    _send_code_of(kind)
     _added[kind.name] = kind
+
+
+def _send_code_of(kind: Kind) -> None:
+    """Let pickles of this process hold the code of a kind, its scenes and its numbers.
+
+    It is that of their modules, or of the whole package where they stand in one.
+    """
+    import cloudpickle  # type: ignore[import-untyped]  # slow to import
+
+    # A field without a default holds the one object MISSING, which has to stay the same one.
+    copyreg.pickle(type(dataclasses.MISSING), lambda _: "MISSING")
+    stored = kind.stored_type.__dataclass_fields__.values()
+    classes = [type(kind), kind.scene_type, *(one.type for one in stored)]
+    for name in {one.__module__.partition(".")[0] for one in classes}:
+        if name not in ("rolling", "__main__", "builtins"):  # these need not, or do it anyway
+            cloudpickle.register_pickle_by_value(sys.modules[name])
+
+
+def packed(*values: Any) -> bytes:
+    """Return a pickle of the kinds that were added, and of some values, for `unpacked`."""
+    import cloudpickle
+
+    return bytes(cloudpickle.dumps([[*_added.values()], *values]))
+
+
+def unpacked(content: bytes) -> list[Any]:
+    """Add the kinds of the process that packed them, with their code, and return the values."""
+    kinds, *values = pickle.loads(content)
+    assert isinstance(values, list)
+    for kind in kinds:
+        _added[kind.name] = kind
+    return values
 
 
 def scene_types() -> dict[str, type[SweptScene]]:

@@ -79,6 +79,9 @@ def by_name(*variables: Variable) -> dict[str, Variable]:
     return {variable.name: variable for variable in variables}
 
 
+Series = Mapping[Variable, NDArray[Any]]  # arrays that runs of a sweep have in common
+
+
 @dataclass(frozen=True)
 class GroupDefinition:
     """Definition of a group: its arrays, and the types of its attributes by name.

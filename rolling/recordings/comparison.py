@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -19,7 +19,9 @@ from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, EDGES_HZ, MID_HZ, NOMINAL_HZ
 from acoustics.numbers import rounded_up
 from acoustics.wav import SAMPLE_RATE_HZ as RATE
+from rolling.kinds.registry import kind_of
 from rolling.numbers.quantity import PART_WORDS, uncertain
+from rolling.recordings.compared_run import ComparedRun
 from rolling.recordings.levels import (
     MODULATION_HZ,
     Bands,
@@ -46,9 +48,7 @@ from rolling.recordings.run_spread import (
     WHY_LEFT_OUT,
     RunSpread,
     TotalSpread,
-    run_spread,
 )
-from rolling.results.run_result import Run
 from rolling.terminal.files import FolderError
 
 MAX_DB = 10.0  # least uncertainty by its record of a band that tells nothing
@@ -75,7 +75,7 @@ class RecordingComparison(NamedTuple):
 
 
 def compare(
-    run: Run,
+    run: Any,
     path: Path,
     calibration: str | Sequence[str] | None = None,
     background: Path | None = None,
@@ -86,7 +86,7 @@ def compare(
 
     Parameters
     ----------
-    run : Run. The run.
+    run : run of any kind. The run.
     path : Path. The recording.
     calibration : str. As in `full_scales`. Default: the total levels are made equal.
     background : Path. Recording of the background alone, with one channel or as many as the
@@ -95,28 +95,25 @@ def compare(
     channels : sequence of str. Names of the run's channels, as in `pair_records`.
     """
     measured = quantity_of(quantity)
-    pairs = pair_records(run, path, measured, channels)
-    count = len(read_channels(path, measured))
+    recorded = read_channels(path, measured)
+    own = kind_of(run.scene).compared(run, measured)
+    pairs = pair_records(own, path, recorded, channels)
+    count = len(recorded)
     scales: list[FullScale | None] = [None] * count
     if calibration is not None:
         scales = [*full_scales(calibration, measured, count)]
     placed = placed_pairs(pairs)
-    spread = run_spread(run, measured)
     tables = []
-    notes = [_run_note(run, pairs), *place_notes(pairs, placed)]
+    notes = [_run_note(own, pairs), *place_notes(pairs, placed)]
     for pair, whole in zip(placed.pairs, pairs, strict=True):
         noise = None
         if background is not None:
             noise = _background(background, measured, pair.number, count)
-        of_pair = spread.of_stretch(pair.lap_s / whole.lap_s)
+        of_pair = pair.spread.of_stretch(pair.lap_s / whole.lap_s)
         compared = _compare_pair(pair, of_pair, path, scales[pair.number], noise)
         tables.append(compared.table)
         notes += compared.notes
-    if measured is PRESSURE and run.numbers.record.source == "release":
-        notes.append(
-            "a recording holds what is heard, and the run its released power: compare the shape of"
-            " the spectrum, not its level"
-        )
+    notes += own.warnings
     clipped = [pair.named("the recording") for pair in pairs if pair.recording.is_clipped]
     notes += [f"{name} is clipped: repeat it with less gain" for name in clipped]
     return RecordingComparison(table=pd.concat(tables), notes=notes, pairs=placed.pairs)
@@ -315,28 +312,17 @@ def _pair_table(
     return pd.DataFrame(columns).dropna(subset="difference_db")
 
 
-def _run_note(run: Run, pairs: Sequence[RecordPair]) -> str:
+def _run_note(own: ComparedRun, pairs: Sequence[RecordPair]) -> str:
     """Say what the levels of a run are of."""
     first = pairs[0]
     if first.recording.quantity is PRESSURE:
-        return f"run: {_stated_level(run)}; {first.run.name} of {first.run.seconds:.3g} s"
+        return f"run: {own.stated}; {first.run.name} of {first.run.seconds:.3g} s"
     quantity = first.recording.quantity
     places = ", ".join(pair.name for pair in pairs)
     return (
         f"run: levels of the {quantity.name} in dB re {quantity.reference_text}, of {places},"
         f" {len(first.run.samples) / RATE:.3g} s"
     )
-
-
-def _stated_level(run: Run) -> str:
-    """Name what the levels of a run are of, with the level that it states and the verdict on it."""
-    quantity = run.numbers.played_quantity
-    of = "vibration"
-    if run.numbers.record.source == "release":
-        q = run.numbers.record.q
-        under = "under the gain of the scene" if q is None else f"with q = {q:g}"
-        of = f"released power {under}"
-    return f"levels of the {of}, which `rolling run` states as {quantity} ({quantity.verdict})"
 
 
 # ---- tables in words

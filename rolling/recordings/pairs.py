@@ -4,35 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from acoustics.wav import SAMPLE_RATE_HZ as RATE
+from rolling.recordings.compared_run import ComparedRecord, ComparedRun
 from rolling.recordings.recorded import (
     PRESSURE,
     SKIPPED,
     MeasuredQuantity,
     Recording,
-    read_channels,
     usable,
 )
+from rolling.recordings.run_spread import RunSpread
 from rolling.recordings.stretch import Stretch, fitting_stretch
-from rolling.results import listening
-from rolling.results.run_result import Run
 from rolling.scene.messages import nearest
 from rolling.terminal.files import FolderError
-
-if TYPE_CHECKING:
-    from rolling.results.channels import Channel
-
-# The body and the place of a channel that a scene lacks, by its quantity.
-_LACKING = {
-    "acceleration": "of: plate, quantity: acceleration, x_mm: 30, y_mm: 40",
-    "velocity": "of: plate, quantity: velocity, x_mm: 30, y_mm: 40",
-    "displacement": "of: plate, quantity: displacement, x_mm: 30, y_mm: 40",
-    "force": "of: contact, quantity: force",
-}
 
 
 class RecordPair(NamedTuple):
@@ -42,6 +30,7 @@ class RecordPair(NamedTuple):
     number : int. Number of the recording's channel, from 0 on.
     run, recording : Recording. Both records.
     lap_s : float, s. Length of the solved track in the record of the run.
+    spread : RunSpread. What is uncertain of the levels of the run.
     """
 
     name: str
@@ -49,6 +38,7 @@ class RecordPair(NamedTuple):
     run: Recording
     recording: Recording
     lap_s: float
+    spread: RunSpread
 
     @property
     def records(self) -> dict[str, Recording]:
@@ -60,51 +50,16 @@ class RecordPair(NamedTuple):
         return f"{word}, {self.name}" if self.name else word
 
 
-def of_run(run: Run) -> Recording:
-    """Return the long record of a run if its scene asks for one, otherwise its signal."""
-    is_drop = run.scene.rolling.drop_mm is not None
-    long = listening.long_record_of(run)
-    if long is not None:
-        return Recording(
-            name="long record",
-            samples=long.pressure,
-            highest=run.sound.highest,
-            seconds=len(long.pressure) / RATE,
-            is_drop=is_drop,
-        )
-    return Recording(
-        name="signal",
-        samples=run.sound.pressure,
-        highest=run.sound.highest,
-        seconds=run.sound.duration / run.laps,
-        is_drop=is_drop,
-    )
-
-
-def _of_channel(run: Run, channel: Channel, quantity: MeasuredQuantity) -> Recording:
-    """Return the record of a channel of a run."""
-    if not np.any(channel.samples):
-        raise FolderError(f"{run.folder}: its channel {channel.name} is silent")
-    return Recording(
-        name=channel.name,
-        samples=np.asarray(channel.samples, dtype=float),
-        highest=channel.highest_hz,
-        seconds=len(channel.samples) / RATE / run.laps,
-        is_drop=run.scene.rolling.drop_mm is not None,
-        quantity=quantity,
-    )
-
-
 def pair_records(
-    run: Run, path: Path, quantity: MeasuredQuantity, names: Sequence[str] = ()
+    own: ComparedRun, path: Path, recorded: list[Recording], names: Sequence[str] = ()
 ) -> list[RecordPair]:
     """Return the records of a run, each with its channel of a recording.
 
     Parameters
     ----------
-    run : Run. The run.
-    path : Path. Sound file. Of sound pressure its first channel is taken.
-    quantity : MeasuredQuantity. What it holds.
+    own : ComparedRun. Records of the run.
+    path : Path. Sound file.
+    recorded : list of Recording. Its channels. Of sound pressure the first one is taken.
     names : sequence of str. Names of channels of the run in the order of the recording's channels;
         "-" leaves one out. Default: the channels of the quantity in their order.
 
@@ -112,43 +67,40 @@ def pair_records(
     ------
     FolderError : the run has no such channels, their numbers differ, or a record is no signal.
     """
-    recorded = read_channels(path, quantity)
+    quantity = recorded[0].quantity
     if quantity is PRESSURE:
         if names:
             raise FolderError("--channel: only goes with --quantity; of sound a run has one record")
-        own = of_run(run)
-        recording = usable(path, recorded, 0)._replace(is_drop=own.is_drop)
-        lap_s = run.sound.duration / run.laps
-        return [RecordPair(name="", number=0, run=own, recording=recording, lap_s=lap_s)]
-    channels = _channels_of(run, quantity, names, len(recorded), path)
+        (compared,) = own.records
+        return [_pair("", 0, compared, usable(path, recorded, 0))]
     pairs = []
-    for number, channel in enumerate(channels):
-        if channel is None:
-            continue
-        own = _of_channel(run, channel, quantity)
-        recording = usable(path, recorded, number)._replace(is_drop=own.is_drop)
-        pairs.append(
-            RecordPair(
-                name=channel.name,
-                number=number,
-                run=own,
-                recording=recording,
-                lap_s=own.seconds,
-            )
-        )
+    for number, one in enumerate(_channels_of(own, quantity, names, len(recorded), path)):
+        if one is not None:
+            pairs.append(_pair(one.record.name, number, one, usable(path, recorded, number)))
     if not pairs:
         raise FolderError(f"--channel: got {SKIPPED} for all channels, allowed: at least one name")
     return pairs
 
 
+def _pair(name: str, number: int, own: ComparedRecord, recording: Recording) -> RecordPair:
+    """Return the pair of a record of a run and a recording, both of a drop or neither."""
+    if name and not np.any(own.record.samples):
+        raise FolderError(f"the channel {name} of the run is silent")
+    return RecordPair(
+        name=name,
+        number=number,
+        run=own.record,
+        recording=recording._replace(is_drop=own.record.is_drop),
+        lap_s=own.lap_s,
+        spread=own.spread,
+    )
+
+
 def _channels_of(
-    run: Run, quantity: MeasuredQuantity, names: Sequence[str], count: int, path: Path
-) -> list[Channel | None]:
-    """Return the channel of a run for each channel of a recording; None where it is left out."""
-    of_quantity = {item.name: item for item in run.channels if item.quantity == quantity.name}
-    if not of_quantity:
-        others = [f"{item.quantity} of {item.of}" for item in run.channels]
-        raise FolderError(f"{run.folder}: {lacking_channels(quantity, others)}")
+    own: ComparedRun, quantity: MeasuredQuantity, names: Sequence[str], count: int, path: Path
+) -> list[ComparedRecord | None]:
+    """Return the record of a run for each channel of a recording; None where it is left out."""
+    of_quantity = {one.record.name: one for one in own.records}
     listed = ", ".join(of_quantity)
     if not names and count == len(of_quantity):
         return list(of_quantity.values())
@@ -168,20 +120,6 @@ def _channels_of(
             f" each, or {SKIPPED}"
         )
     return [of_quantity.get(name) for name in names]
-
-
-def lacking_channels(quantity: MeasuredQuantity, others: Sequence[str]) -> str:
-    """Say which lines of a scene ask for a channel of a quantity that a run, or a scene, lacks.
-
-    The others are the channels that it has, in words.
-    """
-    has = f", only {', '.join(dict.fromkeys(others))}" if others else ""
-    line = _LACKING[quantity.name]
-    place = ", with your place on the plate," if "x_mm" in line else ""
-    return (
-        f"no channel of {quantity.name}{has}; add to the scene{place} and run it again:"
-        f" sound: {{channels: [{{{line}}}]}}"
-    )
 
 
 # ---- the stretch that both records share

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 from acoustics.texts import printable
 from rolling.kinds.run_folder import RESULT
+from rolling.recordings.ball_records import lacking_channels
 from rolling.recordings.comparison import RecordingComparison, compare
-from rolling.recordings.pairs import lacking_channels
 from rolling.recordings.recorded import FORMATS, PRESSURE, QUANTITIES, MeasuredQuantity
 from rolling.results.run_result import Run
 from rolling.run import folder as folders

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 from markupsafe import Markup
@@ -19,17 +20,18 @@ from rolling.recordings.comparison import THIRD_OCTAVE, RecordingComparison, wor
 from rolling.recordings.recorded import FAINTEST, PRESSURE
 from rolling.report import maps, records, text
 from rolling.report.templates import environment
-from rolling.results.run_result import Run
+from rolling.results import labels
 
 HEARD_S = 20.0  # of each sound on the page
 
 
-def page(run: Run, comparison: RecordingComparison) -> bytes:
+def page(run: Any, comparison: RecordingComparison) -> bytes:
     """Write a page with the third octaves, all numbers, and the records at equal loudness."""
+    title = labels.title(run.scene.name, run.label)
     drawn = {}
     for number, pair in enumerate(comparison.pairs):
         with left_out_if_it_fails("of the third octaves"):
-            draw = partial(_third_octaves, run, comparison, number)
+            draw = partial(_third_octaves, title, comparison, number)
             content = picture("third_octaves", draw).file("svg")
             drawn[pair.named("third octaves")] = maps.uri("image/svg+xml", content or b"")
     tables = {}
@@ -39,7 +41,7 @@ def page(run: Run, comparison: RecordingComparison) -> bytes:
     return template.render(
         version=__version__,
         seconds=HEARD_S,
-        title=run.title,
+        title=title,
         notes=comparison.notes,
         tables=tables,
         pictures=drawn,
@@ -62,7 +64,7 @@ def _sounds(comparison: RecordingComparison) -> dict[str, str]:
     return {name: records.compressed(gain * samples) for name, samples in sounds.items()}
 
 
-def _third_octaves(run: Run, comparison: RecordingComparison, number: int, ax: Axes) -> Axes:
+def _third_octaves(run_title: str, comparison: RecordingComparison, number: int, ax: Axes) -> Axes:
     """Plot the third octaves of a pair of records, by its number."""
     pair = comparison.pairs[number]
     rows = comparison.table[comparison.table["channel"] == pair.name]
@@ -77,6 +79,6 @@ def _third_octaves(run: Run, comparison: RecordingComparison, number: int, ax: A
     quantity = comparison.quantity
     if quantity is not PRESSURE:
         ax.set_ylabel(f"{quantity.name} level [dB re {quantity.reference_text}]")
-    title = pair.named(f"Third octaves: {run.title}")
+    title = pair.named(f"Third octaves: {run_title}")
     of_recordings = [note for note in comparison.notes if note.startswith("recording: ")]
     return finish(ax, title, of_recordings[number : number + 1])

@@ -42,6 +42,7 @@ from rolling.record.definition import (
     Record,
     RecordDefinition,
     RecordGroup,
+    Series,
     Variable,
 )
 from rolling.results.channels import Channel, by_quantity
@@ -213,6 +214,20 @@ def fixed_lengths(scene: Scene, result: Result) -> dict[str, int]:
         lengths["pass"] = len(result.passes.depth)
         lengths["node_along"], lengths["node_across"] = result.passes.sunk.shape
     return lengths
+
+
+def series_of(run: SolvedRun) -> Series:
+    """Return the series along the track of a run, with the places and times of their entries."""
+    places = {
+        "step": run.distance,
+        "position": run.position,
+        "time": run.time,
+        "position_time": run.position_time,
+    }
+    return {
+        variable: np.asarray(places[name] if name in places else run.series[name])
+        for name, variable in SERIES.items()
+    }
 
 
 # ---- all groups

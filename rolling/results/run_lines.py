@@ -140,8 +140,6 @@ def _head(name: str, quantity: Quantity) -> Head:
 
 def html_table(runs: Sequence[RunFolder]) -> str:
     """Write sentence, table and conclusion of runs as HTML for a notebook."""
-    if not runs:
-        return "<p>no run</p>"
     rows = "<tr><th>run</th><th>vibration</th><th>verdict</th><th>released power</th></tr>"
     for label, numbers in _solved(runs):
         judged = numbers.leading.judged

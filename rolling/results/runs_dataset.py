@@ -10,21 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rolling
-from acoustics.arrays import Array
 from acoustics.bands import MID_HZ, NOMINAL_HZ
+from rolling.kinds.registry import kind_of
 from rolling.numbers import views
 from rolling.numbers.fields import leaves
 from rolling.numbers.quantity import BandQuantity
+from rolling.record.definition import Variable
 from rolling.results.labels import named
-from rolling.results.result_arrays import SERIES
-from rolling.results.run_result import Run
 from rolling.scene.sweep import Value
 
 if TYPE_CHECKING:
     import xarray
-
-_PLACES = ("position", "step")  # dimensions of the series
-_TIMES = ("position_time", "time")
 
 
 class _Swept(NamedTuple):
@@ -35,7 +31,7 @@ class _Swept(NamedTuple):
     values: list[Value]
 
 
-def runs_dataset(runs: Sequence[Run], sweep: Mapping[str, Iterable[Value]]) -> xarray.Dataset:
+def runs_dataset(runs: Sequence[Any], sweep: Mapping[str, Iterable[Value]]) -> xarray.Dataset:
     """Return the numbers and series of runs, with NaN for combinations without a run.
 
     `sweep` are the values of the swept keys; those of the runs count where it is empty.
@@ -69,7 +65,7 @@ def runs_dataset(runs: Sequence[Run], sweep: Mapping[str, Iterable[Value]]) -> x
 # ---- swept keys
 
 
-def _swept_keys(runs: Sequence[Run], sweep: Mapping[str, Iterable[Value]]) -> list[_Swept]:
+def _swept_keys(runs: Sequence[Any], sweep: Mapping[str, Iterable[Value]]) -> list[_Swept]:
     """Return the swept keys with their values, by their last part where no two share it."""
     if not runs:
         raise ValueError("runs: there is none; a Dataset needs one at least")
@@ -92,7 +88,7 @@ def _swept_keys(runs: Sequence[Run], sweep: Mapping[str, Iterable[Value]]) -> li
     return swept
 
 
-def _place_of(run: Run, swept: Sequence[_Swept]) -> tuple[int, ...]:
+def _place_of(run: Any, swept: Sequence[_Swept]) -> tuple[int, ...]:
     """Return the place of a run among the swept values."""
     return tuple(key.values.index(run.values[key.key]) for key in swept)
 
@@ -111,7 +107,7 @@ def _coordinate(swept: _Swept) -> Any:
 
 # ---- numbers
 
-Places = Mapping[tuple[int, ...], Run]
+Places = Mapping[tuple[int, ...], Any]
 Values = tuple[NDArray[Any], dict[str, str]]
 
 
@@ -138,16 +134,12 @@ def _add_bands(
     dataset: xarray.Dataset, places: Places, dimensions: tuple[str, ...], shape: tuple[int, ...]
 ) -> None:
     """Add the third octaves, by the nominal mid frequencies of their bands."""
-    of_band = {"units": "Hz", "long_name": "nominal mid frequency of the third octave"}
-    of_exact = {"units": "Hz", "long_name": "exact mid frequency of the third octave"}
-    dataset.coords["band"] = ("band", np.array(NOMINAL_HZ, dtype=float), of_band)
-    dataset.coords["band_exact"] = ("band", MID_HZ.copy(), of_exact)
     arrays: dict[str, Values] = {}
     for place, run in places.items():
-        for path, said, bands in leaves(run.numbers.bands):
+        for path, said, bands in leaves(run.numbers):
             if not isinstance(bands, BandQuantity):
                 continue
-            name = f"bands_{'_'.join(path)}"
+            name = "_".join(path)
             values = {name: (bands.value, bands.unit, said.meaning)}
             if bands.uncertainty is not None:
                 words = f"standard uncertainty: {said.meaning}"
@@ -159,6 +151,12 @@ def _add_bands(
                 arrays[column][0][place] = [
                     math.nan if number is None else number for number in numbers
                 ]
+    if not arrays:
+        return
+    of_band = {"units": "Hz", "long_name": "nominal mid frequency of the third octave"}
+    of_exact = {"units": "Hz", "long_name": "exact mid frequency of the third octave"}
+    dataset.coords["band"] = ("band", np.array(NOMINAL_HZ, dtype=float), of_band)
+    dataset.coords["band_exact"] = ("band", MID_HZ.copy(), of_exact)
     for column, (array, attributes) in arrays.items():
         dataset[column] = ((*dimensions, "band"), array, attributes)
 
@@ -169,50 +167,42 @@ def _add_bands(
 def _add_series(
     dataset: xarray.Dataset, places: Places, dimensions: tuple[str, ...], shape: tuple[int, ...]
 ) -> None:
-    """Add the series along the track, each run padded with NaN to the longest.
+    """Add the series of runs, each padded with NaN to the longest.
 
-    Where all runs have the same places, these are coordinates. Otherwise each run has its own, and
-    the dimension counts them.
+    Where all runs have the same places along a dimension, these are coordinates. Otherwise each run
+    has its own, and the dimension counts them.
     """
-    lengths = {"position": max(run.result.steps + 1 for run in places.values())}
-    lengths["step"] = lengths["position"] - 1
-    of_runs = {
-        "position": [run.position for run in places.values()],
-        "step": [run.distance for run in places.values()],
-    }
-    along = {}
-    for place_name in _PLACES:
-        first, *others = of_runs[place_name]
-        is_shared = all(np.array_equal(first, other) for other in others)
-        along[place_name] = place_name if is_shared else f"{place_name}_number"
-        if is_shared:
-            attributes = _attributes(place_name)
-            dataset.coords[place_name] = (place_name, first, attributes)
-    for name, variable in SERIES.items():
-        (place_name,) = variable.dimensions.split()
-        if name in _PLACES and along[name] == name:
+    by_place = {place: _by_name(run) for place, run in places.items()}
+    first, *others = by_place.values()
+    lengths: dict[str, int] = {}
+    for of_run in by_place.values():
+        for variable, values in of_run.values():
+            for axis, length in zip(variable.axes, values.shape, strict=True):
+                lengths[axis] = max(length, lengths.get(axis, 0))
+    axis_names = {}  # in the Dataset
+    for axis in lengths:
+        is_shared = axis not in first or all(
+            np.array_equal(first[axis][1], other[axis][1]) for other in others
+        )
+        axis_names[axis] = axis if is_shared else f"{axis}_number"
+    for name, (variable, values) in first.items():
+        attributes = {"units": variable.unit, "long_name": variable.long_name}
+        if axis_names.get(name) == name:  # the places along a dimension, which all runs share
+            dataset.coords[name] = (name, values, attributes)
             continue
-        padded = np.full((*shape, lengths[place_name]), np.nan)
-        for place, run in places.items():
-            values = _series(run, name)
-            padded[place][: len(values)] = values
-        variables = ((*dimensions, along[place_name]), padded, _attributes(name))
-        if name in (*_PLACES, *_TIMES):
-            dataset.coords[name] = variables
+        padded = np.full((*shape, *(lengths[axis] for axis in variable.axes)), np.nan)
+        for place, of_run in by_place.items():
+            _, own = of_run[name]
+            padded[place][tuple(map(slice, own.shape))] = own
+        axes = tuple(axis_names[axis] for axis in variable.axes)
+        stored = ((*dimensions, *axes), padded, attributes)
+        if variable.is_coordinate:
+            dataset.coords[name] = stored
         else:
-            dataset[name] = variables
+            dataset[name] = stored
 
 
-def _series(run: Run, name: str) -> Array:
-    """Return a series of a run, or the places or times of its entries."""
-    if name == "step":
-        return run.distance
-    if name in (*_PLACES, *_TIMES):
-        return np.asarray(getattr(run, name))
-    return run.series[name]
-
-
-def _attributes(name: str) -> dict[str, str]:
-    """Return unit and meaning of a series."""
-    variable = SERIES[name]
-    return {"units": variable.unit, "long_name": variable.long_name}
+def _by_name(run: Any) -> dict[str, tuple[Variable, NDArray[Any]]]:
+    """Return the arrays of a run with their definitions, by name."""
+    series = kind_of(run.scene).series(run)
+    return {variable.name: (variable, values) for variable, values in series.items()}

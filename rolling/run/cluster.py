@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
-import pickle
 import socket
 import time
 from collections.abc import Hashable
@@ -15,6 +14,7 @@ from pathlib import Path
 from typing import Any, Self, cast
 from urllib.parse import urlsplit
 
+from rolling.kinds import registry
 from rolling.run import worker
 from rolling.run.pools import Pool, Task
 from rolling.scene.messages import SceneError
@@ -96,7 +96,7 @@ class Cluster(Pool):
         """Hand a task to the scheduler, which gives it to another worker if one is killed."""
         future: Future[Any] = self._executor.submit(
             worker.run_task,
-            pickle.dumps((task.function, task.arguments)),
+            registry.packed(task.function, task.arguments),
             program.identity(),
             workers=[team],
             allow_other_workers=True,

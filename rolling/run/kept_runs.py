@@ -29,9 +29,13 @@ MIN_FREE = 20  # times the size of a kept run that the disk must have left
 def keep(run: Any) -> str:
     """Write a run for the end of the command; return its digest, empty where it is not kept.
 
-    A run that is large, or too large for what the disk has left, is not worth its place.
+    A run that is large, or too large for what the disk has left, is not worth its place. One whose
+    classes this process got from another process cannot be named in a pickle.
     """
-    content = pickle.dumps(run)
+    try:
+        content = pickle.dumps(run)
+    except pickle.PicklingError:
+        return ""
     digest = hashlib.sha256(content).hexdigest()
     pieces = run.home / folders.PIECES
     with suppress(OSError, FolderError):

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
 from rolling.check import cost
+from rolling.kinds import registry
 from rolling.run import leftovers, worker
 from rolling.terminal import progress
 
@@ -127,12 +128,13 @@ class LocalPool(Pool):
 
         context = get_context("loky")
         self._compiles = context.Event()
+        kinds = registry.packed()
         self._executors = {
             team: ProcessPoolExecutor(
                 processes,
                 context=context,
                 initializer=worker.begin,
-                initargs=(os.getpid(), self._compiles),
+                initargs=(os.getpid(), self._compiles, kinds),
             )
             for team, processes in self.teams.items()
         }

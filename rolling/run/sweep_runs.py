@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from acoustics.traps import ignoring_underflow
 from rolling.contact.solver import ContactError
-from rolling.results.run_lines import answer_lines, html_table
-from rolling.results.run_result import Run
+from rolling.kinds.registry import kind_of
 from rolling.results.runs_table import runs_table
 from rolling.run.solving import Values
 from rolling.scene.sweep import Value
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @ignoring_underflow
-class Runs(dict[Values, Run]):
+class Runs(dict[Values, Any]):
     """Runs of a sweep by their swept value, or by a tuple of values if several keys are swept.
 
     Parameters
@@ -46,23 +45,28 @@ class Runs(dict[Values, Run]):
 
     def __init__(
         self,
-        runs: Mapping[Values, Run] | None = None,
+        runs: Mapping[Values, Any] | None = None,
         sweep: Mapping[str, Sequence[Value]] | None = None,
     ) -> None:
         super().__init__(runs or {})
         self._sweep = dict(sweep or {})
 
-    def __missing__(self, values: Values) -> Run:
+    def __missing__(self, values: Values) -> Any:
         """Refuse values that no run has, and name those of the runs."""
         raise KeyError(f"{values!r} is no run; the runs are {', '.join(map(repr, self))}")
 
     def __repr__(self) -> str:
         runs = [*self.values()]
-        return "\n".join(answer_lines(runs)) if runs else "no run"
+        if not runs:
+            return "no run"
+        return "\n".join(kind_of(runs[0].scene).answer_lines(runs))
 
     def _repr_html_(self) -> str:
-        """Write what rolls, the two numbers of each run, and what follows for a notebook."""
-        return html_table([*self.values()])
+        """Write the answer of the runs, with the numbers of each, for a notebook."""
+        runs = [*self.values()]
+        if not runs:
+            return "<p>no run</p>"
+        return kind_of(runs[0].scene).html_answer(runs)
 
     def table(self) -> pd.DataFrame:
         """Tabulate the numbers of the runs, one row per run.
@@ -85,13 +89,13 @@ class Runs(dict[Values, Run]):
         Returns
         -------
         dataset : xarray.Dataset
-            `vibration_db` and `released_power_db` with their uncertainties, and in `vibration_how`
-            and `released_power_how` whether they are computed, estimated or an upper bound; all
-            other numbers of `table`; third octaves by `band`, the nominal mid frequency; the
-            series of `run.series` by `position` and `step` [m]. Runs with places of their own, as
-            under different speeds, are padded with NaN, and `position` and `step` have a row per
-            run. Every variable has `units` and `long_name` in `attrs`, and the Dataset has the
-            version of the program.
+            All numbers of `table`: of a sphere `vibration_db` and `released_power_db` with their
+            uncertainties, and in `vibration_how` and `released_power_how` whether they are
+            computed, estimated or an upper bound; third octaves by `band`, the nominal mid
+            frequency; the series of a sphere by `position` and `step` [m], those of a bearing by
+            `time` [s]. Runs with places of their own, as under different speeds, are padded with
+            NaN, and `position` and `step` have a row per run. Every variable has `units` and
+            `long_name` in `attrs`, and the Dataset has the version of the program.
 
         Raises
         ------

@@ -6,7 +6,6 @@ A Dask scheduler imports this module as well, so the solver is imported where a 
 from __future__ import annotations
 
 import os
-import pickle
 import signal
 import subprocess
 import sys
@@ -125,7 +124,7 @@ def first_sound(run: RunFolder, label: str, marched: Sequence[Any]) -> str:
 
 
 def run_task(task: bytes, program: Program) -> Any:
-    """Do a pickled task in this thread of a Dask worker, one task at a time in each process.
+    """Do a packed task in this thread of a Dask worker, one task at a time in each process.
 
     The task is not unpickled before the programs are compared, since another program may lack its
     function.
@@ -136,7 +135,9 @@ def run_task(task: bytes, program: Program) -> Any:
     """
     if identity() != program:
         raise OtherProgramError(str(identity()))
-    function, arguments = pickle.loads(task)
+    from rolling.kinds.registry import unpacked
+
+    function, arguments = unpacked(task)
     progress.silence()
     with _one_task:
         return function(*arguments)
@@ -166,8 +167,11 @@ def compile_ahead(parent: int, part: str) -> None:
     getattr(compiling_ahead, part)()
 
 
-def begin(parent: int, compiles: Any = None) -> None:
-    """Prepare a worker process, which ends with its parent and reports compilation."""
+def begin(parent: int, compiles: Any = None, kinds: bytes = b"") -> None:
+    """Prepare a worker process, which ends with its parent and reports compilation.
+
+    `kinds` has the kinds of scenes that were added in the parent.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent alone acts on Ctrl-C
     progress.silence()
     threading.Thread(target=_end_with, args=(parent,), name="lifeline", daemon=True).start()
@@ -175,6 +179,10 @@ def begin(parent: int, compiles: Any = None) -> None:
         from rolling.contact import compiling
 
         compiling.tell_always(compiles.set)
+    if kinds:
+        from rolling.kinds.registry import unpacked
+
+        unpacked(kinds)
 
 
 def _end_with(parent: int) -> None:

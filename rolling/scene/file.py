@@ -171,6 +171,18 @@ def _order_of_override(override: str) -> int:
     return library.order_of_change(override.partition("=")[0].strip())
 
 
+def with_overrides(scene: AnyScene, overrides: Sequence[str]) -> AnyScene:
+    """Return the scene of a run folder with other values.
+
+    Raises
+    ------
+    SceneError : an override is none, or a value is not allowed.
+    """
+    places: dict[Key, str] = {(): "stored scene"}
+    changed = _with_overrides(scene.to_dict(), places, overrides, type(scene))
+    return type(scene).from_dict(changed.data, scene.folder, places, changed.faults)
+
+
 # ---- new sound from a stored run
 
 

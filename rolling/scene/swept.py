@@ -9,13 +9,20 @@ run is solved.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, NamedTuple, Self, TypeVar
 
-from pydantic import BeforeValidator, PrivateAttr, ValidationError
+from pydantic import (
+    BeforeValidator,
+    Field,
+    PrivateAttr,
+    ValidationError,
+    WithJsonSchema,
+    field_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from rolling.scene import library
@@ -355,6 +362,37 @@ class SweptScene(Section):
         swept: Key = ("sweep", name)
         key = swept if swept in self._places else key_of(name)
         return _place_of(key, self._places)
+
+
+class PlainScene(SweptScene):
+    """Scene with what scenes of every kind have; a kind adds its sections as fields.
+
+    Attributes
+    ----------
+    name : str
+        Name, used for the folder of the results
+    title : str, optional
+        Title of the page, any text
+    description : str, optional
+        Subject of the scene
+    sweep : dict
+        Lists of values by dotted key, or values by label. All combinations are run.
+    """
+
+    name: SceneName = Field(default=DEFAULT_NAME, pattern=PATTERN)
+    title: str | None = None
+    description: str | None = None
+    sweep: Annotated[dict[str, Any], WithJsonSchema({"type": "object"})] = Field(default={})
+
+    # `check` judges the scene before it is run. Its module stands above this one, and the registry
+    # of kinds binds it.
+    check: ClassVar[Callable[..., Any]]
+
+    @field_validator("sweep", mode="before")
+    @classmethod
+    def _check_sweep(cls, value: Any) -> dict[str, Any]:
+        """Return the sweep with its lists as tuples, or refuse it."""
+        return sweeps.check_lists(value, cls)
 
 
 def _place_of(key: Key, places: Mapping[Key, str]) -> str:

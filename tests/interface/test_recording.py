@@ -16,7 +16,7 @@ from finished import VIBRATING, heard_again, marched
 from acoustics import BAND_NAMES, resampling
 from rolling import cli, open_run, save_run
 from rolling.numbers.quantity import joined
-from rolling.recordings import comparison, pairs
+from rolling.recordings import ball_records, comparison
 from rolling.recordings.levels import Total, third_octave_levels
 from rolling.recordings.recorded import PRESSURE, QUANTITIES, Recording, full_scales
 from rolling.recordings.run_spread import run_spread
@@ -169,7 +169,7 @@ SMALL = {
 
 def with_itself(run: Run, folder: Path) -> comparison.RecordingComparison:
     """Compare a run with its own record, repeated until it is long enough for a recording."""
-    pressure = pairs.of_run(run).samples
+    pressure = ball_records.of_run(run).samples
     scale = 2 * np.abs(pressure).max()
     laps = int(np.ceil(RATE / len(pressure)))
     soundfile.write(folder / "own.wav", np.tile(pressure, laps) / scale, 48000, "FLOAT")

@@ -31,9 +31,10 @@ from rolling.bearing_contacts.contacts import (
 from rolling.bearing_contacts.faults import FaultStretch, fault_stretches
 from rolling.bearing_contacts.joined_tracks import bearing_tracks, rough_rows
 from rolling.bearing_contacts.plan import contact_plan, plan_contacts
-from rolling.bearing_contacts.solving import Marches, march_contacts
+from rolling.bearing_contacts.solving import march_contacts
 from rolling.bearing_contacts.specimen_turn import linear_covariance, rough_body
 from rolling.bearing_contacts.turns import continued_turn
+from rolling.run.march_files import Marches
 from rolling.scene.laws import Roughness, SurfaceFault
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import BallHeightFile, GradedBall, SmoothBall

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 import rolling
-from rolling.bearing_contacts import solving
 from rolling.bearing_contacts.contacts import contact_loads
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, plan_contacts
-from rolling.bearing_contacts.solving import CONTACTS, Marches, march_contacts
+from rolling.bearing_contacts.solving import march_contacts
 from rolling.kinds.reading import read_scene
 from rolling.marches.piece import Piece, contact_identity
 from rolling.record.definition import Arrays
-from rolling.run import executor, worker
+from rolling.run import executor, march_files, worker
+from rolling.run.march_files import CONTACTS, Marches
 from rolling.scene.surfaces import GaussianBall
 from tests.support.bearings import bearing
 
@@ -97,7 +97,7 @@ def test_a_stopped_command_goes_on_with_its_pieces(
         assert np.array_equal(march.approach_m, whole[identity].approach_m)
     assert not (tmp_path / "pieces").exists()
     for scene in plan.stages[1]:  # beside each march stands a scene that can be run alone
-        path = solving.march_path(tmp_path, contact_identity(scene)).with_suffix(".yaml")
+        path = march_files.march_path(tmp_path, contact_identity(scene)).with_suffix(".yaml")
         assert read_scene(path) == scene
 
 

@@ -13,14 +13,11 @@ from scene_text import TINY
 from test_bearing_marches import contacts_of, marched_pieces, small_plan
 
 from rolling import cli
-from rolling.bearing_contacts import solving
 from rolling.bearing_contacts.bearing_forecast import different_marches
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
 from rolling.bearing_contacts.solving import (
-    Marches,
     march_contacts,
     march_of_contact,
-    take_march,
 )
 from rolling.kinds.reading import read_scene
 from rolling.marches.piece import Piece, contact_identity
@@ -28,6 +25,8 @@ from rolling.record.sealed_file import seal
 from rolling.results import result_file
 from rolling.results.stored_numbers import read_stored
 from rolling.run import folder as folders
+from rolling.run import march_files
+from rolling.run.march_files import Marches, take_march
 from rolling.run.taken import TakenMarches
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.scene import Scene
@@ -201,9 +200,9 @@ def test_a_bearing_takes_the_marches_of_its_healthy_sister(
         identity = contact_identity(contact)
         march = marches[identity]
         assert march.effort.march_s == 0
-        theirs = solving.read_march(marched, contact, identity)
+        theirs = march_files.read_march(marched, contact, identity)
         assert np.array_equal(march.approach_m, theirs.approach_m)
-        path = solving.march_path(tmp_path / "faulty", identity)
+        path = march_files.march_path(tmp_path / "faulty", identity)
         assert path.is_file() and path.with_suffix(".yaml").is_file()
 
 
@@ -239,10 +238,10 @@ STRANGE: dict[str, Callable[[Path], object]] = {
 def test_a_strange_march_is_not_taken(damage: str, plan: ContactPlan, marched: Path) -> None:
     scene = plan.stages[1][0]
     identity = contact_identity(scene)
-    path = solving.march_path(marched, identity)
+    path = march_files.march_path(marched, identity)
     STRANGE[damage](path)
     with pytest.raises(FolderError, match=str(path)):
-        solving.read_march(marched, scene, identity)
+        march_files.read_march(marched, scene, identity)
 
 
 def test_a_strange_march_is_marched_anew(
@@ -253,7 +252,7 @@ def test_a_strange_march_is_marched_anew(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     strange = plan.stages[1][0]
-    STRANGE["another identity"](solving.march_path(marched, contact_identity(strange)))
+    STRANGE["another identity"](march_files.march_path(marched, contact_identity(strange)))
     marches = taken(plan, tmp_path / "own", marched)
     assert len(marches) == 3
     assert {piece.scene.load for piece in marched_pieces} == {strange.load}

@@ -1,0 +1,168 @@
+"""A kind of scene whose runs are numbers, arrays and a sound, and that has no files of its own.
+
+A new kind begins here: it says which contacts it marches, and what their marches give.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from acoustics.texts import printable
+from rolling.check import cost
+from rolling.contact.processor_time import ProcessorTime
+from rolling.kinds.heard_sound import HeardSound
+from rolling.kinds.run_folder import LISTEN, RunFolder
+from rolling.marches import effort
+from rolling.marches.effort import Effort
+from rolling.marches.piece import contact_identity
+from rolling.record.definition import Series, Variable
+from rolling.record.record_file import largest_size
+from rolling.results import plain_lines, plain_run
+from rolling.results.plain_run import MarchedEffort, PlainNumbers, PlainRun, Solved, stored_type_of
+from rolling.run.march_files import ContactMarch, MarchesInFiles
+from rolling.scene.identity import digest
+from rolling.terminal.files import FolderError
+
+if TYPE_CHECKING:
+    from rolling.recordings.compared_run import ComparedRun
+    from rolling.recordings.recorded import MeasuredQuantity
+
+PARTS = (effort.COMPILATION, effort.SURFACE, effort.MARCH)  # of the processor time of marches
+
+
+class PlainKind(MarchesInFiles):
+    """A kind of scene whose runs are numbers, arrays and a sound.
+
+    Attributes
+    ----------
+    name, scene_type, description : str, type, str
+        As in `Kind`.
+    numbers_type : type
+        Numbers of its runs, a data class below `PlainNumbers`.
+    variables : tuple of Variable
+        Definitions of the arrays of its runs.
+    """
+
+    numbers_type: ClassVar[type[PlainNumbers]]
+    variables: ClassVar[tuple[Variable, ...]] = ()
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        """Store the numbers of the class as those of its name."""
+        super().__init_subclass__(**options)
+        if "numbers_type" in vars(cls):
+            cls.stored_type = stored_type_of(cls.name, cls.numbers_type)
+
+    @abstractmethod
+    def solve(self, scene: Any, marched: Sequence[ContactMarch]) -> Solved:
+        """Return numbers, arrays and sound of a scene.
+
+        Parameters
+        ----------
+        scene : scene
+            Scene without a sweep.
+        marched : sequence of ContactMarch
+            Its marches, in the order of `marches`: the approach [m] at each position, the maximum
+            pressure and the mean contact area.
+
+        Raises
+        ------
+        ContactError
+            The marches make no run.
+        """
+
+    # ---- runs
+
+    def make_run(self, place: RunFolder, label: str, marched: Sequence[ContactMarch]) -> PlainRun:
+        """Return the run that its whole marches give, with its numbers."""
+        began = ProcessorTime.now()
+        solved = self.solve(place.scene, marched)
+        whole = Effort()
+        for march in {id(march): march for march in marched}.values():  # equal ones count once
+            whole.add_piece(effort.MARCH, march.effort)
+        spent = ProcessorTime.now().since(began)
+        parts = effort.with_work(whole.numbers(PARTS), effort.SOUND, spent)
+        numbers = replace(
+            solved.numbers,
+            name=place.scene.name,
+            title=place.scene.title,
+            effort=MarchedEffort(march_cpu_s=parts[effort.MARCH], parts_cpu_s=parts),
+        )
+        return PlainRun(
+            values=place.values,
+            scene=place.scene,
+            folder=place.folder,
+            label=label,
+            numbers=numbers,
+            variables=self.variables,
+            arrays=solved.arrays,
+            sound=solved.sound,
+        )
+
+    def write_run(self, run: PlainRun) -> None:
+        """Write the files of a run into its folder, last summary.json."""
+        plain_run.write_run(run, self.stored_type, self._identity(run.scene))
+
+    def read_run(self, place: RunFolder, label: str) -> PlainRun:
+        """Read a run from its folder, with its stored numbers, under a label."""
+        contacts = [march.scene for march in self.marches(place.scene)]
+        return plain_run.read_run(
+            place,
+            label,
+            variables=self.variables,
+            identity=self._identity(place.scene),
+            most_bytes=largest_size(cost.disk(contacts)),
+        )
+
+    def _identity(self, scene: Any) -> str:
+        """Return the digest of the contact identities of the marches of a scene."""
+        return digest([contact_identity(march.scene) for march in self.marches(scene)])
+
+    def sounds(self, run: PlainRun) -> list[HeardSound]:
+        """Return the sound of a run."""
+        return [plain_run.heard_sound(run)]
+
+    def series(self, run: PlainRun) -> Series:
+        """Return the arrays of a run; one of the name of its only dimension tells places."""
+        return {variable: run.arrays[variable.name] for variable in self.variables}
+
+    def compared(self, run: PlainRun, quantity: MeasuredQuantity) -> ComparedRun:
+        """Return the sound of a run where it is a record of the quantity, by its unit."""
+        from rolling.recordings.compared_run import sound_alone
+
+        if run.sound.unit != quantity.unit:
+            raise FolderError(
+                f"{run.folder}: got --quantity {quantity.name} [{quantity.unit}], and the record of"
+                f" the run is in {run.sound.unit}: {run.sound.content}"
+            )
+        return sound_alone(run.sound.samples, run.sound.content, quantity)
+
+    # ---- how runs are shown
+
+    def answer_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Return the sentences of a run, or a table of the quantities of several."""
+        return plain_lines.answer_lines(done)
+
+    def doubt_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Return the doubts about runs, the worst first."""
+        return plain_lines.doubt_lines(done)
+
+    def further_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Return all numbers of runs."""
+        return plain_lines.number_lines(done)
+
+    def listen_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Name the sound of the first run."""
+        return [f"listen: {printable(str(done[0].folder / LISTEN))}"]
+
+    def page(self, runs: Sequence[Any], unsolved: Sequence[str], folder: Path | None) -> bytes:
+        raise NotImplementedError
+
+    def choose(self, scenes: Sequence[Any], folder: Path | None, budget: Any, workers: int) -> Any:
+        raise NotImplementedError
+
+    def write_choice(self, choice: Any) -> None:
+        raise NotImplementedError

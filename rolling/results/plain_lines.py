@@ -1,0 +1,67 @@
+"""Lines about runs of any kind for a terminal: sentences, quantities, doubts, all numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from rolling.kinds.run_folder import RunFolder
+from rolling.numbers import views
+from rolling.numbers.doubt import Doubt
+from rolling.numbers.fields import walk
+from rolling.numbers.quantity import Quantity
+from rolling.results.labels import labels
+from rolling.results.stored_numbers import numbers_of
+from rolling.terminal.streams import columns, folded
+
+
+def _solved(runs: Sequence[RunFolder]) -> list[tuple[str, Any]]:
+    """Return labels and numbers of the runs that are solved."""
+    stored = zip(labels(runs), map(numbers_of, runs), strict=True)
+    return [(label, numbers) for label, numbers in stored if numbers is not None]
+
+
+def answer_lines(runs: Sequence[RunFolder]) -> list[str]:
+    """Return the sentences of a run, or the quantities of several in aligned columns."""
+    solved = _solved(runs)
+    if len(solved) == 1:
+        ((_, numbers),) = solved
+        return [folded(sentence) for sentence in numbers.sentences]
+    return [columns(quantity_rows(runs))]
+
+
+def quantity_rows(runs: Sequence[RunFolder]) -> list[list[str]]:
+    """Return the quantities of runs as cells, first the heads, then a row for each run."""
+    by_run = {}
+    for label, numbers in _solved(runs):
+        by_run[label] = {
+            leaf.name: str(leaf.value) for leaf in walk(numbers) if isinstance(leaf.value, Quantity)
+        }
+    heads = list(dict.fromkeys(head for cells in by_run.values() for head in cells))
+    rows = [["run", *heads]]
+    for label, cells in by_run.items():
+        rows.append([label, *(cells.get(head, "-") for head in heads)])
+    return rows
+
+
+def doubt_lines(runs: Sequence[RunFolder]) -> list[str]:
+    """Return each kind of doubt at its worst, the worst first."""
+    every: list[Doubt] = [doubt for _, numbers in _solved(runs) for doubt in numbers.doubts]
+    every.sort(key=lambda doubt: doubt.rank, reverse=True)
+    by_key: dict[str, Doubt] = {}
+    for doubt in every:
+        by_key.setdefault(doubt.key, doubt)
+    return [folded(f"doubt: {doubt.line}.") for doubt in by_key.values()]
+
+
+def number_lines(runs: Sequence[RunFolder]) -> list[str]:
+    """Return all numbers of runs that people read, in aligned columns below the label."""
+    lines = []
+    for label, numbers in _solved(runs):
+        rows = []
+        for leaf in views.rows(numbers):
+            value = leaf.value
+            text = "-" if value is None else leaf.said.text(value)
+            rows.append([leaf.name, str(value) if isinstance(value, Quantity) else text])
+        lines += ["", label, *([columns(rows)] if rows else [])]
+    return lines
