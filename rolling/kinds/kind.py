@@ -1,8 +1,8 @@
 """What a kind of scene tells: its marches, what it makes of them, and how its runs are shown.
 
 Rooms above know runs, folders, pools, pages and the terminal, and no kind. A kind knows its scene,
-its motion, its numbers and its pictures, and neither pools nor folders of sweeps. What follows from
-its marches alone has a body here; `rolling.built_in.plain_kind` has the files of its runs as well.
+its motion, its numbers and its pictures, and neither pools nor folders of sweeps. `rolling.built_in`
+has the kinds of the program, and `plain_kind`, with which a new one begins.
 """
 
 from __future__ import annotations
@@ -17,20 +17,15 @@ from rolling.kinds.run_folder import RunFolder
 from rolling.numbers import views
 from rolling.numbers.quantity import Quantity
 from rolling.scene import file
-from rolling.scene.sweep import run_name
 from rolling.scene.swept import SweptScene
 from rolling.terminal.files import FolderError
-from rolling.terminal.streams import folded
 
 if TYPE_CHECKING:  # a scene is read without the solver
-    from rolling.check.findings import Findings
     from rolling.kinds.figure_kind import FigureKind
     from rolling.kinds.heard_sound import FileGain, HeardSound
     from rolling.kinds.march import March, MarchStore
     from rolling.kinds.page_parts import PageParts
     from rolling.record.definition import Series
-    from rolling.recordings.compared_run import ComparedRun
-    from rolling.recordings.recorded import MeasuredQuantity
 
 NOT_IN_0_8 = -1
 
@@ -87,12 +82,11 @@ class Kind(ABC):
 
     # ---- scenes
 
+    @abstractmethod
     def refuse(
         self, scene: Any, workers: int, folder: Path | None, unsolved: Sequence[Any] | None = None
     ) -> None:
         """Refuse a scene, with or without a sweep, that cannot be run here.
-
-        By default the marches decide.
 
         Parameters
         ----------
@@ -110,39 +104,18 @@ class Kind(ABC):
         SceneError
             Memory or disk do not suffice, a package is missing, or a height file cannot be used.
         """
-        from rolling.check.marched import refuse_contacts
 
-        if unsolved is None:
-            unsolved = [run for _, run in scene.runs()]
-        contacts = [march.scene for run in unsolved for march in self.marches(run)]
-        refuse_contacts(contacts, workers, folder)
+    @abstractmethod
+    def check(self, scene: Any, solve: bool = True) -> Any:
+        """Judge all runs of a scene before anything is computed; solve a contact if asked to."""
 
-    def check(self, scene: Any, solve: bool = True) -> Findings:
-        """Judge all runs of a scene before anything is computed; solve a contact if asked to.
-
-        By default the marches are judged, and no contact is solved.
-        """
-        from rolling.check.marched import check_contacts
-
-        return check_contacts(
-            {
-                run_name(values) or scene.name: [march.scene for march in self.marches(run)]
-                for values, run in scene.runs()
-            }
-        )
-
+    @abstractmethod
     def conclusion(self, scene: Any, findings: Any) -> str:
         """State in a sentence how long a scene takes, and with which verdict at best."""
-        from rolling.check import forecast
 
-        if findings.refusal is not None:
-            return f"It does not run: {findings.refusal.text}."
-        return f"It runs in {forecast.takes(findings.seconds)}."
-
+    @abstractmethod
     def lines_in_short(self, scene: Any, findings: Any) -> list[str]:
         """Return the conclusion of a check, and the lines that a person reads first."""
-        warnings = [folded(f"warning: {line}") for line in findings.warnings]
-        return [folded(self.conclusion(scene, findings), ""), *warnings]
 
     def resound(self, scene: Any, overrides: Sequence[str]) -> Any:
         """Return the scene of stored runs with other values, which its marches have to allow.
@@ -272,8 +245,8 @@ class Kind(ABC):
         """Return the arrays of a run that a Dataset of a sweep has."""
         return {}
 
-    def compared(self, run: Any, quantity: MeasuredQuantity) -> ComparedRun:
-        """Return the records of a run of a quantity, which a recording is compared with.
+    def compared(self, run: Any, quantity: Any) -> Any:
+        """Return the records of a run of a measured quantity, which recordings are compared with.
 
         Raises
         ------

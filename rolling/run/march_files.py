@@ -12,10 +12,14 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
+from rolling.check import forecast
+from rolling.check.findings import Findings
+from rolling.check.marched import check_contacts, refuse_contacts
 from rolling.kinds.kind import Kind
 from rolling.kinds.march import March, MarchStore
 from rolling.kinds.run_folder import RunFolder
@@ -30,8 +34,10 @@ from rolling.run import folder as folders
 from rolling.run.taken import OTHER_CONTACT, TakenMarches
 from rolling.scene import file as scene_file
 from rolling.scene.scene import Scene
+from rolling.scene.sweep import run_name
 from rolling.terminal import progress
 from rolling.terminal.files import FolderError, make_below, write_bytes
+from rolling.terminal.streams import folded
 
 CONTACTS = "contacts"  # folder of the marches, in the run folder
 _MAX_BESIDE = 10_000  # bytes of the file of a march beside its approach
@@ -106,7 +112,36 @@ class ContactStore(MarchStore):
 
 
 class MarchesInFiles(Kind):
-    """Kind whose runs share the marches of equal contacts, and keep them in files."""
+    """Kind whose scenes are judged by their marches, which runs share and keep in files."""
+
+    def refuse(
+        self, scene: Any, workers: int, folder: Path | None, unsolved: Sequence[Any] | None = None
+    ) -> None:
+        """Refuse a scene whose contacts cannot be marched here."""
+        if unsolved is None:
+            unsolved = [run for _, run in scene.runs()]
+        contacts = [march.scene for run in unsolved for march in self.marches(run)]
+        refuse_contacts(contacts, workers, folder)
+
+    def check(self, scene: Any, solve: bool = True) -> Findings:
+        """Judge the contacts of all runs of a scene; none of them is solved."""
+        return check_contacts(
+            {
+                run_name(values) or scene.name: [march.scene for march in self.marches(run)]
+                for values, run in scene.runs()
+            }
+        )
+
+    def conclusion(self, scene: Any, findings: Findings) -> str:
+        """State in a sentence how long a scene takes."""
+        if findings.refusal is not None:
+            return f"It does not run: {findings.refusal.text}."
+        return f"It runs in {forecast.takes(findings.seconds)}."
+
+    def lines_in_short(self, scene: Any, findings: Findings) -> list[str]:
+        """Return the conclusion of a check, and its warnings."""
+        warnings = [folded(f"warning: {line}") for line in findings.warnings]
+        return [folded(self.conclusion(scene, findings), ""), *warnings]
 
     def march_store(
         self,

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, NamedTuple, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, NamedTuple, Self, TypeVar, cast
 
 from pydantic import (
     BeforeValidator,
@@ -145,7 +145,7 @@ class SweptScene(Section):
         """
         from rolling.kinds.registry import kind_of
 
-        return kind_of(self).check(self, solve)
+        return cast("Findings", kind_of(self).check(self, solve))
 
     # ---- plain values ----
 
