@@ -23,13 +23,14 @@ from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing_contacts.band_gain import RoughBand, rough_bands
 from rolling.bearing_contacts.joined_tracks import bearing_tracks
 from rolling.bearing_contacts.plan import ContactPlan, contact_plan
-from rolling.bearing_contacts.solving import ContactMarch, Marches, march_contacts
+from rolling.bearing_contacts.solving import march_contacts
 from rolling.bearing_run.housing import housing_of_scene
 from rolling.bearing_run.moved_ring import moved_ring
 from rolling.choice.candidate import Candidate
 from rolling.choice.heard import Heard, HeardQuantity, Specimen, damaged, read_record, write_record
 from rolling.choice.solving import Solver, prepare
 from rolling.run.choice_folder import RUNS
+from rolling.run.march_files import ContactMarch, Marches
 from rolling.run.pools import Pool, Task, pool_for_tasks
 from rolling.scene.bearing_scene import BearingScene
 from rolling.terminal import progress, shortage

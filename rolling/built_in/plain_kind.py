@@ -8,7 +8,6 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from acoustics.texts import printable
@@ -158,11 +157,12 @@ class PlainKind(MarchesInFiles):
         """Name the sound of the first run."""
         return [f"listen: {printable(str(done[0].folder / LISTEN))}"]
 
-    def page(self, runs: Sequence[Any], unsolved: Sequence[str], folder: Path | None) -> bytes:
-        raise NotImplementedError
+    def sentences(self, runs: Sequence[PlainRun]) -> list[str]:
+        """Return the sentences of a run, each with its label where there are several."""
+        if len(runs) == 1:
+            return list(runs[0].numbers.sentences)
+        return [f"{run.label}: {sentence}" for run in runs for sentence in run.numbers.sentences]
 
-    def choose(self, scenes: Sequence[Any], folder: Path | None, budget: Any, workers: int) -> Any:
-        raise NotImplementedError
-
-    def write_choice(self, choice: Any) -> None:
-        raise NotImplementedError
+    def card_sentence(self, run: PlainRun) -> str:
+        """Return the first sentence of the answer."""
+        return next(iter(run.numbers.sentences), "")

@@ -246,7 +246,7 @@ class Kind(ABC):
         return {}
 
     def compared(self, run: Any, quantity: Any) -> Any:
-        """Return the records of a run of a measured quantity, which recordings are compared with.
+        """Return the records of a run of a measured quantity, for comparison with recordings.
 
         Raises
         ------
