@@ -6,7 +6,6 @@ import html
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from acoustics.traps import ignoring_underflow
@@ -86,30 +85,6 @@ class BearingRun(SolvedBearing, ShownRun):
         from rolling.bearing_run import stored_run
 
         return stored_run.result_dataset(self)
-
-    def save(self, folder: Path | str, report: bool = True) -> Path:
-        """Write the run into a new folder, with the files that `rolling run` writes.
-
-        Parameters
-        ----------
-        folder : Path or str
-            The folder to make.
-        report : bool
-            Write page and figures as well. Default: true.
-
-        Returns
-        -------
-        folder : Path
-            The new folder, for `open_run`.
-
-        Raises
-        ------
-        FolderError
-            The folder holds files already, or is a file.
-        """
-        from rolling.interface.runs import save_run
-
-        return save_run(self, folder, report)
 
     def _repr_html_(self) -> str:
         """Write the sentences of a run and its bands for a notebook."""

@@ -26,7 +26,8 @@ from rolling.choice.difference import Difference, paired_difference
 from rolling.choice.drawing import AS_IT_IS, LeftOut, WantedValue
 from rolling.choice.heard import Heard, HeardQuantity, Specimen, read_record, write_record
 from rolling.choice.solving import RunSolver, Solver
-from rolling.kinds.heard_sound import HeardSound, PlainSound
+from rolling.contact.solver import ContactError
+from rolling.kinds.heard_sound import HeardSound, PlainSound, played_sound
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import LISTEN, RunFolder
 from rolling.numbers.files import Provenance
@@ -98,13 +99,13 @@ def _seeds(values: Mapping[str, Any], above: str) -> Iterable[tuple[str, int]]:
 
 @dataclass(frozen=True, kw_only=True)
 class HeardRun(Heard):
-    """A-weighted root mean square of the sound of a run [Pa], as heard.json has it."""
+    """A-weighted root mean square of the sound of a run in its unit, as heard.json has it."""
 
-    sound_pa: float
+    sound_rms: float
 
     def rms(self, quantity: str) -> float:
         """Return the root mean square of the sound."""
-        return self.sound_pa
+        return self.sound_rms
 
 
 class Audition:
@@ -218,7 +219,7 @@ class Audition:
         sound = _sound_of(self.open_run(specimen), specimen.candidate.label)
         weighted = a_weighted(sound.record, wav.SAMPLE_RATE_HZ)
         rms = float(np.sqrt(np.mean(np.square(weighted))))
-        write_record(specimen, HeardRun(sound_pa=rms))
+        write_record(specimen, HeardRun(sound_rms=rms))
 
     def hear_marched(self, specimen: Specimen, marched: Sequence[Any]) -> None:
         """Write what is heard of a specimen whose run has just been written, with its marches."""
@@ -318,13 +319,21 @@ class Audition:
 
 
 def _sound_of(run: Any, label: str) -> PlainSound:
-    """Return the sound pressure of a run, `run.sound.pressure` at 48 kHz."""
+    """Return the sound of a run that is played first, with the label of its candidate.
+
+    Raises
+    ------
+    ContactError : the run has no sound.
+    """
+    sound = played_sound(kind_of(run.scene).sounds(run))
+    if sound is None:
+        raise ContactError(f"{label}: its runs have no sound, by which they would be compared")
     return PlainSound(
         file=LISTEN,
-        unit="Pa",
+        unit=sound.unit,
         group="sound",
-        record=run.sound.pressure,
-        heard="sound",
+        record=sound.samples,
+        heard=sound.words,
         title=printable(label),
     )
 

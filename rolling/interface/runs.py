@@ -251,7 +251,7 @@ def open_run(folder: Path | str) -> Any:
 
 
 @ignoring_underflow
-def save_run(run: Run | BearingRun, folder: Path | str, report: bool = True) -> Path:
+def save_run(run: Any, folder: Path | str, report: bool = True) -> Path:
     """Write a run that is in memory into a new folder, with the files that `rolling run` writes.
 
     Parameters

@@ -1,8 +1,8 @@
 """What a kind of scene tells: its marches, what it makes of them, and how its runs are shown.
 
 Rooms above know runs, folders, pools, pages and the terminal, and no kind. A kind knows its scene,
-its motion, its numbers and its pictures, and neither pools nor folders of sweeps. `rolling.built_in`
-has the kinds of the program, and `plain_kind`, with which a new one begins.
+its motion, its numbers and its pictures, and neither pools nor folders of sweeps. The kinds of the
+program are in `rolling.built_in`, and a new one begins with `PlainKind` there.
 """
 
 from __future__ import annotations

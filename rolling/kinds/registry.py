@@ -20,7 +20,7 @@ from rolling.scene import library
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.messages import SceneError, quoted
 from rolling.scene.scene import Scene
-from rolling.scene.swept import SweptScene
+from rolling.scene.swept import PlainScene, SweptScene
 from rolling.scene.yaml_text import parse, read_text
 
 USUAL = "ball"
@@ -140,3 +140,11 @@ def name_of_file(path: Path | str) -> str:
         if scene_type.misspelt_section(data):
             return name
     return USUAL
+
+
+def check(scene: Any, solve: bool = True) -> Any:
+    """Judge all runs of a scene of any kind before anything is computed."""
+    return kind_of(scene).check(scene, solve)
+
+
+PlainScene.check = check

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 from acoustics.traps import ignoring_underflow
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from matplotlib.axes import Axes
 
 
@@ -62,3 +64,22 @@ class ShownRun:
         from rolling.results import listening
 
         return listening.play(self)
+
+    def save(self, folder: Path | str, report: bool = True) -> Path:
+        """Write the run into a new folder, as `rolling.save_run` does, and return the folder.
+
+        Parameters
+        ----------
+        folder : Path or str
+            The folder to make.
+        report : bool
+            Write the report page as well. Default: true.
+
+        Raises
+        ------
+        FolderError
+            The folder holds files already, or is a file.
+        """
+        from rolling.interface import runs
+
+        return runs.save_run(self, folder, report)

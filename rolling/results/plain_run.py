@@ -5,10 +5,10 @@ A kind of scene whose runs are such needs no files of its own.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, make_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -164,9 +164,6 @@ class PlainRun(ShownRun, RunFolder):
     arrays: Mapping[str, Array]
     sound: RunSound
     stored: Any = None
-
-    # `save` writes a run folder. Its module stands above this one and binds it.
-    save: ClassVar[Callable[..., Path]]
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the fields alone, for pickle and copies."""

@@ -94,30 +94,6 @@ class Run(NumberedRun, ShownRun):
     'sound.wav'
     """
 
-    def save(self, folder: Path | str, report: bool = True) -> Path:
-        """Write the run into a new folder, with the files that `rolling run` writes.
-
-        Parameters
-        ----------
-        folder : Path or str
-            The folder to make.
-        report : bool
-            Write the report page as well. Default: true.
-
-        Returns
-        -------
-        folder : Path
-            The new folder, for `open_run`.
-
-        Raises
-        ------
-        FolderError
-            The folder holds files already, or is a file.
-        """
-        from rolling.interface.runs import save_run
-
-        return save_run(self, folder, report)
-
     def write_wav(self, path: Path | str, comment: str = "", title: str = "") -> Path:
         """Write the record of the sound as a 32-bit float WAV in which 1.0 is 1 Pa.
 

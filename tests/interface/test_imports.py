@@ -57,9 +57,7 @@ FLOORS = {
 }
 # Methods of public objects that call a function of a higher room. Nothing else climbs.
 CLIMBING = {
-    "rolling.bearing_run.bearing_run": {"BearingRun.save"},
-    "rolling.results.run_result": {"Run.save"},
-    "rolling.kinds.shown_run": {"ShownRun.play", "ShownRun.plot"},
+    "rolling.kinds.shown_run": {"ShownRun.play", "ShownRun.plot", "ShownRun.save"},
     "rolling.scene.swept": {"SweptScene.check"},
 }
 FRONT_DOOR = "__init__"  # hands out names of every floor; rooms take version and place from it only

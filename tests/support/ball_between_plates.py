@@ -24,6 +24,7 @@ from rolling.scene.swept import PlainScene
 
 STEPS = 400  # of a turn of the ball
 NODES = 16  # of a step
+AIR = 413.0  # N s/m3, characteristic impedance
 
 
 class Plates(Section):
@@ -133,7 +134,7 @@ class BallBetweenPlates(PlainKind):
                 velocity=speed,
             ),
             arrays={"time": np.arange(len(height)) / rate_hz, "height": height},
-            sound=RunSound(heard, "m/s", "velocity of the upper plate"),
+            sound=RunSound(AIR * heard, "Pa", "plane wave above the upper plate"),
         )
 
 
