@@ -35,7 +35,6 @@ __version__ = "0.9.0.dev0"
 
 # Public names by the module that has them.
 _NAMES = {
-    "rolling.bearing_run.bearing_choice": ("BearingChoice",),
     "rolling.bearing_run.bearing_run": ("BearingRun",),
     "rolling.check.finding": ("Finding",),
     "rolling.check.findings": ("Findings",),
