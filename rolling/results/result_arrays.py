@@ -140,7 +140,6 @@ _SOUND = (
     Variable("pressure_right", "sound_time", "Pa", "f8", "sound pressure at the right listener"),
 )
 
-
 _CHANNEL_FACTS: dict[str, type[Attribute]] = {
     "sample_rate_hz": int,
     **{f"{quantity}_channels": str for quantity in REFERENCES},
