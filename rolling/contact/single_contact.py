@@ -5,7 +5,6 @@ The numbers of a caller are checked here. `solver` solves the contact.
 
 from __future__ import annotations
 
-import warnings
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -95,14 +94,6 @@ class Contact:
     def contact_area(self) -> float:
         """Area of the nodes under pressure [m2]."""
         return float(np.count_nonzero(self.pressure) * self.spacing**2)
-
-    @property
-    def area(self) -> float:
-        """Area of the nodes under pressure [m2], under its old name."""
-        words = "Contact.area is now Contact.contact_area; the old name goes with the next version"
-        # The caller stands beyond the wrapper of `ignoring_underflow`.
-        warnings.warn(words, DeprecationWarning, stacklevel=3)
-        return self.contact_area
 
     @property
     def max_pressure(self) -> float:

@@ -195,15 +195,13 @@ def test_the_sides_of_a_punch_may_be_high() -> None:
 
 
 def test_edges_and_names_are_those_of_scenes_and_states() -> None:
-    """An area has one name in a contact and in a state; the old one warns for a version."""
+    """An area has one name in a contact and in a state."""
     scene = rc.read_scene("quickstart")
     assert ROLLING.blended and scene.numerics.edges == "blended"
     contact = rc.solve_contact(STEEL, GAP, 0.02)
     state = next(rc.march(ROLLING, 0, 0, rc.HalfSpace(4e-6, 230e9)))
     shared = {"pressure", "deflection", "approach", "contact_area", "max_deflection", "residual"}
     assert all(hasattr(solved, name) for solved in (contact, state) for name in shared)
-    with pytest.warns(DeprecationWarning, match="contact_area"):
-        assert contact.area == contact.contact_area
 
 
 def acceptable(value: Any) -> bool:
