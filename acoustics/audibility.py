@@ -145,8 +145,8 @@ def room_noise(
         part = drawn[first:end] / np.sqrt(frequency_hz[first:end])
         mean_square = P_REF_PA**2 * 10.0 ** (level_db / 10.0)
         # A line and its mirror image have the mean square 2 |line / n|^2.
-        found = 2.0 * float(np.sum(np.abs(part / n) ** 2))
-        lines[first:end] = part * math.sqrt(mean_square / found)
+        drawn_square = 2.0 * float(np.sum(np.abs(part / n) ** 2))
+        lines[first:end] = part * math.sqrt(mean_square / drawn_square)
     return np.fft.irfft(lines, n)[:wanted]
 
 

@@ -120,9 +120,9 @@ def tones(pressure_pa: Array, sample_rate_hz: float) -> Tones | None:
     )
 
 
-def _largest(found: tuple[Any, Any, Any, Any]) -> Tone | None:
+def _largest(columns: tuple[Any, Any, Any, Any]) -> Tone | None:
     """Return the tone with the largest ratio of those that mosqito found."""
-    _, ratios, prominent, frequencies = found
+    _, ratios, prominent, frequencies = columns
     ratio = np.atleast_1d(np.asarray(ratios, dtype=float))
     if not ratio.size:
         return None

@@ -261,8 +261,8 @@ class NarrowSpectrum:
         # What stands out and is no peak is the flank of others, which may be several tones.
         is_flank = bool(others) and not is_peak and rms >= _STANDS_OUT * floor
         if is_flank or (hidden > _LEAK * rms and hidden > floor):
-            apart = lines_apart(place, others, rivals)
-            return LineReading(None, None, self._resolving_s(apart))
+            separation = lines_apart(place, others, rivals)
+            return LineReading(None, None, self._resolving_s(separation))
         if rms <= SIDE_LOBES * self._largest:
             return LineReading(rms=0.0, height=0.0)
         return LineReading(rms=rms, height=rms / floor)
@@ -289,17 +289,17 @@ class NarrowSpectrum:
         tops = self._tops(1, len(self.rms) - 2)
         at_hz = self.frequency_hz[tops]
         tops = tops[(at_hz >= low_hz) & (at_hz < high_hz)]
-        found = list[float]()
+        peaks = list[float]()
         for top in tops[np.argsort(-self.rms[tops], kind="stable")]:
             place = self._top_place(int(top))
             frequency = place * self.line_width_hz
-            near = min((abs(frequency - other) for other in found), default=math.inf)
+            near = min((abs(frequency - other) for other in peaks), default=math.inf)
             is_new = near > REACH * self.line_width_hz
             if is_new and self._rms_at(place) >= least_height * self._floor(place):
-                found.append(frequency)
-            if len(found) == count:
+                peaks.append(frequency)
+            if len(peaks) == count:
                 break
-        return found
+        return peaks
 
     def is_at(self, line_hz: float, peak_hz: float) -> bool:
         """Tell whether a peak may be a tone of a given frequency, as far as noise lets one know.

@@ -81,17 +81,17 @@ def lines_apart(place: float, tones: Sequence[SpectralTone], rivals: Sequence[fl
     """
     away = []
     for tone in tones:
-        apart = abs(tone.place - place)
+        distance = abs(tone.place - place)
         made_of = [
             abs(rival - place)
             for rival in rivals
             if abs(rival - place) < SEPARATED
-            and (abs(rival - tone.place) <= _BETWEEN * apart or apart < _PULLED)
+            and (abs(rival - tone.place) <= _BETWEEN * distance or distance < _PULLED)
         ]
         if made_of:
             away.append(min(made_of))
-        elif apart >= _PULLED:
-            away.append(apart)
+        elif distance >= _PULLED:
+            away.append(distance)
     return min(away, default=min(abs(tone.place - place) for tone in tones))
 
 

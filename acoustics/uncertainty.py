@@ -276,10 +276,10 @@ def _excess_of_lines(line: NDArray[np.complex128], lowest: int) -> float:
     """Return the excess of the lowest lines of the square of a record with these lines."""
     variance = 0.0
     of_gaussian_noise = 0.0
-    for apart in range(1, min(lowest, len(line) - 1) + 1):
-        products = line[apart:] * line[:-apart].conj()
-        variance += float(np.square(np.abs(products.sum()))) / apart
-        of_gaussian_noise += float(np.square(np.abs(products)).sum()) / apart
+    for lag in range(1, min(lowest, len(line) - 1) + 1):
+        products = line[lag:] * line[:-lag].conj()
+        variance += float(np.square(np.abs(products.sum()))) / lag
+        of_gaussian_noise += float(np.square(np.abs(products)).sum()) / lag
     if not of_gaussian_noise > 0.0:
         return 1.0
     return max(1.0, variance / of_gaussian_noise)

@@ -276,7 +276,7 @@ def conclusion(scene: Scene, findings: Findings) -> str:
     judged = [quantity.judged for quantity in leading if quantity.judged is not None]
     if not judged:
         return f"It runs in {time}."
-    worst = max(judged, key=lambda one: one.worst.severity)
+    worst = max(judged, key=lambda verdict: verdict.worst.severity)
     place = "" if len(judged) == 1 else " of the worst run"
     severity = worst.worst.severity
     expected = f"The verdict on the vibration{place} will be {worst.word}: {worst.worst.text}."
@@ -292,19 +292,19 @@ def check_run(scene: Scene, solved: Probe | None = None) -> RunCheck:
 
     Raise SceneError for a height file that cannot be used.
     """
-    found: list[Finding | Doubt] = [
+    rows_and_doubts: list[Finding | Doubt] = [
         *level.of_source(scene),
         *scene_rules(scene),
         *level.of_grid(scene),
     ]
-    is_narrow = any(x.key == "window" for x in found if isinstance(x, Doubt))
+    is_narrow = any(x.key == "window" for x in rows_and_doubts if isinstance(x, Doubt))
     if not is_narrow and not refusals.excess([scene], 1, None):
-        found += narrow_surface.rules(scene)
+        rows_and_doubts += narrow_surface.rules(scene)
     if solved is not None:
-        found += solved.findings(scene)
+        rows_and_doubts += solved.findings(scene)
     # A later rule replaces the row of an earlier rule with the same key.
-    rows = {x.key: x for x in found if isinstance(x, Finding)}
-    doubts = {x.key: x for x in found if isinstance(x, Doubt)}
+    rows = {x.key: x for x in rows_and_doubts if isinstance(x, Finding)}
+    doubts = {x.key: x for x in rows_and_doubts if isinstance(x, Doubt)}
     return RunCheck([*rows.values()], [*doubts.values()])
 
 

@@ -21,7 +21,9 @@ def is_surely_wide_enough(scene: Scene) -> bool:
     is_gaussian = bool(scene.laws) and all(law.is_gaussian for law in scene.laws)
     summit = GAUSSIAN_SUMMIT if is_gaussian else OTHER_SUMMIT
     highest = hertz_approach(scene) + summit * cost.roughness(scene)[0]
-    highest += max((1e-6 * one.depth_um for one in scene.faults if one.kind in RISING), default=0.0)
+    highest += max(
+        (1e-6 * fault.depth_um for fault in scene.faults if fault.kind in RISING), default=0.0
+    )
     along = 2 * math.sqrt(2 * scene.radius * highest)
     across = 2 * math.sqrt(2 * scene.radius_across * highest)
     track = scene.track

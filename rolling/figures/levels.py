@@ -117,22 +117,22 @@ def level_table(runs: Sequence[Run]) -> pd.DataFrame:
     """Tabulate swept values, vibration and released power of runs [dB] with uncertainties."""
     rows = []
     for run in runs:
-        heard = run.vibration
+        vibration = run.vibration
         released = run.released_power
         row: dict[str, Any] = {"run": run.label, sweep.SCENE: run.scene.name}
         row |= run.values
         row |= {
-            "measure": heard.measure,
-            "vibration_how": heard.how,
-            "vibration_db": heard.value,
-            "vibration_uncertainty_db": heard.uncertainty,
-            "vibration_verdict": heard.verdict,
+            "measure": vibration.measure,
+            "vibration_how": vibration.how,
+            "vibration_db": vibration.value,
+            "vibration_uncertainty_db": vibration.uncertainty,
+            "vibration_verdict": vibration.verdict,
             "released_power_how": released.how,
             "released_power_db": released.value,
             "released_power_uncertainty_db": released.uncertainty,
             "released_power_verdict": released.verdict,
         }
-        if heard.measure == LAE and run.sound.source == "vibration":
+        if vibration.measure == LAE and run.sound.source == "vibration":
             own = heard_levels(run.numbers)
             row["laf_max_db"] = own.laf_max_db
             row["laf_max_uncertainty_db"] = None if own.spreads is None else own.spreads.laf_max_db

@@ -279,7 +279,7 @@ def _draw_plastic_work(ax: Axes, table: pd.DataFrame) -> None:
 
 def running_in_table(run: Run) -> pd.DataFrame:
     """Tabulate levels [dB], release power [W], plastic work [J] and depth [um] of passes."""
-    table = pd.DataFrame([asdict(one) for one in _passes(run)])
+    table = pd.DataFrame([asdict(row) for row in _passes(run)])
     table.insert(0, "pass", np.arange(len(table)) + 1)
     return table
 

@@ -382,15 +382,15 @@ def number_map(
 
 def _of_source(runs: Sequence[RunFolder]) -> str:
     """Say what the third octaves of runs are levels of; nothing where runs differ."""
-    found = set[str]()
+    sources = set[str]()
     for numbers in filter(None, map(numbers_of, runs)):
         if numbers.record.source == "vibration":
-            found.add(" of the vibration")
+            sources.add(" of the vibration")
         elif numbers.record.q is None:
-            found.add(" of the release under a fixed gain")
+            sources.add(" of the release under a fixed gain")
         else:
-            found.add(" of the released power")
-    return found.pop() if len(found) == 1 else ""
+            sources.add(" of the released power")
+    return sources.pop() if len(sources) == 1 else ""
 
 
 def _write_numbers(ax: Axes, means: Array) -> None:

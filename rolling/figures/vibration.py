@@ -139,15 +139,15 @@ def _sources(run: Run) -> list[_Source]:
     """
     bands = run.numbers.bands
     release = f"released power, {_share_text(run)} [dB re 20 µPa]"
-    found = [("vibration", "vibration, sound pressure level [dB re 20 µPa]", bands.vibration)]
+    rows = [("vibration", "vibration, sound pressure level [dB re 20 µPa]", bands.vibration)]
     if not _falls(run):
-        found.append(("released_power", release, bands.released_power_at_listener))
-    found += [
+        rows.append(("released_power", release, bands.released_power_at_listener))
+    rows += [
         ("plate_power", "sound power level of the plate [dB re 1 pW]", bands.plate_power),
         ("ball_power", "sound power level of the ball [dB re 1 pW]", bands.ball_power),
     ]
     return [
-        _Source(name, label, levels.by_name) for name, label, levels in found if levels is not None
+        _Source(name, label, levels.by_name) for name, label, levels in rows if levels is not None
     ]
 
 

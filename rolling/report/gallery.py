@@ -66,8 +66,8 @@ def gallery_page(
 def _card(run: Any, seconds: float, folder: Path) -> dict[str, Any]:
     """Return title, picture, sound, level and sentence of a run, and the link to its page."""
     kind = kind_of(run.scene)
-    heard = played_sound(kind.sounds(run))
-    sound = _excerpt(heard, seconds)
+    played = played_sound(kind.sounds(run))
+    sound = _excerpt(played, seconds)
     peak = float(np.abs(sound).max(initial=0.0))
     still = None
     with left_out_if_it_fails(f"of the card of {run.label}"):
@@ -81,8 +81,8 @@ def _card(run: Any, seconds: float, folder: Path) -> dict[str, Any]:
         "picture": still,
         "sound": records.compressed(wav.PEAK / peak * sound) if peak > 0 else None,
         "peak": peak,
-        "unit": "" if heard is None else heard.unit,
-        "level_db": None if heard is None else heard.level_db,
+        "unit": "" if played is None else played.unit,
+        "level_db": None if played is None else played.level_db,
         "report": _link(run.home / PAGE, folder),
         "note": kind.gallery_note,
     }

@@ -85,7 +85,7 @@ def _products(
     along, across = beams
     width = modes.sides[1].count
     empty: Array = np.zeros(0)
-    found = [(empty, empty)] * len(modes.numbers)
+    products = [(empty, empty)] * len(modes.numbers)
     for family in modes.families:
         x = along[np.ix_(family.along, family.along)]
         y = across[np.ix_(family.across, family.across)]
@@ -96,10 +96,10 @@ def _products(
             missing = 1 - np.cumsum(np.square(shares[order]))
             kept = order[: int(np.sum(missing > left_out)) + 1]
             norm = math.sqrt(float(np.sum(np.square(shares[kept]))))
-            found[mode] = (places[kept], shares[kept] / norm)
-    starts = np.concatenate(([0], np.cumsum([len(places) for places, _ in found])))
-    all_places = np.concatenate([places for places, _ in found])
-    all_values = np.concatenate([values for _, values in found])
+            products[mode] = (places[kept], shares[kept] / norm)
+    starts = np.concatenate(([0], np.cumsum([len(places) for places, _ in products])))
+    all_places = np.concatenate([places for places, _ in products])
+    all_values = np.concatenate([values for _, values in products])
     return starts.astype(int).tolist(), all_places, all_values
 
 

@@ -183,14 +183,14 @@ def units(runs: Sequence[Run]) -> str:
 def doubts(runs: Sequence[Any]) -> list[str]:
     """Return the doubts about the numbers of runs as sentences, the worst of each number first."""
     said: dict[tuple[str, str, str], list[str]] = {}  # names by what is said of them
-    told = set[str]()
+    shown_keys = set[str]()
     for name, quantities in _quantities(runs).items():
         by_reason: dict[str, dict[str, Verdict]] = {}
         for run, quantity in zip(runs, quantities, strict=True):
             judged = quantity.judged
             if judged is not None and judged.worst.severity > Severity.TRUST:
                 by_reason.setdefault(judged.worst.text, {})[run.label] = judged
-                told.add(judged.worst.key)
+                shown_keys.add(judged.worst.key)
         for reason, by_label in by_reason.items():
             largest = max(by_label.values(), key=_size)
             of_some = "" if len(by_label) == len(runs) else f" of {description.listed(by_label)}"
@@ -203,7 +203,7 @@ def doubts(runs: Sequence[Any]) -> list[str]:
         verb = "is" if len(names) == 1 else "are"
         sentences.append(_ended(f"{description.listed(names)}{of_some} {verb} {words}: {reason}"))
     for doubt in verdict.warnings([(run.label, run.numbers) for run in runs]):
-        if doubt.key not in told:
+        if doubt.key not in shown_keys:
             sentences.append(_ended(f"{doubt.text[0].upper()}{doubt.text[1:]}"))
     return sentences
 

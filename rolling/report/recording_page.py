@@ -57,8 +57,8 @@ def _sounds(comparison: RecordingComparison) -> dict[str, str]:
     sounds = {}
     for pair in comparison.pairs:
         for name, record in pair.records.items():
-            heard = record.samples[: round(HEARD_S * RATE)]
-            sounds[pair.named(name)] = heard / level.a_weighted_rms(record.samples, RATE)
+            beginning = record.samples[: round(HEARD_S * RATE)]
+            sounds[pair.named(name)] = beginning / level.a_weighted_rms(record.samples, RATE)
     loudest = max(np.abs(samples).max() for samples in sounds.values())
     gain = PEAK / max(FAINTEST, loudest)
     return {name: records.compressed(gain * samples) for name, samples in sounds.items()}

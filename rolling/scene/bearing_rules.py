@@ -273,8 +273,8 @@ def _faults_of_motion(bearing: Bearing) -> Iterator[PydanticCustomError]:
         gap_m=gap_of(bearing),
         ball_inertia=bearing.ball_inertia,
     )
-    for found in motion_faults(model):
-        yield fault(found.text, at=f".{found.key}")
+    for entry in motion_faults(model):
+        yield fault(entry.text, at=f".{entry.key}")
 
 
 def largest_pressure(bearing: Bearing, geometry: BearingGeometry, share: float = 1.0) -> float:

@@ -312,9 +312,9 @@ class BearingScene(BearingQuantities):
     def _check_surfaces(cls, numerics: BearingNumerics, info: ValidationInfo) -> BearingNumerics:
         bearing = info.data.get("bearing")
         if bearing is not None:
-            found = list(bearing_rules.faults_of_surfaces(bearing, numerics))
-            if found:
-                raise faults_together(found)
+            faults = list(bearing_rules.faults_of_surfaces(bearing, numerics))
+            if faults:
+                raise faults_together(faults)
         return numerics
 
     def __copy__(self) -> Self:

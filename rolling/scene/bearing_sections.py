@@ -149,9 +149,9 @@ class Bearing(Section):
     @model_validator(mode="after")
     def _can_be_assembled(self) -> Self:
         """Refuse all that does not fit together in one message."""
-        found = list(bearing_rules.faults_of_bearing(self))
-        if found:
-            raise faults_together(found)
+        faults = list(bearing_rules.faults_of_bearing(self))
+        if faults:
+            raise faults_together(faults)
         return self
 
 

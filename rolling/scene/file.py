@@ -75,7 +75,7 @@ def loads(
         parsed = parse(text, where)
     except SceneError as error:  # no YAML, so that only the overrides are left to judge
         wrong = _with_overrides({}, {}, overrides, model).faults
-        raise SceneError([*error.faults, *(found.line for found in wrong)]) from error
+        raise SceneError([*error.faults, *(entry.line for entry in wrong)]) from error
     data = parsed.value
     if data is None:
         needed = ", ".join(name for name, key in model.model_fields.items() if key.is_required())
@@ -156,7 +156,7 @@ def _with_overrides(
             faults += [Fault((), line.removeprefix(f"{SET}: "), SET) for line in error.faults]
             continue
         faults += [
-            Fault((*key_of(name), *found.key), found.message, SET) for found in parsed.faults
+            Fault((*key_of(name), *entry.key), entry.message, SET) for entry in parsed.faults
         ]
         data = with_value(data, name, parsed.value)
         key = key_of(name)
@@ -215,13 +215,13 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
     data = changed.data
     if scene.rolling.duration_s is not None and not faults:
         data["rolling"]["duration_s"] = _time_of_same_track(scene, data)
-    heard = Scene.from_dict(data, scene.folder, places, faults)
+    resounded = Scene.from_dict(data, scene.folder, places, faults)
     if scene.numerics.step_nodes != "auto":
-        return heard
-    return _with_steps_of(scene, heard)
+        return resounded
+    return _with_steps_of(scene, resounded)
 
 
-def _with_steps_of(scene: Scene, heard: Scene) -> Scene:
+def _with_steps_of(scene: Scene, resounded: Scene) -> Scene:
     """Return the scene of a new sound with the steps that `auto` took for the stored runs.
 
     A faster sphere would allow longer steps, and the stored ones stay. They do not hold hearing for
@@ -230,16 +230,16 @@ def _with_steps_of(scene: Scene, heard: Scene) -> Scene:
     stored = [run for _, run in scene.runs()]
     speeds = [run.step_choice.speed for run in stored if run.step_choice is not None]
     if not speeds:
-        return heard
+        return resounded
     slowest = min(speeds)
-    if min(run.slowest_speed for _, run in heard.runs()) > slowest:
-        numerics = heard.numerics.model_copy(update={"slowest_m_s": slowest})
-        kept = heard.model_copy(update={"numerics": numerics})
+    if min(run.slowest_speed for _, run in resounded.runs()) > slowest:
+        numerics = resounded.numerics.model_copy(update={"slowest_m_s": slowest})
+        kept = resounded.model_copy(update={"numerics": numerics})
         kept_steps = [run.step_nodes for _, run in kept.runs()]
-        heard_steps = [run.step_nodes for _, run in heard.runs()]
-        return heard if kept_steps == heard_steps else kept
+        heard_steps = [run.step_nodes for _, run in resounded.runs()]
+        return resounded if kept_steps == heard_steps else kept
     longest = max(stored, key=_lowest_speed)  # the steps that the fewest speeds allow
-    if min(run.heard_speed for _, run in heard.runs()) < _lowest_speed(longest):
+    if min(run.heard_speed for _, run in resounded.runs()) < _lowest_speed(longest):
         step_um = micrometres(longest.step)
         lowest = rounded_up(_lowest_speed(longest))
         raise SceneError(
@@ -249,7 +249,7 @@ def _with_steps_of(scene: Scene, heard: Scene) -> Scene:
                 " run` at that speed or with --set numerics.step_nodes=1"
             ]
         )
-    return heard
+    return resounded
 
 
 def _lowest_speed(run: Scene) -> float:

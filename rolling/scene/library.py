@@ -226,14 +226,14 @@ def _names_in(section: str, values: Any) -> list[tuple[Name, str]]:
     """
     if not isinstance(values, Mapping):
         return []
-    found = []
+    names = []
     for by_name in NAMES[section]:
         name = values.get(by_name.key)
         if name is None and by_name.default:
             name = by_name.default
         if isinstance(name, str | int):
-            found.append((by_name, str(name)))
-    return found
+            names.append((by_name, str(name)))
+    return names
 
 
 def fill_in(section: str, values: Any) -> Any:

@@ -101,9 +101,9 @@ def fault(message: str, at: str | Key = (), needs: Sequence[str] = ()) -> Pydant
     return PydanticCustomError("fault", "{message}", context)
 
 
-def faults_together(found: Sequence[PydanticCustomError]) -> PydanticCustomError:
+def faults_together(faults: Sequence[PydanticCustomError]) -> PydanticCustomError:
     """Join faults of one value, at least one, for pydantic to collect."""
-    contexts = [single.context or {} for single in found]
+    contexts = [single.context or {} for single in faults]
     return PydanticCustomError("faults", "several faults", {"faults": contexts})
 
 

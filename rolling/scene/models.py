@@ -80,11 +80,11 @@ class Section(BaseModel):
             return
         section = self.SECTION or type(self).__name__.lower()
         lines = []
-        for found in judged.faults:
-            name = dotted(found.key)
+        for entry in judged.faults:
+            name = dotted(entry.key)
             if not name.startswith((f"{section}.", f"{section}[")):
                 name = f"{section}.{name}".removesuffix(".")
-            lines.append(f"scene: {shortened(name)}: {found.message}")
+            lines.append(f"scene: {shortened(name)}: {entry.message}")
         raise SceneError(first_faults(lines, "scene", judged.more))
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -154,12 +154,12 @@ class Section(BaseModel):
 @cache
 def keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
     """Map every dotted key inside the sections to its field, keys of inner sections last."""
-    found: dict[str, FieldInfo] = {}
+    fields: dict[str, FieldInfo] = {}
     inner = _inside(root.model_fields)
     while inner:
-        found |= inner
+        fields |= inner
         inner = _inside(inner)
-    return found
+    return fields
 
 
 def _inside(fields: Mapping[str, FieldInfo]) -> dict[str, FieldInfo]:
@@ -259,20 +259,20 @@ def fill(model: BaseModel, values: Mapping[str, Any], known: Sequence[Fault] = (
     except ValidationError as error:
         first, more = faults_of(error, values, root)
     # What the values lack by their text or by misspelt keys, no rule may call missing.
-    misspelt = [found for found in first if found.meant]
+    misspelt = [entry for entry in first if entry.meant]
     rest = values
-    for found in independent(first, [*causes, *missing_by(misspelt, values)]):
-        rest = _without(rest, found.key, root)
+    for entry in independent(first, [*causes, *missing_by(misspelt, values)]):
+        rest = _without(rest, entry.key, root)
     further: list[Fault] = []
     if not more:
         further, more = _faults_of_rest(rest, root)
     # A section of a wrong kind has its misspelt keys among the further faults.
-    misspelt += [found for found in further if found.meant]
+    misspelt += [entry for entry in further if entry.meant]
     causes += missing_by(misspelt, values)
     faults = independent(first, causes)
-    causes += [found.key for found in faults]
+    causes += [entry.key for entry in faults]
     faults += independent(further, [*causes, *missing_by(faults, rest)])
-    causes += [found.key for found in faults]
+    causes += [entry.key for entry in faults]
     return Judged(faults, more, rest, causes, is_filled=False)
 
 
@@ -291,8 +291,8 @@ def missing_by(faults: Sequence[Fault], values: Mapping[str, Any]) -> list[Key]:
     A faulty material or finish does not give its values.
     """
     keys: list[Key] = []
-    for found in faults:
-        key = found.meant or found.key
+    for entry in faults:
+        key = entry.meant or entry.key
         keys.append(key)
         for by_name in library.NAMES.get(str(key[0]), ()) if key else ():
             if key[1:] == (by_name.key,):
@@ -306,7 +306,7 @@ def independent(faults: Sequence[Fault], causes: Sequence[Key]) -> list[Fault]:
     def follows(key: Key) -> bool:
         return any(key[: len(cause)] == cause[: len(key)] for cause in causes)
 
-    return [found for found in faults if not any(map(follows, [found.key, *found.needs]))]
+    return [entry for entry in faults if not any(map(follows, [entry.key, *entry.needs]))]
 
 
 def _without(values: Any, key: Key, root: type[BaseModel]) -> Any:
@@ -366,18 +366,18 @@ class Listed(NamedTuple):
 def faults_of(error: ValidationError, data: Mapping[str, Any], root: type[BaseModel]) -> Listed:
     """Return the first faults that pydantic found, in the words of a scene, and how many more."""
     listed = error.errors(include_url=False)
-    found: list[Fault] = []
+    faults: list[Fault] = []
     for number, single in enumerate(listed):
-        if len(found) >= MAX_FAULTS:
-            return Listed(found, len(listed) - number)
+        if len(faults) >= MAX_FAULTS:
+            return Listed(faults, len(listed) - number)
         key = locate(single["loc"], root).key
         if single["type"] == "faults":
-            found += [_fault_of_rule(rule, key) for rule in single["ctx"]["faults"]]
+            faults += [_fault_of_rule(rule, key) for rule in single["ctx"]["faults"]]
         elif single["type"] == "fault":
-            found.append(_with_sweep(_fault_of_rule(single["ctx"], key), data, root))
+            faults.append(_with_sweep(_fault_of_rule(single["ctx"], key), data, root))
         else:
-            found.append(_with_sweep(_fault_of(single, data, root), data, root))
-    return Listed(found, 0)
+            faults.append(_with_sweep(_fault_of(single, data, root), data, root))
+    return Listed(faults, 0)
 
 
 def _fault_of_rule(context: Mapping[str, Any], key: Key) -> Fault:
@@ -419,22 +419,22 @@ def _absolute(at: Key, key: Key) -> Key:
     return (*key, *at[1:]) if at[0] == "" else at
 
 
-def _with_sweep(found: Fault, data: Mapping[str, Any], root: type[BaseModel]) -> Fault:
+def _with_sweep(entry: Fault, data: Mapping[str, Any], root: type[BaseModel]) -> Fault:
     """Return the fault of a list where one value is allowed with the way to sweep its values."""
-    name = dotted(found.key)
-    listed = _value_at(data, found.key)
+    name = dotted(entry.key)
+    listed = _value_at(data, entry.key)
     is_list = isinstance(listed, list | tuple) and len(listed) > 0
     if not is_list or "sweep" not in root.model_fields or name not in keys(root):
-        return found
-    if "[" in found.message.partition("allowed: ")[2]:  # lists of another form are allowed
-        return found
+        return entry
+    if "[" in entry.message.partition("allowed: ")[2]:  # lists of another form are allowed
+        return entry
     if not all(is_number(value) or isinstance(value, str) for value in listed):
-        return found
+        return entry
     values = ", ".join(str(value)[:20] for value in listed[:_MAX_SHOWN])
     if len(listed) > _MAX_SHOWN:
         values += ", ..."
     advice = f"a sweep tries several, as in `sweep: {{{name}: [{values}]}}`"
-    return found._replace(message=f"{found.message}; {advice}")
+    return entry._replace(message=f"{entry.message}; {advice}")
 
 
 class Located(NamedTuple):

@@ -11,14 +11,14 @@ SEED_KEYS = ("surface.seed", "sphere.surface.seed")
 
 def seeds_of(scene: Scene) -> dict[str, int]:
     """Return the seeds that a scene has, by their keys."""
-    found = {}
+    seeds = {}
     for key in SEED_KEYS:
         value: Any = scene
         for name in key.split("."):
             value = getattr(value, name, None)
         if value is not None:
-            found[key] = int(value)
-    return found
+            seeds[key] = int(value)
+    return seeds
 
 
 def with_seed(scene: Scene, seed: int) -> Scene:

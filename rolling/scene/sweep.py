@@ -91,15 +91,15 @@ def check_lists(sweep: Any, root: type[BaseModel]) -> dict[str, Any]:
             at="sweep",
         )
     known = sweepable_keys(root)
-    found: list[PydanticCustomError] = []
+    faults: list[PydanticCustomError] = []
     for name, listed in sweep.items():
         if name not in known:
             like = nearest(name, known) if isinstance(name, str) else ""
-            found.append(fault(f"unknown key{like}", at=("sweep", str(name))))
+            faults.append(fault(f"unknown key{like}", at=("sweep", str(name))))
         elif listed is not None and (not isinstance(listed, list | tuple | dict) or not listed):
-            found.append(_no_list(name, listed))
-    if found:
-        raise faults_together(found[:MAX_FAULTS])
+            faults.append(_no_list(name, listed))
+    if faults:
+        raise faults_together(faults[:MAX_FAULTS])
     sweep = {name: listed for name, listed in sweep.items() if listed is not None}
     runs = math.prod(map(len, sweep.values()))
     if runs > MAX_RUNS:  # refused before any value is looked at
@@ -107,13 +107,13 @@ def check_lists(sweep: Any, root: type[BaseModel]) -> dict[str, Any]:
     checked: dict[str, Any] = {}
     for name, listed in sweep.items():
         if isinstance(listed, dict):
-            found += _faults_of_labels(name, listed)
+            faults += _faults_of_labels(name, listed)
             checked[name] = dict(listed)
         else:
-            found += _faults_of_list(name, listed)
+            faults += _faults_of_list(name, listed)
             checked[name] = tuple(listed)
-    if found:
-        raise faults_together(found[:MAX_FAULTS])
+    if faults:
+        raise faults_together(faults[:MAX_FAULTS])
     return checked
 
 

@@ -318,8 +318,8 @@ class SweptScene(Section):
             try:
                 scene = type(self).model_validate(run_data)
             except ValidationError as error:
-                for found in faults_of(error, run_data, type(self))[0]:
-                    faults.setdefault(found, self._in_sweep(found, values))
+                for entry in faults_of(error, run_data, type(self))[0]:
+                    faults.setdefault(entry, self._in_sweep(entry, values))
                 if len(faults) > MAX_FAULTS:
                     break
                 continue
@@ -328,13 +328,13 @@ class SweptScene(Section):
             runs.append(SweepRun(values, scene))
         return list(dict.fromkeys(faults.values())), runs
 
-    def _in_sweep(self, found: Fault, values: Mapping[str, sweeps.Value]) -> Fault:
+    def _in_sweep(self, entry: Fault, values: Mapping[str, sweeps.Value]) -> Fault:
         """Return a fault of a run at the place of its swept value, or with the name of the run."""
-        place = sweeps.place_in_sweep(found.key, values, self.sweep)
+        place = sweeps.place_in_sweep(entry.key, values, self.sweep)
         if place is not None:
-            return found._replace(key=place)
+            return entry._replace(key=place)
         run = sweeps.run_name(values)
-        return found._replace(message=f"{found.message} (in the run {run} of the sweep)")
+        return entry._replace(message=f"{entry.message} (in the run {run} of the sweep)")
 
     @classmethod
     def _faults_of_swept_values(cls, values: Mapping[str, Any]) -> list[Fault]:
@@ -351,10 +351,10 @@ class SweptScene(Section):
                 try:
                     cls.model_validate(run_data)
                 except ValidationError as error:
-                    for found in faults_of(error, run_data, cls)[0]:
-                        place = sweeps.place_in_sweep(found.key, {name: value}, sweep)
+                    for entry in faults_of(error, run_data, cls)[0]:
+                        place = sweeps.place_in_sweep(entry.key, {name: value}, sweep)
                         if place is not None:
-                            faults.append(found._replace(key=place))
+                            faults.append(entry._replace(key=place))
         return faults
 
     def place(self, name: str) -> str:
@@ -404,6 +404,6 @@ def _scene_error(
     faults: Sequence[Fault], places: Mapping[Key, str], more: int | None
 ) -> SceneError:
     """Make the error of a scene from its faults in the order of their lines, and more of them."""
-    placed = [found._replace(place=found.place or _place_of(found.key, places)) for found in faults]
-    placed.sort(key=lambda found: order_of_place(found.place))
-    return SceneError(first_faults([found.line for found in placed], places[()], more))
+    placed = [entry._replace(place=entry.place or _place_of(entry.key, places)) for entry in faults]
+    placed.sort(key=lambda entry: order_of_place(entry.place))
+    return SceneError(first_faults([entry.line for entry in placed], places[()], more))

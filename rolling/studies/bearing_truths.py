@@ -166,5 +166,5 @@ def _line_amplitude(motion: RingMotion, line_hz: float, axis: int) -> float:
     """Return the amplitude of a line along an axis [m], by least squares."""
     phase = 2 * np.pi * line_hz * motion.time_s
     waves: Array = np.stack((np.cos(phase), np.sin(phase)), axis=1)
-    found = np.linalg.lstsq(waves, motion.displacement_m[:, axis], rcond=None)[0]
-    return float(np.hypot(*found))
+    amplitudes = np.linalg.lstsq(waves, motion.displacement_m[:, axis], rcond=None)[0]
+    return float(np.hypot(*amplitudes))

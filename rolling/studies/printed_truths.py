@@ -29,12 +29,12 @@ LEAD = 2000  # steps before the force begins
 
 def surfaces() -> dict[str, tuple[Array, float]]:
     """Return heights [m] without their plane and their spacing [m], by item of the rows."""
-    found = {}
+    by_item = {}
     for values, scene in read_as(FOLDER / "surfaces.yaml", Scene).runs():
         surface = scene_surface(scene)
         item = f"skewness {values[SKEWNESS]:g}"
-        found[item] = without_plane(surface.heights), surface.spacing
-    return found
+        by_item[item] = without_plane(surface.heights), surface.spacing
+    return by_item
 
 
 def surface_rows() -> list[tuple[str, str, float, float]]:
@@ -72,8 +72,8 @@ def collision_rows() -> list[tuple[str, str, float, float]]:
         item = f"radius {radius_mm:g} mm"
         rows.append(("largest pressure", item, float(wanted.max()), float(own.max())))
         rows.append(("smallest pressure", item, float(wanted.min()), float(own.min())))
-        apart = float(np.sqrt(np.mean((own - wanted) ** 2) / np.mean(wanted**2)))
-        rows.append(("rms of the difference", item, 0.0, apart))
+        difference = float(np.sqrt(np.mean((own - wanted) ** 2) / np.mean(wanted**2)))
+        rows.append(("rms of the difference", item, 0.0, difference))
     return rows
 
 
