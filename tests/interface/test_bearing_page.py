@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bearing_runs import WAVY, loads_bearing
+from bearing_runs import WAVY, loads_bearing, solved
 from firefox import Firefox, firefox_path
 from live_engine import node_path
 from report_browser import axe_findings, until, without_browser
@@ -23,7 +23,6 @@ from rolling.bearing.tracks import BodyTrack, smooth_tracks
 from rolling.bearing_run import page as pages_of_bearings
 from rolling.bearing_run.bearing_run import BearingRun, numbered
 from rolling.bearing_run.simulation import record_of
-from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.report import templates
 from rolling.report.page import page as page_of
 
@@ -81,7 +80,7 @@ def test_the_small_model_has_the_bands_of_the_program() -> None:
     smooth = smooth_tracks(scene.geometry)
     tracks = replace(smooth, inner=rough(1), balls_on_outer=tuple(map(rough, range(2, 10))))
     record = record_of(move_ring(scene.model, tracks, 32768 / 48000), scene.kinematics)
-    run = numbered(SolvedBearing(scene, record, tracks))
+    run = numbered(solved(scene, record, tracks))
     data = pages_of_bearings.data_of(run)
     data["bearing"]["tracks"] = {
         "inner": tracks.inner.approach_m.tolist(),

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import soundfile
-from bearing_runs import PLATE, SWEPT, WAVY, loads_bearing, moved_as, written
+from bearing_runs import PLATE, SWEPT, WAVY, loads_bearing, moved_as, solved, written
 from stored_arrays import stored_arrays
 
 import rolling
@@ -32,7 +32,6 @@ from rolling.bearing_run import figures, page, simulation
 from rolling.bearing_run.bearing_run import BearingRun, numbered
 from rolling.bearing_run.line_numbers import envelope_lines
 from rolling.bearing_run.numbers import MarchFindings
-from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.numbers.bearing_numbers import BandVelocities, VelocityLine
 from rolling.numbers.run_file import StoredBearing
 from rolling.numbers.summary_schema import summary_schema
@@ -236,7 +235,7 @@ def test_harmonics_of_a_pit_are_a_pits() -> None:
     tracks = replace(tracks, outer=pitted(tracks.outer))
     motion = move_ring(scene.model, tracks, 0.5, RATE)
     record = simulation.record_of(motion, scene.kinematics)
-    numbers = numbered(SolvedBearing(scene, record, tracks)).numbers
+    numbers = numbered(solved(scene, record, tracks)).numbers
     meanings = {line.name: line.meaning for line in numbers.lines}
     assert not [text for text in meanings.values() if "waves" in text]
     harmonics = [text for text in meanings.values() if "fault of the outer raceway" in text]
@@ -272,7 +271,7 @@ def test_faults_show_in_the_envelope(body: str, radial_n: float) -> None:
     else:
         tracks = replace(tracks, **{body: pitted(getattr(tracks, body))})
     record = simulation.record_of(move_ring(scene.model, tracks, 0.7, RATE), scene.kinematics)
-    faulty = envelope_lines(SolvedBearing(scene, record, tracks))
+    faulty = envelope_lines(solved(scene, record, tracks))
     heights = {line.name: line.height for line in faulty}
     times = "" if radial_n else "2 "
     sides = {"inner": ("BPFI", "turn"), "balls": ("2 x ball spin", "cage")}

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bearing_runs import PLATE, WAVY, loads_bearing
+from bearing_runs import PLATE, WAVY, loads_bearing, solved
 
 from rolling.bearing.band_uncertainty import WINDOW, BandUncertainty
 from rolling.bearing.ring_record import DIRECTIONS, RingRecord
@@ -39,7 +39,7 @@ def noisy_bearing() -> SolvedBearing:
         energy_error=0.1,
         lost_contact_share=0.05,
     )
-    return SolvedBearing(scene, record, smooth_tracks(scene.geometry))
+    return solved(scene, record, smooth_tracks(scene.geometry))
 
 
 def test_each_rule_about_a_run_raises_its_doubt() -> None:

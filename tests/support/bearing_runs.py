@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from rolling.bearing.ring_record import RingRecord
+from rolling.bearing.tracks import BearingTracks
 from rolling.bearing_run.bearing_run import BearingRun, numbered
 from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.interface.runs import simulate
@@ -47,9 +48,14 @@ def turning() -> BearingRun:
     return simulate(loads_bearing(WAVY, words), progress=False)
 
 
+def solved(scene: BearingScene, record: RingRecord, tracks: BearingTracks) -> SolvedBearing:
+    """Return a bearing in memory, from the motion of its ring."""
+    return SolvedBearing({}, scene, Path(), label="", record=record, tracks=tracks)
+
+
 def moved_as(run: BearingRun, record: RingRecord, scene: BearingScene | None = None) -> BearingRun:
     """Return a run with the numbers of another record of its ring, and maybe of another scene."""
-    return numbered(SolvedBearing(scene or run.scene, record, run.tracks))
+    return numbered(solved(scene or run.scene, record, run.tracks))
 
 
 def loads_bearing(
