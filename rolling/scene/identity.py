@@ -8,13 +8,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from rolling.scene import library
-from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.height_files import file_digest
 from rolling.scene.messages import plain_number, quoted
 from rolling.scene.scene import Scene
 from rolling.scene.sections import VIBRATING_PLATE
 from rolling.scene.sweep import product, run_name, with_paths, with_values
-from rolling.scene.swept import SweepRun
+from rolling.scene.swept import SweepRun, SweptScene
 
 # The march does not depend on these keys. The number of steps stands for duration, distance and
 # speed. Densities, thickness, edges and loss factors belong to the vibration. A name stands beside
@@ -70,7 +69,7 @@ def contact_keys(scene: Scene) -> dict[str, Any]:
     }
 
 
-def scene_identity(scene: Scene | BearingScene) -> str:
+def scene_identity(scene: SweptScene) -> str:
     """Return the SHA-256 of all values of all runs; height files count with their digests.
 
     Steps that `auto` chose count as the same number in the scene.
@@ -78,7 +77,7 @@ def scene_identity(scene: Scene | BearingScene) -> str:
     return digest(list(_runs(scene)))
 
 
-def differences(old: Scene | BearingScene, new: Scene | BearingScene) -> list[str]:
+def differences(old: SweptScene, new: SweptScene) -> list[str]:
     """List the keys where two scenes differ, as "key: got VALUE of new, has VALUE of old"."""
     before = _flat(_with_whole_numbers(_with_chosen_steps(old)))
     after = _flat(_with_whole_numbers(_with_chosen_steps(new)))
@@ -106,12 +105,12 @@ def differences(old: Scene | BearingScene, new: Scene | BearingScene) -> list[st
     return []
 
 
-def _chooses_steps(scene: Scene | BearingScene) -> bool:
+def _chooses_steps(scene: SweptScene) -> bool:
     """Tell whether `auto` chooses the steps of a scene."""
-    return isinstance(scene, Scene) and scene.numerics.step_nodes == "auto"
+    return scene.chooses_steps
 
 
-def contains(small: Scene | BearingScene, large: Scene | BearingScene) -> bool:
+def contains(small: SweptScene, large: SweptScene) -> bool:
     """Tell whether each run of one scene is a run, under the same name, of another scene."""
     runs = dict(_runs(large))
     return all(runs.get(name) == values for name, values in _runs(small))
@@ -123,41 +122,39 @@ def digest(values: Any) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _runs(scene: Scene | BearingScene) -> Iterator[tuple[str, Any]]:
+def _runs(scene: SweptScene) -> Iterator[tuple[str, Any]]:
     """Yield name and plain values of each run of a scene."""
     data = {name: value for name, value in scene.to_dict().items() if name != "sweep"}
     runs: Sequence[SweepRun[Any]] = scene.runs()
     for (values, forms), run in zip(product(scene.sweep), runs, strict=True):
         swept = with_paths(with_values(data, forms), lambda path: file_digest(scene.folder / path))
-        if isinstance(run.scene, Scene):
-            swept["numerics"] = {**swept["numerics"], "step_nodes": run.scene.step_nodes}
+        if run.scene.taken_steps is not None:
+            swept["numerics"] = {**swept["numerics"], "step_nodes": run.scene.taken_steps}
         yield run_name(values), _with_whole_numbers(swept)
 
 
-def _with_chosen_steps(scene: Scene | BearingScene) -> dict[str, Any]:
+def _with_chosen_steps(scene: SweptScene) -> dict[str, Any]:
     """Return the plain values of a scene, with a number for auto where all runs share it."""
     data = scene.to_dict()
-    if isinstance(scene, BearingScene):
-        return data
-    chosen = {run.scene.step_nodes for run in scene.runs()}
+    chosen = {run.scene.taken_steps for run in scene.runs()} - {None}
     if len(chosen) == 1 and "numerics.step_nodes" not in scene.sweep:
         data["numerics"] = {**data["numerics"], "step_nodes": chosen.pop()}
     return data
 
 
-def _other_steps(old: Scene | BearingScene, new: Scene | BearingScene) -> Iterator[str]:
+def _other_steps(old: SweptScene, new: SweptScene) -> Iterator[str]:
     """Yield a line where a sweep grows by a run that is too slow for the steps of earlier runs."""
-    if not isinstance(old, Scene) or not isinstance(new, Scene):
-        return
-    steps = {run_name(run.values): run.scene.step_nodes for run in new.runs()}
+    steps = {run_name(run.values): run.scene.taken_steps for run in new.runs()}
     for values, scene in old.runs():
         name = run_name(values)
-        if scene.sweep or steps.get(name, scene.step_nodes) == scene.step_nodes:
+        before = scene.taken_steps
+        after = steps.get(name)
+        if before is None or after is None or before == after:
             continue
         yield (
-            f"numerics.step_nodes: auto takes {plain_number(steps[name])} for the slowest run, and"
-            f" {name} has {plain_number(scene.step_nodes)}: `--set numerics.step_nodes="
-            f"{plain_number(scene.step_nodes)}` keeps its march"
+            f"numerics.step_nodes: auto takes {plain_number(after)} for the slowest run, and"
+            f" {name} has {plain_number(before)}: `--set numerics.step_nodes="
+            f"{plain_number(before)}` keeps its march"
         )
         return
 

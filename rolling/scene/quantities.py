@@ -234,6 +234,16 @@ class SceneQuantities(SweptScene):
         return given
 
     @property
+    def taken_steps(self) -> float:
+        """Nodes from one position to the next."""
+        return self.step_nodes
+
+    @property
+    def chooses_steps(self) -> bool:
+        """Whether `auto` chooses the steps."""
+        return self.numerics.step_nodes == "auto"
+
+    @property
     def slowest_speed(self) -> float:
         """Speed [m/s] for which `auto` chooses steps: the slowest that is heard, or less."""
         given = self.numerics.slowest_m_s

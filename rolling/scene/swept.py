@@ -109,6 +109,19 @@ class SweptScene(Section):
         """Files of heights by the section that reads them."""
         return {}
 
+    @property
+    def taken_steps(self) -> float | None:
+        """Nodes of a step of the march of a run, given or chosen; None where it has many marches.
+
+        Runs with other steps are other runs.
+        """
+        return None
+
+    @property
+    def chooses_steps(self) -> bool:
+        """Whether the steps follow from other values of the scene."""
+        return False
+
     @classmethod
     def misspelt_section(cls, data: Mapping[str, Any]) -> str | None:
         """Return a key of plain values that is nearly the section of this kind; None without."""

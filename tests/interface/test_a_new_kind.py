@@ -200,14 +200,14 @@ def test_worker_processes_get_the_kind_from_their_parent_and_a_kill_loses_no_pie
     tmp_path: Path,
 ) -> None:
     """The programs of workers find no file of the kind, and nothing that is solved is lost."""
-    loads = [round(1 + 0.1 * number, 1) for number in range(8)]
+    loads = [round(1 + 0.1 * number, 1) for number in range(6)]
     scene = written(tmp_path, f"{SCENE}sweep: {{plates.load_n: {loads}}}\n")
     out = tmp_path / "out"
     words = ["run", str(scene), "--out", str(out), "--workers", "2"]
     killed = command(tmp_path, *words)
     wait_for(lambda: [*out.glob("contacts/*.npz")] or killed.poll() is not None)
     killed.kill()
-    killed.wait(PATIENCE)
+    killed.communicate(timeout=PATIENCE)
     kept_marches = {path: path.stat().st_mtime_ns for path in out.glob("contacts/*.npz")}
     kept_pieces = {path: path.stat().st_mtime_ns for path in pieces(out)}
     assert kept_marches and kept_pieces
