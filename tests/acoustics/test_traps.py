@@ -109,19 +109,25 @@ CONTACT = rolling.RollingContact(
     start=0.0,
     tolerance=1e-5,
 )
+
+
+def refuse_no_kind() -> None:
+    with pytest.raises(TypeError, match="allowed: a Kind"):
+        rolling.register(None)  # type: ignore[arg-type]
+
+
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 # The doors of `rolling` that take milliseconds. The others need a run.
 QUICK_DOORS: dict[str, Callable[[], object]] = {
     "HeightArray": lambda: rolling.HeightArray(1e-7 * SQUARE, spacing_um=1),
     "march": lambda: list(rolling.march(CONTACT, 0, 3, STEEL)),
-    "read_bearing": lambda: rolling.read_bearing(SCENARIOS / "bearing-6204.yaml"),
     "read_scene": lambda: rolling.read_scene(SCENARIOS / "quickstart.yaml"),
+    "register": lambda: refuse_no_kind(),
     "solve_contact": lambda: rolling.solve_contact(STEEL, GAP, load=0.1),
     "surface_parameters": lambda: rolling.surface_parameters(1e-7 * SQUARE, 1e-6),
 }
 RUN_DOORS = {
-    *("choose", "choose_bearings", "coarsest_below", "live", "open_bearing", "open_run"),
-    *("save_bearing", "save_run", "sensitivities", "simulate", "simulate_bearing"),
+    *("choose", "coarsest_below", "live", "open_run", "save_run", "sensitivities", "simulate"),
     "simulate_sweep",
 }
 

@@ -122,7 +122,7 @@ class Case:
 def cases() -> dict[str, Case]:
     """Return a case of each definition."""
     ball = loads(TINY.replace("0.0005", "0.03"))
-    bearing = rolling.simulate_bearing(loads_bearing(WAVY.replace("0.5", "0.1")), progress=False)
+    bearing = rolling.simulate(loads_bearing(WAVY.replace("0.5", "0.1")), progress=False)
     return {
         "made": Case(record_bytes(MADE, made_record()), read_made, "velocity"),
         "ball": Case(
