@@ -190,7 +190,8 @@ def open_choice(
     for scene in scenes:
         kind.refuse(scene, workers, folder)
     contacts = [march.scene for scene in scenes for march in kind.marches(scene)]
-    refusals.refuse_few_addresses(contacts)
+    if contacts:
+        refusals.refuse_few_addresses(contacts)
     audition = audition_of(scenes[0])
     stored = choice_folder.take(folder, FORMATS)
     folder.mkdir(parents=True, exist_ok=True)
