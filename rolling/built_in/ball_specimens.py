@@ -70,6 +70,12 @@ class BallSpecimens(Specimens):
             self.noun = "places of the scan" if len(measured) == 1 else "places of the scans"
             self.count = min(MOST_PAIRS, *(len(found.places) for found in measured))
 
+    def shortage_words(self, wanted: int) -> str:
+        """Say what a scene has in place of a wanted number of specimens."""
+        if self.noun == Specimens.noun:
+            return super().shortage_words(wanted)
+        return f"room for {self.count} of the {wanted} places that it takes"
+
     def scene(self, candidate: Candidate, number: int) -> Scene:
         """Return the scene of a candidate on the specimen of a number, from 0 on."""
         scene = with_seed(candidate.scene, self._first_seed + number)

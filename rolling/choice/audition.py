@@ -87,6 +87,10 @@ class Specimens:
         changes = dict.fromkeys(self.seeds(candidate.scene), seed)
         return candidate.scene.with_(changes) if changes else candidate.scene
 
+    def shortage_words(self, wanted: int) -> str:
+        """Say what a scene has in place of a wanted number of specimens."""
+        return "no random surface"
+
 
 def _seeds(values: Mapping[str, Any], above: str) -> Iterable[tuple[str, int]]:
     """Yield the seeds in plain values with their dotted keys."""
@@ -217,7 +221,8 @@ class Audition:
     def hear_stored(self, specimen: Specimen) -> None:
         """Write what is heard of a specimen whose run is done."""
         sound = _sound_of(self.open_run(specimen), specimen.candidate.label)
-        weighted = a_weighted(sound.record, wav.SAMPLE_RATE_HZ)
+        first = sound.record if sound.record.ndim == 1 else sound.record[:, 0]
+        weighted = a_weighted(first, wav.SAMPLE_RATE_HZ)
         rms = float(np.sqrt(np.mean(np.square(weighted))))
         write_record(specimen, HeardRun(sound_rms=rms))
 

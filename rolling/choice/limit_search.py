@@ -223,9 +223,7 @@ def _count(work: OpenChoice, scene: Any, seeds: int) -> int:
     """Return the number of specimens; refuse a scene in which nothing is random."""
     count = min(seeds, work.specimens.count)
     if count < FEWEST:
-        has = "no random surface"
-        if count > 1:
-            has = f"room for {count} of the {FEWEST} places that it takes"
+        has = work.specimens.shortage_words(FEWEST)
         raise SceneError(
             [
                 f"{scene.place('surface')}: surface: {scene.name} has {has}, so that no limit holds"

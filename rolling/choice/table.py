@@ -112,14 +112,18 @@ class Column(NamedTuple):
 def words_of(choice: ChoiceNumbers) -> list[Column]:
     """Return the columns of the table in words, those of the released power last."""
     found = [Column("candidate", "", list(choice.labels))]
+    is_single = len(choice.quantities) == 1
     for quantity in choice.quantities:
         of_others = [of_one[quantity.name] for of_one in choice.by_quantity]
         means = [_mean(contender, quantity) for contender in choice.contenders]
         kind = "mean, " if quantity.is_level else "rms, "
         found.append(Column(quantity.words, f"{kind}{quantity.unit}", means))
         apart = ["-", *map(number, of_others)]
-        found.append(Column("louder than", f"the quietest, {quantity.decibels}", apart))
-    if len(choice.quantities) == 1:
+        if is_single:
+            found.append(Column("louder than", f"the quietest, {quantity.decibels}", apart))
+        else:  # the first one is the quietest in the leading quantity only
+            found.append(Column("more than", f"the first, {quantity.decibels}", apart))
+    if is_single:
         found.append(Column("sure", "", ["-", *map(_sure, choice.differences)]))
     if choice.audible:
         judged = [one.audibility.verdict if one.audibility else "-" for one in choice.audible]
