@@ -199,6 +199,8 @@ def test_thickness_below_a_level(scene: rc.Scene, tmp_path: Path) -> None:
         (["--below", "30"], "needs --key"),
         (["--below", "x", "--key", "rolling.load_n"], "a number"),
         (["--key", "rolling.load_n"], "only goes with --below"),
+        (["--quantity", "low"], "only goes with --below"),
+        (["--improve", "--quantity", "low"], "allowed for this scene: vibration"),
         (["--improve", "--key", "surface.hurst"], "allowed: "),
         (["--improve", "--set", "sweep.rolling.load_n=[1, 2]"], "without a sweep"),
         (["--improve", "--below", "3"], "not allowed with"),

@@ -266,6 +266,7 @@ def test_places_of_a_scan_are_a_contact_width_apart(tmp_path: Path) -> None:
     (one, _) = candidates_of([scene, scene.with_(name="heavier", load_n=1.1 * scene.load)])
     specimens = BallSpecimens([one])
     assert specimens.count >= LOOKS[0]
+    assert f"room for {specimens.count} of the 99 places" in specimens.shortage_words(99)
     across = sorted(
         specimens.scene(one, number).rolling.across_um for number in range(specimens.count)
     )
