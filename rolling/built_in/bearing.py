@@ -29,7 +29,7 @@ from rolling.numbers.run_file import BEARING_KIND, StoredBearing
 from rolling.results import shared_lines
 from rolling.run.march_files import ContactMarch, Marches, MarchesInFiles
 from rolling.scene.bearing_scene import BearingScene
-from rolling.terminal import files
+from rolling.terminal import defaults, files
 
 if TYPE_CHECKING:
     from rolling.built_in.bearing_audition import BearingAudition
@@ -169,18 +169,20 @@ class TurningBearing(MarchesInFiles):
         return shared_lines.listen_lines(done, sounds)
 
     def quantities(self, numbers: BearingNumbers) -> dict[str, Quantity]:
-        """Return the radial velocities of the ring in the bands below its bending.
+        """Return the radial velocities of the ring in the bands, as far as it does not bend.
 
         A ring that hardly moves is at rest, which has no ±.
         """
-        words = sentences.band_words(numbers.ring.bending_hz)
-        by_band = numbers.below_bending.radial.by_band
+        bending_hz = numbers.ring.bending_hz
+        words = sentences.band_words(bending_hz)
         quantities = {}
-        for band, text in words.items():
-            quantity = by_band[band]
-            if quantity.value is not None and quantity.value < NOTHING_UM_S:
+        for band, quantity in numbers.below_bending.radial.by_band.items():
+            if band not in words:
+                reason = f"the ring bends from {bending_hz:,.0f} Hz on"
+                quantity = replace(quantity, value=None, uncertainty=None, reason=reason)
+            elif quantity.value is not None and quantity.value < NOTHING_UM_S:
                 quantity = replace(quantity, value=0.0, uncertainty=None)
-            quantities[f"Radial, {text}"] = quantity
+            quantities[f"Radial, {sentences.BAND_WORDS[band]}"] = quantity
         return quantities
 
     def card_sentence(self, run: BearingRun) -> str:
@@ -206,7 +208,9 @@ class TurningBearing(MarchesInFiles):
         return FIGURES
 
     def page_parts(self, runs: Sequence[BearingRun]) -> PageParts:
-        """Return the parts of the page of bearings."""
+        """Return the parts of the page of bearings; of very many it has numbers alone."""
+        if len(runs) > defaults.MAX_RUNS_ON_PAGE:
+            return PageParts(has_plain_players=False)
         from rolling.bearing_run.page import bearing_parts
 
         return bearing_parts(runs)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from acoustics.texts import printable
 from rolling.commands.answers import print_answers
 from rolling.commands.derived import write_report, write_table, write_tables
-from rolling.kinds.registry import kind_of
+from rolling.kinds.registry import kind_of, kind_of_runs
 from rolling.kinds.run_folder import PAGE, RunFolder
 from rolling.kinds.stored import refuse_former
 from rolling.numbers import views
@@ -49,6 +49,10 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
     if out is not None:
         pages.refuse_page(out)
     done, unsolved = _done_and_unsolved(run_folders)
+    try:
+        kind_of_runs(done)
+    except ValueError as error:
+        raise FolderError(f"{error}; `rolling gallery` shows runs of all kinds") from error
     with progress.step("reading the runs, making their sound"):
         finished = open_runs(done)
     if out is None:

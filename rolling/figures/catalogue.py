@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from rolling.figures.picture import Picture, csv_bytes, listed, picture, slug
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.figure_kind import FigureKind
-from rolling.kinds.registry import kind_of
+from rolling.kinds.registry import kind_of_runs
 from rolling.kinds.run_folder import RunFolder
 from rolling.scene.messages import nearest
 from rolling.terminal.files import make_below, write_bytes
@@ -30,12 +30,7 @@ def figures_of(runs: Sequence[RunFolder]) -> Mapping[str, FigureKind]:
     ------
     ValueError : there is no run, or the runs are of several kinds.
     """
-    every = list(dict.fromkeys(kind_of(run.scene) for run in runs))
-    if len(every) != 1:
-        names = ", ".join(kind.name for kind in every) or "none"
-        raise ValueError(f"runs: got {names}, allowed: runs of one kind of scene")
-    figures: Mapping[str, FigureKind] = every[0].figures()
-    return figures
+    return kind_of_runs(runs).figures()
 
 
 def names_of(runs: Sequence[RunFolder]) -> list[str]:

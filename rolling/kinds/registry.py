@@ -10,12 +10,13 @@ import copyreg
 import dataclasses
 import pickle
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from rolling.kinds.kind import Kind
+from rolling.kinds.run_folder import RunFolder
 from rolling.scene import library
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.messages import SceneError, quoted
@@ -117,6 +118,20 @@ def kind_of(scene: Any) -> Kind:
         if isinstance(scene, scene_type):
             return kind_named(name)
     raise TypeError(f"scene: got {type(scene).__name__}, allowed: a scene of a registered kind")
+
+
+def kind_of_runs(runs: Sequence[RunFolder]) -> Kind:
+    """Return the kind of the scenes of runs.
+
+    Raises
+    ------
+    ValueError : there is no run, or the runs are of several kinds.
+    """
+    every = list(dict.fromkeys(kind_of(run.scene) for run in runs))
+    if len(every) != 1:
+        names = ", ".join(kind.name for kind in every) or "none"
+        raise ValueError(f"runs: got {names}, allowed: runs of one kind of scene")
+    return every[0]
 
 
 def name_of_file(path: Path | str) -> str:

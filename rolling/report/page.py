@@ -15,7 +15,7 @@ from acoustics.numbers import rounded
 from acoustics.texts import printable
 from rolling import __version__
 from rolling.kinds.heard_sound import HeardSound
-from rolling.kinds.registry import kind_of
+from rolling.kinds.registry import kind_of, kind_of_runs
 from rolling.report import number_table, quantities, records, text
 from rolling.report.templates import environment, joined_script
 from rolling.results import verdict
@@ -33,8 +33,12 @@ def page(runs: Sequence[Any], unsolved: Sequence[str] = ()) -> bytes:
     -------
     bytes
         The HTML file.
+
+    Raises
+    ------
+    ValueError : the runs are of several kinds.
     """
-    kind = kind_of(runs[0].scene)
+    kind = kind_of_runs(runs)
     parts = kind.page_parts(runs)
     solved = [(run.label, run.numbers) for run in runs]
     templates = environment()

@@ -91,7 +91,10 @@ def _quantities(runs: Sequence[Any]) -> dict[str, list[Quantity]]:
     kind = kind_of(runs[0].scene)
     of_runs = [kind.quantities(run.numbers) for run in runs]
     names = dict.fromkeys(name for quantities in of_runs for name in quantities)
-    return {name: [quantities[name] for quantities in of_runs] for name in names}
+    return {
+        name: [quantities.get(name, Quantity(name, None)) for quantities in of_runs]
+        for name in names
+    }
 
 
 def _remark(quantities: Sequence[Quantity], is_mixed: bool) -> str:

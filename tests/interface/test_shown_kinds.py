@@ -157,6 +157,17 @@ def test_all_pages_have_the_same_sections(kind: str) -> None:
     assert "Not shown:</strong> later" in page_of([run_of_kind(kind)], ["later"]).decode()
 
 
+def test_a_page_has_runs_of_one_kind() -> None:
+    with pytest.raises(ValueError, match="got ball, bearing, allowed: runs of one kind"):
+        page_of([run_of_kind(kind) for kind in KINDS])
+
+
+def test_a_page_of_very_many_bearings_has_their_numbers_alone() -> None:
+    runs = [replace(turning(), label=f"run {number}") for number in range(25)]
+    page = page_of(runs).decode()
+    assert page.count("run 24") >= 2 and "<audio" not in page and len(page) < 200_000
+
+
 @dataclass(frozen=True, kw_only=True)
 class BellNumbers:
     """Numbers of a bell."""
