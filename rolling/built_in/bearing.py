@@ -182,7 +182,7 @@ class TurningBearing(MarchesInFiles):
                 quantity = replace(quantity, value=None, uncertainty=None, reason=reason)
             elif quantity.value is not None and quantity.value < NOTHING_UM_S:
                 quantity = replace(quantity, value=0.0, uncertainty=None)
-            quantities[f"Radial, {sentences.BAND_WORDS[band]}"] = quantity
+            quantities[f"Radial below the bending, {sentences.BAND_WORDS[band]}"] = quantity
         return quantities
 
     def card_sentence(self, run: BearingRun) -> str:
