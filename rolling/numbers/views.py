@@ -105,8 +105,7 @@ def quantities(numbers: Any) -> dict[str, Quantity]:
     named = {}
     for leaf in walk(numbers):
         if isinstance(leaf.value, Quantity):
-            words = leaf.said.word or " ".join(leaf.path).replace("_", " ")
-            named[words[:1].upper() + words[1:]] = leaf.value
+            named[_words(leaf)] = leaf.value
     return named
 
 
@@ -128,30 +127,47 @@ class NumberRow(NamedTuple):
 
 
 def table_rows(every: Sequence[Any]) -> list[NumberRow]:
-    """Return the rows of a table of the single numbers of runs that runs.csv has.
+    """Return the rows of a table of runs: quantities with ± and verdict, and numbers of runs.csv.
 
     A row is there if a run has its number.
     """
-    of_runs = [columns(numbers) for numbers in every]
+    of_runs = [_table_texts(numbers) for numbers in every]
     rows = []
-    for name in dict.fromkeys(name for cells in of_runs for name in cells):
-        cells = [cells.get(name) for cells in of_runs]
-        known = [cell for cell in cells if cell is not None and cell.value is not None]
-        if not known or not known[0].said.in_table or isinstance(known[0].value, bool):
-            continue
-        head = known[0].head
-        texts = [NOTHING if cell is None else _text_of(cell) for cell in cells]
-        rows.append(NumberRow(head, texts, known[0].said))
+    for head in dict.fromkeys(head for texts in of_runs for head in texts):
+        known = [texts[head] for texts in of_runs if head in texts]
+        cells = [texts[head].text if head in texts else NOTHING for texts in of_runs]
+        if any(number.text != NOTHING for number in known):
+            rows.append(NumberRow(head, cells, known[0].said))
     return rows
 
 
-def _text_of(cell: Cell) -> str:
-    """Write a number in the unit of its head, or a text."""
-    if cell.value is None:
-        return NOTHING
-    if isinstance(cell.value, float | int):
-        return rounded(cell.said.factor * cell.value, 4)
-    return str(cell.value)
+class _TableText(NamedTuple):
+    """A number as text, with what is said of it."""
+
+    text: str
+    said: NumberField
+
+
+def _table_texts(numbers: Any) -> dict[str, _TableText]:
+    """Return the numbers of a run that a table has, by name and unit."""
+    texts = {}
+    for leaf in walk(numbers):
+        value = leaf.value
+        if isinstance(value, Quantity):
+            text = NOTHING if value.value is None else f"{value} ({value.verdict})"
+            texts[_words(leaf)] = _TableText(text, leaf.said)
+        elif leaf.said.in_table and isinstance(value, str):
+            texts[leaf.said.headed(leaf.name)] = _TableText(value, leaf.said)
+        elif leaf.said.in_table and isinstance(value, float | int):
+            text = rounded(leaf.said.factor * value, 4)
+            texts[leaf.said.headed(leaf.name)] = _TableText(text, leaf.said)
+    return texts
+
+
+def _words(leaf: Leaf) -> str:
+    """Return the words for a quantity: its own, or those of its place among the numbers."""
+    words = leaf.said.word or " ".join(leaf.path).replace("_", " ")
+    return words[:1].upper() + words[1:]
 
 
 def bands_of(numbers: Any) -> dict[str, BandQuantity]:
