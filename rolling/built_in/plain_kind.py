@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from acoustics.texts import printable
 from rolling.check import cost
 from rolling.contact.processor_time import ProcessorTime
 from rolling.kinds.heard_sound import HeardSound
@@ -20,7 +19,7 @@ from rolling.marches.effort import Effort
 from rolling.marches.piece import contact_identity
 from rolling.record.definition import Series, Variable
 from rolling.record.record_file import largest_size
-from rolling.results import plain_lines, plain_run
+from rolling.results import plain_lines, plain_run, shared_lines
 from rolling.results.plain_run import MarchedEffort, PlainNumbers, PlainRun, Solved, stored_type_of
 from rolling.run.march_files import ContactMarch, MarchesInFiles
 from rolling.scene.identity import digest
@@ -147,7 +146,7 @@ class PlainKind(MarchesInFiles):
 
     def doubt_lines(self, done: Sequence[RunFolder]) -> list[str]:
         """Return the doubts about runs, the worst first."""
-        return plain_lines.doubt_lines(done)
+        return shared_lines.doubt_lines(done)
 
     def further_lines(self, done: Sequence[RunFolder]) -> list[str]:
         """Return all numbers of runs."""
@@ -155,7 +154,7 @@ class PlainKind(MarchesInFiles):
 
     def listen_lines(self, done: Sequence[RunFolder]) -> list[str]:
         """Name the sound of the first run."""
-        return [f"listen: {printable(str(done[0].folder / LISTEN))}"]
+        return shared_lines.listen_lines(done, [("listen", LISTEN, "")])
 
     def sentences(self, runs: Sequence[PlainRun]) -> list[str]:
         """Return the sentences of a run, each with its label where there are several."""

@@ -7,7 +7,6 @@ from typing import Any
 
 from rolling.kinds.run_folder import RunFolder
 from rolling.numbers import views
-from rolling.numbers.doubt import Doubt
 from rolling.numbers.fields import walk
 from rolling.numbers.quantity import Quantity
 from rolling.results.labels import labels
@@ -42,16 +41,6 @@ def quantity_rows(runs: Sequence[RunFolder]) -> list[list[str]]:
     for label, cells in by_run.items():
         rows.append([label, *(cells.get(head, "-") for head in heads)])
     return rows
-
-
-def doubt_lines(runs: Sequence[RunFolder]) -> list[str]:
-    """Return each kind of doubt at its worst, the worst first."""
-    every: list[Doubt] = [doubt for _, numbers in _solved(runs) for doubt in numbers.doubts]
-    every.sort(key=lambda doubt: doubt.rank, reverse=True)
-    by_key: dict[str, Doubt] = {}
-    for doubt in every:
-        by_key.setdefault(doubt.key, doubt)
-    return [folded(f"doubt: {doubt.line}.") for doubt in by_key.values()]
 
 
 def number_lines(runs: Sequence[RunFolder]) -> list[str]:
