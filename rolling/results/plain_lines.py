@@ -1,4 +1,4 @@
-"""Lines about runs of any kind for a terminal: sentences, quantities, doubts, all numbers."""
+"""Lines about runs of any kind for a terminal: sentences, quantities, all numbers."""
 
 from __future__ import annotations
 
