@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rolling.check import refusals
 from rolling.check.findings import Findings, check_scene, conclusion
 from rolling.check.in_short import lines_in_short
-from rolling.heights.measured import with_copy
+from rolling.heights.measured import HeightArray, with_copy
 from rolling.kinds.figure_kind import FigureKind
 from rolling.kinds.heard_sound import FileGain, HeardSound
 from rolling.kinds.kind import Kind, Still
@@ -42,6 +42,7 @@ from rolling.run.taken import OTHER_CONTACT, TakenMarches
 from rolling.scene import file
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
+from rolling.scene.surfaces import HeightFile
 from rolling.terminal import progress
 from rolling.terminal.files import FolderError
 
@@ -123,6 +124,12 @@ class RollingBall(Kind):
     def resound(self, scene: Scene, overrides: Sequence[str]) -> Scene:
         """Return the scene of stored runs with another speed, mass, thickness or sound."""
         return file.resound(scene, overrides)
+
+    def with_heights(self, scene: Scene, heights: Any) -> Scene:
+        """Return a scene on the heights of a file or an array."""
+        if isinstance(heights, HeightFile):
+            return scene.with_(surface=heights)
+        return scene.with_(surface=HeightArray(heights, spacing_um=scene.spacing_um))
 
     def kept_scene(self, scene: Scene, folder: Path) -> Scene:
         """Return the scene as a folder keeps it, which gets a copy of heights in memory."""

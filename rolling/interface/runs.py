@@ -18,7 +18,6 @@ from acoustics.traps import ignoring_underflow
 from rolling.bearing_run.bearing_run import BearingRun
 from rolling.commands.derived import write_derived
 from rolling.contact.solver import ContactError
-from rolling.heights.measured import HeightArray
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import PAGE, RunFolder
 from rolling.results import labels
@@ -31,7 +30,6 @@ from rolling.scene import sweep as sweeps
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.scene.surfaces import HeightFile
 from rolling.scene.swept import SweptScene
 from rolling.terminal import defaults
 from rolling.terminal import progress as terminal
@@ -131,7 +129,7 @@ def simulate(
     """
     instance("scene", scene, SweptScene)
     if heights is not None:
-        scene = _with_heights(scene, heights)
+        scene = kind_of(scene).with_heights(scene, heights)
     if scene.sweep:
         keys = ", ".join(scene.sweep)
         raise SceneError([f"sweep: the scene sweeps {keys}; simulate_sweep runs all of them"])
@@ -140,15 +138,6 @@ def simulate(
         raise ContactError(next(iter(failures.values())))
     (run,) = runs.values()
     return run
-
-
-def _with_heights(scene: SweptScene, heights: Any) -> Scene:
-    """Return a scene of a sphere on other heights."""
-    instance("scene", scene, Scene)
-    assert isinstance(scene, Scene)
-    if isinstance(heights, HeightFile):
-        return scene.with_(surface=heights)
-    return scene.with_(surface=HeightArray(heights, spacing_um=scene.spacing_um))
 
 
 @ignoring_underflow

@@ -126,6 +126,15 @@ class Kind(ABC):
         """
         return file.with_overrides(scene, overrides)
 
+    def with_heights(self, scene: Any, heights: Any) -> Any:
+        """Return a scene on other heights in place of its surface.
+
+        Raises
+        ------
+        TypeError : scenes of this kind have no such surface.
+        """
+        raise TypeError(f"heights: got some, and a scene of a {self.name} has no one surface")
+
     def kept_scene(self, scene: Any, folder: Path) -> Any:
         """Return the scene of a run in memory as a folder keeps it."""
         return scene

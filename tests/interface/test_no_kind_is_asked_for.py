@@ -1,0 +1,96 @@
+"""No `if` asks for a kind of scene outside the kinds: what differs is asked of the kind itself."""
+
+from __future__ import annotations
+
+import ast
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+ROLLING = Path(__file__).parents[2] / "rolling"
+# Rooms and files that are of one kind, or make its runs and scenes, and may name it.
+OF_A_KIND = {
+    "ball": "marches and sound of a ball",
+    "bearing": "motion of a ring",
+    "bearing_contacts": "contacts of a bearing",
+    "bearing_run": "runs of bearings",
+    "built_in": "the kinds of the program",
+    "dynamics": "motion of a ball",
+    "studies": "studies of balls",
+}
+# Classes of scenes and runs of one kind.
+CLASSES = {"Scene", "BearingScene", "Run", "BearingRun", "PlainRun", "SolvedRun", "SolvedBearing"}
+# Files that still ask, and how often. A number may fall, and a file may go; nothing is added. The
+# figures are those of a ball, whose functions refuse another run.
+TO_DO = {
+    "figures/channels.py": 1,
+    "figures/contact.py": 4,
+    "figures/origins.py": 3,
+    "figures/picture.py": 1,
+    "figures/sound.py": 2,
+    "figures/vibration.py": 2,
+}
+
+
+def questions(tree: ast.AST) -> Iterator[ast.AST]:
+    """Yield the expressions of a file that ask what kind a scene, a run or a kind is."""
+    for node in ast.walk(tree):
+        if _is_of_a_class(node) or _compares_a_kind(node):
+            yield node
+
+
+def _is_of_a_class(node: ast.AST) -> bool:
+    """Tell whether an expression asks for the class of a scene or run of one kind."""
+    if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name):
+        return False
+    if node.func.id not in ("isinstance", "issubclass", "instance"):
+        return False
+    named = {one.id for argument in node.args for one in ast.walk(argument) if _is_name(one)}
+    return bool(named & CLASSES)
+
+
+def _is_name(node: ast.AST) -> bool:
+    return isinstance(node, ast.Name)
+
+
+def _compares_a_kind(node: ast.AST) -> bool:
+    """Tell whether an expression compares the name of a kind, or a type, with another one."""
+    if not isinstance(node, ast.Compare):
+        return False
+    sides = [node.left, *node.comparators]
+    texts = {side.value for side in sides if isinstance(side, ast.Constant)}
+    named = {one.id for side in sides for one in ast.walk(side) if isinstance(one, ast.Name)}
+    of_a_name = any(ast.unparse(side).endswith(("kind", "name")) for side in sides)
+    return (of_a_name and bool(texts & {"ball", "bearing"})) or bool(named & CLASSES)
+
+
+def test_the_questions_are_found() -> None:
+    text = """
+if isinstance(scene, Scene): pass
+if kind.name == "bearing": pass
+if type(run) is BearingRun: pass
+instance("scene", scene, str, Scene)
+if isinstance(scene, SweptScene) or scene.name == "ball-on-plate": pass
+if channel.of == "ball": pass
+"""
+    assert [node.lineno for node in questions(ast.parse(text))] == [2, 3, 4, 5]
+
+
+def test_rooms_of_kinds_are_there() -> None:
+    assert all((ROLLING / name).is_dir() for name in OF_A_KIND)
+
+
+def test_no_file_asks_for_a_kind_but_those_that_are_listed() -> None:
+    found: Counter[str] = Counter()
+    places = []
+    for path in sorted(ROLLING.rglob("*.py")):
+        name = path.relative_to(ROLLING).as_posix()
+        if name.split("/")[0] in OF_A_KIND:
+            continue
+        for node in questions(ast.parse(path.read_text(encoding="utf-8"))):
+            found[name] += 1
+            places.append(f"{name}:{node.lineno}: {ast.unparse(node)}")
+    more = {name: count for name, count in found.items() if count > TO_DO.get(name, 0)}
+    assert not more, "ask the kind instead:\n" + "\n".join(places)
+    fewer = {name: count for name, count in TO_DO.items() if found[name] < count}
+    assert not fewer, f"fewer are left, so lower their numbers in TO_DO: {fewer}"
