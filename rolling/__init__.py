@@ -14,7 +14,7 @@ Bearings
     BearingScene and its sections Bearing, BearingSurfaces, HousingPlate, BearingNumerics,
     BearingSound; BearingRun, BearingNumbers
 Kinds
-    register, Kind, March, MarchStore
+    register, PlainKind, March
 Runs
     simulate, simulate_sweep, choose, sensitivities, coarsest_below, open_run,
     save_run, live, plot (module), ContactError, SweepError, FolderError
@@ -36,6 +36,7 @@ __version__ = "0.9.0.dev0"
 # Public names by the module that has them.
 _NAMES = {
     "rolling.bearing_run.bearing_run": ("BearingRun",),
+    "rolling.built_in.plain_kind": ("PlainKind",),
     "rolling.check.finding": ("Finding",),
     "rolling.check.findings": ("Findings",),
     "rolling.choice.choice": ("Choice",),
@@ -50,8 +51,7 @@ _NAMES = {
     "rolling.heights.measured": ("HeightArray",),
     "rolling.interface.choices": ("choose", "coarsest_below", "sensitivities"),
     "rolling.interface.runs": ("live", "open_run", "save_run", "simulate", "simulate_sweep"),
-    "rolling.kinds.kind": ("Kind",),
-    "rolling.kinds.march": ("March", "MarchStore"),
+    "rolling.kinds.march": ("March",),
     "rolling.kinds.reading": ("read_scene",),
     "rolling.kinds.registry": ("register",),
     "rolling.numbers.ball_numbers": ("RunNumbers",),

@@ -3,6 +3,7 @@
 from rolling import check as check
 from rolling import plot as plot
 from rolling.bearing_run.bearing_run import BearingRun as BearingRun
+from rolling.built_in.plain_kind import PlainKind as PlainKind
 from rolling.check.finding import Finding as Finding
 from rolling.check.findings import Findings as Findings
 from rolling.choice.choice import Choice as Choice
@@ -27,9 +28,7 @@ from rolling.interface.runs import open_run as open_run
 from rolling.interface.runs import save_run as save_run
 from rolling.interface.runs import simulate as simulate
 from rolling.interface.runs import simulate_sweep as simulate_sweep
-from rolling.kinds.kind import Kind as Kind
 from rolling.kinds.march import March as March
-from rolling.kinds.march import MarchStore as MarchStore
 from rolling.kinds.reading import read_scene as read_scene
 from rolling.kinds.registry import register as register
 from rolling.numbers.ball_numbers import RunNumbers as RunNumbers

@@ -12,9 +12,9 @@ Examples
 >>> right = rolling.plot.contact_pressure(run, ax=ax[1])
 """
 
-from typing import Any
+from __future__ import annotations
 
-from matplotlib.axes import Axes
+from typing import TYPE_CHECKING, Any
 
 from acoustics.traps import ignoring_underflow
 from rolling.bearing_run.figures import ball_forces, envelope, load_distribution
@@ -32,6 +32,9 @@ from rolling.figures.places import places
 from rolling.figures.sound import power_density, release_power, spectrogram, third_octaves
 from rolling.figures.sweep import contact_areas, mean_third_octaves
 from rolling.figures.vibration import contact_filter, contact_force, mobilities, sources
+
+if TYPE_CHECKING:  # matplotlib is imported by the figures, which guard its settings
+    from matplotlib.axes import Axes
 
 __all__ = [
     "ball_forces", "ball_surface", "channel_envelope", "channel_spectrum", "channel_third_octaves",

@@ -25,6 +25,7 @@ from rolling.bearing_run.solved_bearing import SolvedBearing
 from rolling.bearing_run.without_faults import without_faults_of_record
 from rolling.contact.processor_time import ProcessorTime
 from rolling.contact.solver import ContactError
+from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import RESULT, RunFolder
 from rolling.marches import effort
 from rolling.marches.effort import Effort
@@ -73,7 +74,7 @@ def read_run(place: RunFolder, label: str) -> BearingRun:
     ------
     FolderError : a file is missing or damaged, or the result is that of another scene.
     """
-    stored = read_stored(place.folder)
+    stored = read_stored(place.folder, kind_of(place.scene).name)
     record, tracks = stored_run.read_result(place.folder / RESULT, place.scene)
     bearing = SolvedBearing(
         values=place.values,

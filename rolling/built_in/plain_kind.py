@@ -43,6 +43,28 @@ class PlainKind(MarchesInFiles):
         Numbers of its runs, a data class below `PlainNumbers`.
     variables : tuple of Variable
         Definitions of the arrays of its runs.
+
+    Examples
+    --------
+    >>> import numpy as np, rolling
+    >>> from rolling.results.plain_run import PlainNumbers, RunSound, Solved
+    >>> from rolling.scene.swept import PlainScene
+    >>> class Press(PlainScene):
+    ...     SECTION, TITLE = "load_n", "Scene of a ball that is pressed"
+    ...     load_n: float
+    >>> class PressedBall(rolling.PlainKind):
+    ...     name, scene_type, description = "pressed-ball", Press, "A ball that is pressed."
+    ...     numbers_type = PlainNumbers
+    ...     def marches(self, scene, film=False):
+    ...         contact = rolling.read_scene("elastic-plate").with_(load_n=scene.load_n)
+    ...         return [rolling.March(contact)]
+    ...     def solve(self, scene, marched):
+    ...         depth_um = 1e6 * marched[0].approach_m.mean()
+    ...         numbers = PlainNumbers(sentences=(f"The ball sinks in by {depth_um:.1f} um.",))
+    ...         return Solved(numbers, {}, RunSound(np.zeros(4800), "Pa", "silence"))
+    >>> kind = PressedBall()  # which `rolling.register(kind)` adds to those of the program
+    >>> kind.marches(Press(name="press", load_n=2))[0].scene.load
+    2.0
     """
 
     numbers_type: ClassVar[type[PlainNumbers]]

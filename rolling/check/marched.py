@@ -61,9 +61,9 @@ def check_contacts(contacts_of_runs: Mapping[str, Sequence[Scene]]) -> Findings:
     for name, contacts in contacts_of_runs.items():
         alone = _by_identity(contacts)
         every |= alone
-        found = [*_rules([*alone.values()])]
-        rows[name] = [one for one in found if isinstance(one, Finding)]
-        by_key = {one.key: one for one in found if isinstance(one, Doubt)}
+        judged = [*_rules([*alone.values()])]
+        rows[name] = [row for row in judged if isinstance(row, Finding)]
+        by_key = {doubt.key: doubt for doubt in judged if isinstance(doubt, Doubt)}
         doubts[name] = [*by_key.values()]
     scenes = [*every.values()]
     seconds = sum(map(forecast.march_seconds, scenes))
@@ -89,6 +89,6 @@ def _rules(contacts: Sequence[Scene]) -> Iterator[Finding | Doubt]:
     yield Finding("disk", "disk", f"about {byte_size(cost.disk(contacts))}")
     yield from refusals.excess(contacts, workers, refusals.OUTPUTS)
     for contact in contacts:
-        for found in smooth_contact_rules(contact):
-            if isinstance(found, Doubt):
-                yield found
+        for doubt in smooth_contact_rules(contact):
+            if isinstance(doubt, Doubt):
+                yield doubt

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from matplotlib.axes import Axes
 
+from acoustics.arrays import instance
 from rolling.figures.picture import Picture, csv_bytes, listed, picture, slug
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.figure_kind import FigureKind
@@ -133,6 +134,8 @@ def draw(runs: Any, name: str | None = None, ax: Axes | None = None) -> Axes:
         The runs have no such figure.
     """
     shown = listed(runs)
+    for run in shown:
+        instance("runs", run, RunFolder)
     figures = figures_of(shown)
     if name is None:
         name = next(iter(figures), "")

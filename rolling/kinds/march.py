@@ -11,12 +11,26 @@ from rolling.scene.scene import Scene
 class March(NamedTuple):
     """A march that a run needs.
 
-    scene : Scene. Contact, without a sweep.
-    name : str. What it is called where it fails; empty for the contact of the run itself.
-    is_shared : bool. Whether runs that need an equal contact share what is kept of its march. A
-        march that gets more than its track, such as that of a run with dynamics, is of one run.
-    is_first : bool. Whether the first sound of a run needs it.
-    film : bool. Whether it gets a slow motion.
+    Attributes
+    ----------
+    scene : Scene
+        Contact, without a sweep.
+    name : str
+        What it is called where it fails; empty for the contact of the run itself.
+    is_shared : bool
+        Whether runs that need an equal contact share what is kept of its march. A march that gets
+        more than its track, such as that of a run with dynamics, is of one run.
+    is_first : bool
+        Whether the first sound of a run needs it.
+    film : bool
+        Whether it gets a slow motion.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> march = rolling.March(rolling.read_scene("quickstart"), name="inner contact")
+    >>> march.failure("the load is too large")
+    'inner contact: the load is too large'
     """
 
     scene: Scene

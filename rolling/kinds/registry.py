@@ -21,7 +21,7 @@ from rolling.scene import library
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.messages import SceneError, quoted
 from rolling.scene.scene import Scene
-from rolling.scene.swept import PlainScene, SweptScene
+from rolling.scene.swept import SweptScene
 from rolling.scene.yaml_text import parse, read_text
 
 USUAL = "ball"
@@ -72,8 +72,9 @@ def _send_code_of(kind: Kind) -> None:
     # A field without a default holds the one object MISSING, which has to stay the same one.
     copyreg.pickle(type(dataclasses.MISSING), lambda _: "MISSING")
     stored = kind.stored_type.__dataclass_fields__.values()
-    classes = [type(kind), kind.scene_type, *(one.type for one in stored)]
-    for name in {one.__module__.partition(".")[0] for one in classes}:
+    of_fields = [field.type for field in stored if isinstance(field.type, type)]
+    classes = [type(kind), kind.scene_type, *of_fields]
+    for name in {class_.__module__.partition(".")[0] for class_ in classes}:
         if name not in ("rolling", "__main__", "builtins"):  # these need not, or do it anyway
             cloudpickle.register_pickle_by_value(sys.modules[name])
 
@@ -155,11 +156,3 @@ def name_of_file(path: Path | str) -> str:
         if scene_type.misspelt_section(data):
             return name
     return USUAL
-
-
-def check(scene: Any, solve: bool = True) -> Any:
-    """Judge all runs of a scene of any kind before anything is computed."""
-    return kind_of(scene).check(scene, solve)
-
-
-PlainScene.check = check

@@ -74,12 +74,12 @@ def shown_columns(runs: Sequence[Any]) -> list[ShownColumn]:
     columns = []
     is_led = False
     for name, quantities in by_name.items():
-        has_number = any(one.value is not None for one in quantities)
+        has_number = any(quantity.value is not None for quantity in quantities)
         leads = has_number and not is_led
         column = ShownColumn(
             name=name,
             remark=_remark(quantities, is_mixed),
-            cells=[_shown(one, is_mixed, leads) for one in quantities],
+            cells=[_shown(quantity, is_mixed, leads) for quantity in quantities],
         )
         columns.append(column)
         is_led = is_led or leads
@@ -99,7 +99,7 @@ def _quantities(runs: Sequence[Any]) -> dict[str, list[Quantity]]:
 
 def _remark(quantities: Sequence[Quantity], is_mixed: bool) -> str:
     """Say how quantities were found, and in which unit they are."""
-    hows = dict.fromkeys(one.how for one in quantities if one.value is not None)
+    hows = dict.fromkeys(number.how for number in quantities if number.value is not None)
     of_event = not is_mixed and quantities[0].measure == LAE
     unit = quantities[0].unit.replace("um/", "µm/")
     if of_event:
@@ -141,10 +141,10 @@ def _error(judged: Verdict) -> str:
 
 def verdict_words(runs: Sequence[Any]) -> list[tuple[str, str]]:
     """Explain the words of the verdicts on the numbers of runs."""
-    found = [*_judged(runs)]
-    words = {one.word for one in found}
+    verdicts = [*_judged(runs)]
+    words = {judged.word for judged in verdicts}
     explained = [(word, meaning) for word, meaning in WORDS.items() if word in words]
-    if any(one.error.startswith(">") for one in found):
+    if any(judged.error.startswith(">") for judged in verdicts):
         explained.append(AT_LEAST)
     return explained
 
@@ -161,8 +161,8 @@ def meanings(runs: Sequence[Any]) -> list[tuple[str, str]]:
     """Explain the numbers that runs have: name and the rest of the sentence, each meaning once."""
     explained = []
     for name, quantities in _quantities(runs).items():
-        known = [one.meaning for one in quantities if one.value is not None and one.meaning]
-        for meaning in dict.fromkeys(known):
+        known = [number.meaning for number in quantities if number.value is not None]
+        for meaning in dict.fromkeys(filter(None, known)):
             rest = meaning.removeprefix(name)
             if rest == meaning:
                 rest = f": {meaning[0].lower()}{meaning[1:]}"

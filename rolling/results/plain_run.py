@@ -18,6 +18,7 @@ from acoustics.texts import printable
 from acoustics.traps import ignoring_underflow
 from rolling.contact.processor_time import ProcessorTime
 from rolling.kinds.heard_sound import PlainSound
+from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import LISTEN, RESULT, RunFolder
 from rolling.kinds.shown_run import ShownRun
 from rolling.marches import effort
@@ -290,7 +291,7 @@ def read_run(
                 raise ValueError(f"{name}: values that are no finite numbers")
         unit, content = (printable(group.attributes[name]) for name in ("unit", "content"))
     arrays = group.arrays
-    stored = read_stored(place.folder)
+    stored = read_stored(place.folder, kind_of(place.scene).name)
     return PlainRun(
         values=place.values,
         scene=place.scene,

@@ -17,6 +17,7 @@ from acoustics.traps import ignoring_underflow
 from rolling.ball.records import bodies_of, listener_of
 from rolling.ball.scene_surface import scene_surface
 from rolling.contact.processor_time import ProcessorTime
+from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import LISTEN, RESULT, RunFolder
 from rolling.kinds.shown_run import ShownRun
 from rolling.marches import effort, force_law
@@ -299,6 +300,6 @@ def read_run(run: RunFolder, label: str) -> Run:
     FolderError : a file is missing or damaged, or the result is that of another scene or surface.
     SceneError : the heights of the scene cannot be read.
     """
-    stored = read_stored(run.folder)
+    stored = read_stored(run.folder, kind_of(run.scene).name)
     result = result_file.read_result(run.folder / RESULT, run.scene)
     return make_run(run, label, result, stored)

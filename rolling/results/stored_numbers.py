@@ -13,7 +13,7 @@ from typing import Any
 
 from rolling.contact.processor_time import ProcessorTime
 from rolling.kinds.kind import Kind
-from rolling.kinds.registry import kind_named, scene_types
+from rolling.kinds.registry import kind_named, kind_of, scene_types
 from rolling.kinds.run_folder import (
     MAX_NUMBERS,
     NUMBERS,
@@ -29,10 +29,17 @@ from rolling.terminal.files import FolderError, read_regular
 _ADVICE = "delete it, and the same command solves the run again"
 
 
-def read_stored(folder: Path) -> Any:
+def read_stored(folder: Path, kind: str = "") -> Any:
     """Read the numbers of a run from its folder, as its kind stores them.
 
     Those of a folder of version 0.8 are read from its summary.json.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder of the run.
+    kind : str
+        Name of the kind that the run must have. Default: any.
 
     Raises
     ------
@@ -44,16 +51,23 @@ def read_stored(folder: Path) -> Any:
     try:
         content = read_regular(path, MAX_NUMBERS)
         if path.name == SUMMARY:
-            return _former(content)
+            return _of_kind(_former(content), kind)
         stored_type = _kind_of_content(content).stored_type
         stored = from_bytes(stored_type, content)
         if stored.format != stored_type.format:
             raise ValueError(f"format {stored.format} of a {stored.kind}")
+        return _of_kind(stored, kind)
     except OSError as error:
         reason = error.strerror or str(error)
         raise FolderError(f"{path}: not readable ({reason}); {_ADVICE}") from error
     except (ValueError, RecursionError) as error:
         raise FolderError(f"{path}: not readable ({error}); {_ADVICE}") from error
+
+
+def _of_kind(stored: Any, kind: str) -> Any:
+    """Return stored numbers; raise ValueError where they are of another kind than a wanted one."""
+    if kind and stored.kind != kind:
+        raise ValueError(f"numbers of the kind {stored.kind}")
     return stored
 
 
@@ -99,7 +113,7 @@ def numbers_of(run: RunFolder) -> Any | None:
     """Return the numbers of a run, from its folder unless it is in memory; None without any."""
     numbers = getattr(run, "numbers", None)
     if numbers is None and (run.folder / SUMMARY).is_file():
-        numbers = read_stored(run.folder).numbers
+        numbers = read_stored(run.folder, kind_of(run.scene).name).numbers
     return numbers
 
 

@@ -9,7 +9,7 @@ run is solved.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
@@ -396,10 +396,6 @@ class PlainScene(SweptScene):
     title: str | None = None
     description: str | None = None
     sweep: Annotated[dict[str, Any], WithJsonSchema({"type": "object"})] = Field(default={})
-
-    # `check` judges the scene before it is run. Its module stands above this one, and the registry
-    # of kinds binds it.
-    check: ClassVar[Callable[..., Any]]
 
     @field_validator("sweep", mode="before")
     @classmethod

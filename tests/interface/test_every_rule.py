@@ -21,6 +21,7 @@ from scene_text import PLAIN, TINY
 
 import rolling
 from acoustics.bands import BAND_NAMES
+from rolling.check import marched as marched_check
 from rolling.check import refusals
 from rolling.check.findings import check_run, check_scene, conclusion
 from rolling.check.in_short import lines_in_short
@@ -127,6 +128,7 @@ def check_all(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     narrow = check_scene(loads(NARROW))
     assert conclusion(loads(NARROW), narrow) and lines_in_short(loads(NARROW), narrow)
     check_scene(loads(PLAIN, ("rolling.load_n=2000",)))
+    marched_check.check_contacts({"hard pressed": [loads(PLAIN, ("rolling.load_n=2000",))]})
     monkeypatch.setattr(refusals, "memory_limit", lambda: 1.0)
     monkeypatch.setattr(refusals, "free_disk", lambda folder: 1.0)
     found = check_scene(loads(TINY), solve=False)

@@ -79,7 +79,6 @@ def drawn() -> dict[str, Any]:
 LONG = (
     "acoustics.audibility",
     "rolling.choice.choice",
-    "rolling.interface.bearings",
     "rolling.interface.choices",
     "rolling.interface.runs",
     "rolling.results.channels",
@@ -98,7 +97,8 @@ def test_docstrings_say_what_comes_out(
     module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:
     """Examples run in an empty folder; a scene is named by scenarios/."""
-    is_plot = module == "rolling.plot" or module.startswith("rolling.figures.")
+    places = ("rolling.plot", "rolling.figures", "rolling.bearing_run.figures")
+    is_plot = module.startswith((*places, "rolling.kinds.shown_run"))
     (tmp_path / "scenarios").symlink_to(ROOT / "scenarios")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")

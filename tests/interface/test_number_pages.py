@@ -54,7 +54,7 @@ def test_summaries_of_runs_meet_their_schema(runs: list[Run], tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(
-    ("words", "stored"), [((), StoredNumbers), (("--bearing",), StoredBearing)]
+    ("words", "stored"), [((), StoredNumbers), (("--kind", "bearing"), StoredBearing)]
 )
 def test_command_prints_the_schema_of_summaries(
     words: tuple[str, ...], stored: type, capsys: pytest.CaptureFixture[str]

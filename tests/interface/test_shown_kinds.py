@@ -202,6 +202,7 @@ class Bells(Kind):
     name = "bell"
     scene_type = BellScene
     description = "A bell."
+    stored_type = BellNumbers
 
     def sounds(self, run: Any) -> list[PlainSound]:
         tone = 0.1 * np.sin(2 * np.pi * 500 * np.arange(4800) / 48000)

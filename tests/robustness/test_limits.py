@@ -256,7 +256,7 @@ def test_a_bearing_that_is_done_needs_no_disk(
     for name in ("result.h5", "summary.json"):
         (tmp_path / name).touch()
     monkeypatch.setattr(refusals, "free_disk", lambda folder: 1e6)
-    simulation.refuse(scene, workers=1, folder=tmp_path)
+    simulation.refuse(scene, workers=1, folder=tmp_path, unsolved=[])
     (tmp_path / "summary.json").unlink()
     with pytest.raises(SceneError, match="free some space, and the same command"):
-        simulation.refuse(scene, workers=1, folder=tmp_path)
+        simulation.refuse(scene, workers=1, folder=tmp_path, unsolved=[scene])
