@@ -14,7 +14,7 @@ Bearings
     BearingScene and its sections Bearing, BearingSurfaces, HousingPlate, BearingNumerics,
     BearingSound; BearingRun, BearingNumbers
 Kinds
-    register, PlainKind, March
+    register, PlainKind, PlainScene, March
 Runs
     simulate, simulate_sweep, choose, sensitivities, coarsest_below, open_run,
     save_run, live, plot (module), ContactError, SweepError, FolderError
@@ -92,6 +92,7 @@ _NAMES = {
         "Smooth",
         "SmoothBall",
     ),
+    "rolling.scene.swept": ("PlainScene",),
     "rolling.sound.contact_sound": ("ContactSound",),
     "rolling.sound.long_listening": ("Listening",),
     "rolling.sound.vibration_sound": ("Vibration",),

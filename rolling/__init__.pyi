@@ -65,6 +65,7 @@ from rolling.scene.surfaces import HeightFile as HeightFile
 from rolling.scene.surfaces import SelfAffine as SelfAffine
 from rolling.scene.surfaces import Smooth as Smooth
 from rolling.scene.surfaces import SmoothBall as SmoothBall
+from rolling.scene.swept import PlainScene as PlainScene
 from rolling.sound.contact_sound import ContactSound as ContactSound
 from rolling.sound.long_listening import Listening as Listening
 from rolling.sound.vibration_sound import Vibration as Vibration

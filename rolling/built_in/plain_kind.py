@@ -48,8 +48,7 @@ class PlainKind(MarchesInFiles):
     --------
     >>> import numpy as np, rolling
     >>> from rolling.results.plain_run import PlainNumbers, RunSound, Solved
-    >>> from rolling.scene.swept import PlainScene
-    >>> class Press(PlainScene):
+    >>> class Press(rolling.PlainScene):
     ...     SECTION, TITLE = "load_n", "Scene of a ball that is pressed"
     ...     load_n: float
     >>> class PressedBall(rolling.PlainKind):

@@ -390,6 +390,15 @@ class PlainScene(SweptScene):
         Subject of the scene
     sweep : dict
         Lists of values by dotted key, or values by label. All combinations are run.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> class Press(rolling.PlainScene):
+    ...     SECTION, TITLE = "load_n", "Scene of a ball that is pressed"
+    ...     load_n: float
+    >>> Press(name="press", load_n=2).with_(load_n=3).load_n
+    3.0
     """
 
     name: SceneName = Field(default=DEFAULT_NAME, pattern=PATTERN)
