@@ -165,7 +165,7 @@ def _make_site(folder: Path) -> None:
             sound = (run.folder / "listen.wav").read_bytes()
             (folder / f"{stem}.mp3").write_bytes(compressed(sound))
             if picture := film.still(run):
-                content = base64.b64decode(picture["png"].partition(",")[2])
+                content = base64.b64decode(picture.png.partition(",")[2])
                 (folder / f"{stem}.png").write_bytes(content)
             title = text.titles([run])
             if run.values:

@@ -22,6 +22,7 @@ from recognition_study import centroid_hz
 from scipy import stats
 
 from rolling.ball.scene_surface import scene_surface
+from rolling.built_in.rolling_ball import KIND
 from rolling.kinds.run_folder import RunFolder
 from rolling.results.run_result import Run, make_run
 from rolling.run.executor import RunLoop
@@ -155,9 +156,9 @@ def measured(scenes: Sequence[Scene], workers: int) -> list[dict[str, float]]:
     """Simulate scenes that share their marches, and return level and centroid of each."""
     numbers = dict[int, dict[str, float]]()
     with progress.begin(progress.Level.QUIET), progress.Bar(0.0, "", False) as bar:
-        loop = RunLoop(scenes, bar)
+        loop = RunLoop([KIND.marches(scene) for scene in scenes], KIND.march_store(), bar)
         with local_pool(workers, scenes) as pool:
-            for number, result, _ in loop.finished_runs(pool):
+            for number, (result,), _ in loop.finished_runs(pool):
                 run = make_run(RunFolder({}, scenes[number], Path()), "", result)
                 numbers[number] = _numbers(run)
                 print(f"{len(numbers)} of {len(scenes)}", end="\r", file=sys.stderr, flush=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import pickle
 import shutil
 import signal
 import socket
@@ -23,6 +22,7 @@ from memory_scenes import MEMORY
 from scene_text import TINY
 
 from rolling import cli
+from rolling.kinds import registry
 from rolling.run import folder as folders
 from rolling.run import worker
 from rolling.terminal import program
@@ -172,7 +172,7 @@ def _enter_and_leave() -> None:
 
 
 def test_a_worker_with_threads_does_one_task_at_a_time() -> None:
-    task = pickle.dumps((_enter_and_leave, ()))
+    task = registry.packed(_enter_and_leave, ())
     with ThreadPoolExecutor(3) as threads:
         list(threads.map(worker.run_task, [task] * 3, [program.identity()] * 3))
     assert _events == ["begin", "end"] * 3
