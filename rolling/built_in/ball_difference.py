@@ -142,6 +142,10 @@ def _left_out(pairs: Sequence[tuple[HeardBall, HeardBall]]) -> dict[str, float]:
             continue
         if source == BAFFLE and not all(_have_equal_baffles(*pair) for pair in pairs):
             continue
-        sizes = [math.hypot(*(one.parts_db.get(source, 0.0) for one in pair)) for pair in pairs]
+        sizes = []
+        for first, second in pairs:
+            sizes.append(
+                math.hypot(first.parts_db.get(source, 0.0), second.parts_db.get(source, 0.0))
+            )
         left_out[source] = float(np.mean(sizes))
     return left_out

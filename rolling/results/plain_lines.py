@@ -52,5 +52,7 @@ def number_lines(runs: Sequence[RunFolder]) -> list[str]:
             value = leaf.value
             text = "-" if value is None else leaf.said.text(value)
             rows.append([leaf.name, str(value) if isinstance(value, Quantity) else text])
-        lines += ["", label, *([columns(rows)] if rows else [])]
+        lines += ["", label]
+        if rows:
+            lines.append(columns(rows))
     return lines

@@ -190,7 +190,8 @@ def _add_series(
         if axis_names.get(name) == name:  # the places along a dimension, which all runs share
             dataset.coords[name] = (name, values, attributes)
             continue
-        padded = np.full((*shape, *(lengths[axis] for axis in variable.axes)), np.nan)
+        longest = tuple(lengths[axis] for axis in variable.axes)
+        padded = np.full(shape + longest, np.nan)
         for place, of_run in by_place.items():
             _, own = of_run[name]
             padded[place][tuple(map(slice, own.shape))] = own
