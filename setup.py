@@ -44,7 +44,6 @@ def index_page(readme: str, repository: str | None, revision: str) -> str:
 
 
 TABLES = (
-    "bearing_run",
     "studies",
     "results",
     "scene",

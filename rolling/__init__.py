@@ -35,8 +35,8 @@ __version__ = "0.9.0.dev0"
 
 # Public names by the module that has them.
 _NAMES = {
-    "rolling.bearing_run.bearing_run": ("BearingRun",),
-    "rolling.built_in.plain_kind": ("PlainKind",),
+    "rolling.bearing_kind.bearing_run": ("BearingRun",),
+    "rolling.plain_kind.plain_kind": ("PlainKind",),
     "rolling.check.finding": ("Finding",),
     "rolling.check.findings": ("Findings",),
     "rolling.choice.choice": ("Choice",),
@@ -48,10 +48,10 @@ _NAMES = {
     "rolling.contact.single_contact": ("Contact", "WarmStart", "solve_contact"),
     "rolling.contact.solver": ("ContactError",),
     "rolling.contact.state": ("ContactState", "RollingContact"),
-    "rolling.heights.measured": ("HeightArray",),
+    "rolling.in_si.measured": ("HeightArray",),
     "rolling.interface.choices": ("choose", "coarsest_below", "sensitivities"),
     "rolling.interface.runs": ("live", "open_run", "save_run", "simulate", "simulate_sweep"),
-    "rolling.kinds.march": ("March",),
+    "rolling.kinds.needed_marches": ("March",),
     "rolling.kinds.reading": ("read_scene",),
     "rolling.kinds.registry": ("register",),
     "rolling.numbers.ball_numbers": ("RunNumbers",),
@@ -69,7 +69,7 @@ _NAMES = {
         "BearingSurfaces",
         "HousingPlate",
     ),
-    "rolling.scene.channels": ("SoundChannel",),
+    "rolling.scene.transducers": ("SoundChannel",),
     "rolling.scene.laws": ("SurfaceFault",),
     "rolling.scene.messages": ("SceneError",),
     "rolling.scene.scene": ("Scene",),
@@ -97,7 +97,7 @@ _NAMES = {
     "rolling.sound.long_listening": ("Listening",),
     "rolling.sound.vibration_sound": ("Vibration",),
     "rolling.surface.parameters": ("surface_parameters",),
-    "rolling.terminal.files": ("FolderError",),
+    "rolling.terminal.whole_files": ("FolderError",),
 }
 _SUBMODULES = {
     "check": "rolling.check",

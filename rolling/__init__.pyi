@@ -2,8 +2,7 @@
 
 from rolling import check as check
 from rolling import plot as plot
-from rolling.bearing_run.bearing_run import BearingRun as BearingRun
-from rolling.built_in.plain_kind import PlainKind as PlainKind
+from rolling.bearing_kind.bearing_run import BearingRun as BearingRun
 from rolling.check.finding import Finding as Finding
 from rolling.check.findings import Findings as Findings
 from rolling.choice.choice import Choice as Choice
@@ -19,7 +18,7 @@ from rolling.contact.single_contact import solve_contact as solve_contact
 from rolling.contact.solver import ContactError as ContactError
 from rolling.contact.state import ContactState as ContactState
 from rolling.contact.state import RollingContact as RollingContact
-from rolling.heights.measured import HeightArray as HeightArray
+from rolling.in_si.measured import HeightArray as HeightArray
 from rolling.interface.choices import choose as choose
 from rolling.interface.choices import coarsest_below as coarsest_below
 from rolling.interface.choices import sensitivities as sensitivities
@@ -28,7 +27,7 @@ from rolling.interface.runs import open_run as open_run
 from rolling.interface.runs import save_run as save_run
 from rolling.interface.runs import simulate as simulate
 from rolling.interface.runs import simulate_sweep as simulate_sweep
-from rolling.kinds.march import March as March
+from rolling.kinds.needed_marches import March as March
 from rolling.kinds.reading import read_scene as read_scene
 from rolling.kinds.registry import register as register
 from rolling.numbers.ball_numbers import RunNumbers as RunNumbers
@@ -36,6 +35,7 @@ from rolling.numbers.bearing_numbers import BearingNumbers as BearingNumbers
 from rolling.numbers.doubt import Doubt as Doubt
 from rolling.numbers.quantity import BandQuantity as BandQuantity
 from rolling.numbers.quantity import Quantity as Quantity
+from rolling.plain_kind.plain_kind import PlainKind as PlainKind
 from rolling.results.channels import Channel as Channel
 from rolling.results.run_result import Run as Run
 from rolling.run.sweep_runs import Runs as Runs
@@ -46,7 +46,6 @@ from rolling.scene.bearing_sections import BearingNumerics as BearingNumerics
 from rolling.scene.bearing_sections import BearingSound as BearingSound
 from rolling.scene.bearing_sections import BearingSurfaces as BearingSurfaces
 from rolling.scene.bearing_sections import HousingPlate as HousingPlate
-from rolling.scene.channels import SoundChannel as SoundChannel
 from rolling.scene.laws import SurfaceFault as SurfaceFault
 from rolling.scene.messages import SceneError as SceneError
 from rolling.scene.scene import Scene as Scene
@@ -66,10 +65,11 @@ from rolling.scene.surfaces import SelfAffine as SelfAffine
 from rolling.scene.surfaces import Smooth as Smooth
 from rolling.scene.surfaces import SmoothBall as SmoothBall
 from rolling.scene.swept import PlainScene as PlainScene
+from rolling.scene.transducers import SoundChannel as SoundChannel
 from rolling.sound.contact_sound import ContactSound as ContactSound
 from rolling.sound.long_listening import Listening as Listening
 from rolling.sound.vibration_sound import Vibration as Vibration
 from rolling.surface.parameters import surface_parameters as surface_parameters
-from rolling.terminal.files import FolderError as FolderError
+from rolling.terminal.whole_files import FolderError as FolderError
 
 __version__: str

@@ -121,7 +121,7 @@ def _print_faults_of_scene(given: argparse.Namespace) -> None:
 def _code_of(error: Exception) -> int:
     """Return the exit code of an error that a user can mend, or raise another error."""
     from rolling.scene.messages import SceneError
-    from rolling.terminal.files import FolderError
+    from rolling.terminal.whole_files import FolderError
 
     if isinstance(error, SceneError | FolderError):
         return BAD_INPUT
@@ -203,14 +203,14 @@ def _status(given: argparse.Namespace) -> int:
 def _table(given: argparse.Namespace) -> int:
     """Gather the numbers of a sweep."""
     with progress.step(LOADING):
-        from rolling.commands.stored import table
+        from rolling.commands.stored_runs import table
     return _print_paths(table(given.folder, given.numbers, given.against, given.over))
 
 
 def _plot(given: argparse.Namespace) -> int:
     """Draw single figures of a run."""
     with progress.step(LOADING):
-        from rolling.commands.stored import plot
+        from rolling.commands.stored_runs import plot
     paths = plot(given.folder, given.names, given.form, given.out)
     if not paths:  # a warning says why no picture could be drawn
         return FAILED
@@ -234,21 +234,21 @@ def _resound(given: argparse.Namespace) -> int:
 def _report(given: argparse.Namespace) -> int:
     """Write the page of runs."""
     with progress.step(LOADING):
-        from rolling.commands.stored import report
+        from rolling.commands.stored_runs import report
     return _print_paths(report(given.run_folders, given.out))
 
 
 def _gallery(given: argparse.Namespace) -> int:
     """Write one page of many runs."""
     with progress.step(LOADING):
-        from rolling.commands.stored import gallery
+        from rolling.commands.stored_runs import gallery
     return _print_paths(gallery(given.run_folders, given.out))
 
 
 def _listen(given: argparse.Namespace) -> int:
     """Write a long record of a run."""
     with progress.step(LOADING):
-        from rolling.commands.stored import listen
+        from rolling.commands.stored_runs import listen
     return _print_paths(listen(given.folder, given.seconds, given.speed, given.seed))
 
 
@@ -261,8 +261,8 @@ def _choose(given: argparse.Namespace) -> int:
     if given.below is not None:
         return _below(scenes[0], given)
     with progress.step(LOADING):
+        from rolling.choice.choose_command import print_choice, write_choice
         from rolling.choice.choosing import choose_scenes
-        from rolling.choice.command import print_choice, write_choice
     choice = choose_scenes(scenes, given.out, _budget(given, defaults.WITHIN_DB), given.workers)
     choice = replace(choice, command=_repeating(given, choice.tried, choice.folder))
     write_choice(choice)
@@ -332,7 +332,7 @@ def _refuse_odd_choice(given: argparse.Namespace) -> None:
 def _improve(scene: Any, given: argparse.Namespace) -> int:
     """Say what would make a scene quieter."""
     with progress.step(LOADING):
-        from rolling.choice.command import print_advice
+        from rolling.choice.choose_command import print_advice
         from rolling.choice.sensitivity import improve_scene, write_sensitivities
     found = improve_scene(
         scene=scene,
@@ -350,7 +350,7 @@ def _improve(scene: Any, given: argparse.Namespace) -> int:
 def _below(scene: Any, given: argparse.Namespace) -> int:
     """Find the coarsest value with which a scene stays below a level."""
     with progress.step(LOADING):
-        from rolling.choice.command import print_advice
+        from rolling.choice.choose_command import print_advice
         from rolling.choice.limit_search import coarsest_value, write_limit
     limit = coarsest_value(
         scene=scene,

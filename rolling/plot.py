@@ -17,21 +17,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from acoustics.traps import ignoring_underflow
-from rolling.bearing_run.figures import ball_forces, envelope, load_distribution
+from rolling.bearing_kind.bearing_figures import ball_forces, envelope, load_distribution
 from rolling.figures.article import max_level_over_load, spectra_over_load
 from rolling.figures.catalogue import draw
-from rolling.figures.channels import (
+from rolling.figures.channel_figures import (
     channel_envelope,
     channel_spectrum,
     channel_third_octaves,
 )
-from rolling.figures.contact import ball_surface, contact_pressure, recovery_events, surface
-from rolling.figures.levels import levels
+from rolling.figures.contact_figures import ball_surface, contact_pressure, recovery_events, surface
+from rolling.figures.level_figures import levels
 from rolling.figures.origins import modulation, running_in, wavelengths
-from rolling.figures.places import places
-from rolling.figures.sound import power_density, release_power, spectrogram, third_octaves
-from rolling.figures.sweep import contact_areas, mean_third_octaves
-from rolling.figures.vibration import contact_filter, contact_force, mobilities, sources
+from rolling.figures.place_figures import places
+from rolling.figures.sound_figures import power_density, release_power, spectrogram, third_octaves
+from rolling.figures.sweep_figures import contact_areas, mean_third_octaves
+from rolling.figures.vibration_figures import contact_filter, contact_force, mobilities, sources
 
 if TYPE_CHECKING:  # matplotlib is imported by the figures, which guard its settings
     from matplotlib.axes import Axes

@@ -106,15 +106,15 @@ def main(words: list[str]) -> int:
 def made(scenes: Mapping[str, Sequence[str]], out: Path, workers: int, report: bool = True) -> Path:
     """Run scenes with their settings into folders of their names; return the gallery of them."""
     from rolling import read_scene
-    from rolling.commands import run, stored
+    from rolling.commands import run, stored_runs
 
     for name, settings in scenes.items():
         print(f"== {name}", flush=True)
         scene = read_scene(name, settings)
         run.run_scene(scene, out / name, workers=workers, report=report)
-    page = out / stored.GALLERY
+    page = out / stored_runs.GALLERY
     page.unlink(missing_ok=True)
-    print(*stored.gallery([out / name for name in scenes], page))
+    print(*stored_runs.gallery([out / name for name in scenes], page))
     return page
 
 

@@ -2,7 +2,7 @@
 
 - `doubt`: a doubt about the numbers of a run, and a row of the check
 - `findings`: `check_scene` judges all runs of a scene, `check_run` a single run
-- `resolution`, `heights`, `validity`, `vibration`, `comb`, `level`: rules by subject, namely
+- `resolution`, `height_findings`, `validity`, `vibration_limits`, `comb_spread`, `level_doubts`: rules by subject, namely
   spacing, steps and record; heights from a file and made; limits of the model, and of it with
   dynamics; a short lap; the level itself
 - `force_estimate`: contact force from the statistics of the surface

@@ -5,10 +5,10 @@ import os
 from collections.abc import Sequence
 
 from acoustics.numbers import clock
-from rolling.ball.records import bodies_of, smooth_contact_of
-from rolling.ball.scene_surface import scene_surface
 from rolling.contact import closed_forms
 from rolling.dynamics import drop
+from rolling.in_si.physics_of_scene import bodies_of, smooth_contact_of
+from rolling.in_si.scene_surface import scene_surface
 from rolling.scene import grid_error
 from rolling.scene.scene import Scene
 from rolling.surface import refined

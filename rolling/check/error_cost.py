@@ -7,8 +7,8 @@ do not depend on the speed of a machine.
 import math
 from dataclasses import dataclass, replace
 
-from rolling.ball.scene_surface import has_detail, scene_surface
 from rolling.check import cost
+from rolling.in_si.scene_surface import has_detail, scene_surface
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 

@@ -18,22 +18,22 @@ from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.numbers import byte_size, rounded, si
 from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
-from rolling.ball import scene_surface
-from rolling.ball.records import smooth_contact_of
 from rolling.check import (
-    comb,
+    comb_spread,
     cost,
     error_cost,
     forecast,
-    heights,
-    level,
+    height_findings,
+    level_doubts,
     narrow_surface,
     refusals,
     resolution,
     validity,
-    vibration,
+    vibration_limits,
 )
 from rolling.check.finding import Finding
+from rolling.in_si import scene_surface
+from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.identity import contact_keys, digest
 from rolling.scene.scene import Scene
@@ -46,9 +46,9 @@ if TYPE_CHECKING:
     from rolling.check.probe import Probe
 
 # Keys of the rows of marches whose time follows that of the track.
-OTHER_MARCHES = ("error_estimate", "instrument_marches", "force_law", vibration.OWN_MARCH)
+OTHER_MARCHES = ("error_estimate", "instrument_marches", "force_law", vibration_limits.OWN_MARCH)
 # Keys of doubts that stand beside every level, and are no warnings.
-BESIDE_LEVELS = (*level.SOURCES, resolution.LEVEL_KEY)
+BESIDE_LEVELS = (*level_doubts.SOURCES, resolution.LEVEL_KEY)
 RUNS_ABREAST = 5  # columns of the table
 MIN_HERTZ_NODES = 10  # across the Hertz radius
 
@@ -93,7 +93,7 @@ class Findings(Sequence[Finding]):
     of_all: tuple[tuple[str, str], ...] = ()
     excess: tuple[Doubt, ...] = ()
     seconds: float = 0.0
-    quantities: dict[str, level.Forecasts] = field(default_factory=dict)
+    quantities: dict[str, level_doubts.Forecasts] = field(default_factory=dict)
 
     @property
     def warnings(self) -> list[str]:
@@ -215,12 +215,12 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
         probes = probe.probes(scenes)
     rows: dict[str, list[Finding]] = {}
     doubts: dict[str, list[Doubt]] = {}
-    quantities: dict[str, level.Forecasts] = {}
+    quantities: dict[str, level_doubts.Forecasts] = {}
     with progress.step("judging the numbers of the scene"):
         for run, solved in zip(runs, probes, strict=True):
             name = run_name(run.values) or scene.name
             rows[name], doubts[name] = check_run(run.scene, solved)
-            quantities[name] = level.forecasts(run.scene, doubts[name])
+            quantities[name] = level_doubts.forecasts(run.scene, doubts[name])
     seconds = _core_seconds(scenes, [*rows.values()])
     whole = f"{forecast.takes(seconds)}, with start, files and page"
     if len(runs) == 1:
@@ -242,7 +242,7 @@ def _core_seconds(scenes: Sequence[Scene], rows: Sequence[Sequence[Finding]]) ->
     """
     times: dict[tuple[str, object], float] = {}  # by row and surface, march or run
     for number, (scene, of_run) in enumerate(zip(scenes, rows, strict=True)):
-        own = {vibration.OWN_MARCH: number, forecast.SURFACE: scene_surface.identity(scene)}
+        own = {vibration_limits.OWN_MARCH: number, forecast.SURFACE: scene_surface.identity(scene)}
         march = digest(contact_keys(scene))
         slow = _slowness(scene, of_run)
         for finding in of_run:
@@ -293,9 +293,9 @@ def check_run(scene: Scene, solved: Probe | None = None) -> RunCheck:
     Raise SceneError for a height file that cannot be used.
     """
     rows_and_doubts: list[Finding | Doubt] = [
-        *level.of_source(scene),
+        *level_doubts.of_source(scene),
         *scene_rules(scene),
-        *level.of_grid(scene),
+        *level_doubts.of_grid(scene),
     ]
     is_narrow = any(x.key == "window" for x in rows_and_doubts if isinstance(x, Doubt))
     if not is_narrow and not refusals.excess([scene], 1, None):
@@ -317,12 +317,12 @@ def scene_rules(scene: Scene) -> Iterator[Finding | Doubt]:
     yield from smooth_contact_rules(scene)
     yield from resolution.rules(scene)
     if fits:
-        yield from heights.rules(scene)
+        yield from height_findings.rules(scene)
     yield from validity.rules(scene)
     if scene.dynamics is not None:
-        yield from vibration.rules(scene)
+        yield from vibration_limits.rules(scene)
     if fits:
-        yield from comb.rules(scene)
+        yield from comb_spread.rules(scene)
     yield from resolution.record(scene)
 
 

@@ -11,9 +11,9 @@ import math
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.ball.records import bodies_of, smooth_contact_of
 from rolling.check import cost
 from rolling.dynamics.comb import NEAR_SPEEDS
+from rolling.in_si.physics_of_scene import bodies_of, smooth_contact_of
 from rolling.scene.laws import HeightLaw
 from rolling.scene.scene import Scene
 from rolling.surface import made

@@ -7,9 +7,9 @@ runs.
 
 from collections.abc import Sequence
 
-from rolling.ball.records import bodies_of, plate_of
 from rolling.check import cost, error_cost
 from rolling.check.finding import Finding
+from rolling.in_si.physics_of_scene import bodies_of, plate_of
 from rolling.scene.scene import Scene
 
 SHORT = 10.0  # [s] below which a forecast is a few seconds

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from rolling.ball.records import smooth_contact_of
 from rolling.check import cost
+from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.scene.scene import Scene
 
 # Heights over their rms, above which no summit of a Gaussian or another law is expected.

@@ -40,7 +40,7 @@ def rules(scene: Scene) -> Iterator[Doubt]:
         )
     if not seeds:
         return
-    first = next(iter(seeds.values()))  # as `rolling.built_in.ball_specimens` takes it
+    first = next(iter(seeds.values()))  # as `rolling.ball_kinds.ball_specimens` takes it
     count = min(SPECIMENS, MAX_NODES // nodes)
     known = {first: is_narrow} if set(seeds.values()) == {first} else {}
     narrow = []

@@ -15,8 +15,6 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.numbers import clock, rounded, si
-from rolling.ball import scene_surface
-from rolling.ball.contact_of_scene import rolling_contact
 from rolling.check import cost
 from rolling.check.error_cost import COLD_STEPS
 from rolling.check.finding import Finding
@@ -28,6 +26,8 @@ from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.subcells import half_space_of
+from rolling.in_si import scene_surface
+from rolling.in_si.contact_of_scene import rolling_contact
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile

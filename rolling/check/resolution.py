@@ -12,9 +12,9 @@ import numpy as np
 
 from acoustics import bands
 from acoustics.numbers import micrometres, rounded, rounded_down, rounded_up, si
-from rolling.ball.records import smooth_contact_of
 from rolling.check.finding import Finding
 from rolling.contact.track import MIN_SHARE
+from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.numbers.doubt import Doubt, Severity, sized
 from rolling.numbers.quantity import SERIES
 from rolling.scene import grid_error

@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterator
 
 from acoustics.numbers import rounded, rounded_up, si
-from rolling.ball.records import smooth_contact_of
 from rolling.check import cost, resolution
 from rolling.check.finding import Finding
+from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene import library
 from rolling.scene.messages import plain_number

@@ -14,13 +14,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rolling.ball.contact_of_scene import rolling_contact
 from rolling.check.highest_summit import hertz_approach, is_surely_wide_enough
 from rolling.contact import closed_forms, solver
 from rolling.contact.march import march
 from rolling.contact.solver import ContactError
 from rolling.contact.state import RollingContact, Window
 from rolling.contact.subcells import half_space_of
+from rolling.in_si.contact_of_scene import rolling_contact
 from rolling.scene.scene import Scene
 
 SAMPLES = 8  # positions whose approach tells that of the others

@@ -24,13 +24,13 @@ from acoustics.texts import printable
 from rolling.choice.candidate import MAX_CANDIDATES, Candidate
 from rolling.choice.difference import Difference, paired_difference
 from rolling.choice.drawing import AS_IT_IS, LeftOut, WantedValue
-from rolling.choice.heard import Heard, HeardQuantity, Specimen, read_record, write_record
-from rolling.choice.solving import RunSolver, Solver
+from rolling.choice.heard_specimen import Heard, HeardQuantity, Specimen, read_record, write_record
+from rolling.choice.specimen_solving import RunSolver, Solver
 from rolling.contact.solver import ContactError
 from rolling.kinds.heard_sound import HeardSound, PlainSound, played_sound
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import LISTEN, RunFolder
-from rolling.numbers.files import Provenance
+from rolling.numbers.file_facts import Provenance
 from rolling.results.labels import value_at
 from rolling.results.provenance import program_provenance
 from rolling.run.pools import local_pool
@@ -39,7 +39,7 @@ from rolling.scene.messages import SceneError, quoted
 from rolling.terminal import progress
 
 if TYPE_CHECKING:
-    from rolling.choice.comparison import ChoiceNumbers, Contender
+    from rolling.choice.choice_numbers import ChoiceNumbers, Contender
     from rolling.numbers.doubt import Doubt
 
 SOUND = HeardQuantity(name="sound", words="sound", column="sound_db", leads=True)

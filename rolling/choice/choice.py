@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from acoustics.traps import ignoring_underflow
-from rolling.choice import doubts, table, words
-from rolling.choice.comparison import ChoiceNumbers
+from rolling.choice import choice_doubts, choice_sentences, choice_table
+from rolling.choice.choice_numbers import ChoiceNumbers
 from rolling.numbers.doubt import Doubt
 
 if TYPE_CHECKING:
@@ -73,12 +73,12 @@ class Choice(ChoiceNumbers):
     @property
     def sentences(self) -> list[str]:
         """Who is quieter, by how much and how sure; where the difference lies; one doubt."""
-        return words.sentences(self)
+        return choice_sentences.sentences(self)
 
     @property
     def doubts(self) -> list[Doubt]:
         """What limits the answer, and notes: what was assumed, and what the ± leaves out."""
-        return doubts.doubts(self)
+        return choice_doubts.doubts(self)
 
     def table(self) -> pd.DataFrame:
         """Tabulate the candidates, the quietest first.
@@ -90,7 +90,7 @@ class Choice(ChoiceNumbers):
             specimens, how much louder it is than the quietest, with its ± and where that comes
             from; of balls also the released power, dB(A).
         """
-        return table.frame(self)
+        return choice_table.frame(self)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw how much louder each candidate is than the quietest, by third octave, with ±.
@@ -106,15 +106,15 @@ class Choice(ChoiceNumbers):
         -------
         ax : Axes
         """
-        from rolling.choice.picture import draw
+        from rolling.choice.choice_picture import draw
         from rolling.figures.picture import axes_of
 
         return draw(self, axes_of(ax))
 
     def __repr__(self) -> str:
-        return "\n".join([*self.sentences, table.lines(self)])
+        return "\n".join([*self.sentences, choice_table.lines(self)])
 
     def _repr_html_(self) -> str:
         """Write sentences and table for a notebook."""
         paragraphs = "".join(f"<p>{html.escape(text)}</p>" for text in self.sentences)
-        return f"{paragraphs}<pre>{html.escape(table.lines(self))}</pre>"
+        return f"{paragraphs}<pre>{html.escape(choice_table.lines(self))}</pre>"

@@ -10,14 +10,14 @@ from typing import Any, NamedTuple
 
 from acoustics.pairs import FIRST_PAIRS, LOOKS, pairs_needed
 from rolling.check import cost, forecast, refusals
-from rolling.choice import words
+from rolling.choice import choice_sentences
 from rolling.choice.audition import Audition, audition_of
 from rolling.choice.candidate import Candidate
 from rolling.choice.choice import Choice
-from rolling.choice.comparison import Contender, OmittedPair, leading_of
-from rolling.choice.heard import Specimen
+from rolling.choice.choice_numbers import Contender, OmittedPair, leading_of
+from rolling.choice.heard_specimen import Specimen
 from rolling.choice.omissions import refuse_many
-from rolling.choice.solving import Solver
+from rolling.choice.specimen_solving import Solver
 from rolling.kinds.registry import kind_of
 from rolling.run import choice_folder
 from rolling.run import folder as folders
@@ -227,7 +227,7 @@ def _until_known(
     clock = Clock(budget)
     for count in looks:
         choice = _choice(work, work.hear(candidates, count), budget)
-        progress.line(f"{choice.pairs} {noun}: {words.in_short(choice)}")
+        progress.line(f"{choice.pairs} {noun}: {choice_sentences.in_short(choice)}")
         if pairs_needed_of(choice) <= choice.pairs:
             return choice
         if clock.is_over and count < looks[-1]:

@@ -25,7 +25,7 @@ from scipy.stats import t as student
 from acoustics.arrays import Array
 from acoustics.pairs import SURE
 from acoustics.texts import printable
-from rolling.choice.heard import HeardQuantity
+from rolling.choice.heard_specimen import HeardQuantity
 from rolling.results import labels
 from rolling.scene import library
 from rolling.scene.surfaces import GRADES

@@ -19,7 +19,7 @@ from rolling.choice import drawing
 from rolling.choice.audition import audition_of
 from rolling.choice.candidate import Candidate
 from rolling.choice.choosing import OpenChoice, default_folder, open_choice
-from rolling.choice.heard import HeardQuantity
+from rolling.choice.heard_specimen import HeardQuantity
 from rolling.choice.limit import (
     FEWEST,
     FINISH,
@@ -38,7 +38,7 @@ from rolling.contact.solver import ContactError
 from rolling.results import labels
 from rolling.scene.messages import SceneError, is_number, nearest, plain_number, quoted
 from rolling.scene.models import full_key
-from rolling.terminal import defaults, files, progress
+from rolling.terminal import defaults, progress, whole_files
 
 TIMES = 5.0  # usual range: the value over this number to the value times it
 RESOLUTION = 1.05  # ratio of the last two values of the search
@@ -370,8 +370,8 @@ def write_limit(result: Limit) -> list[Path]:
     from rolling.figures.settings import left_out_if_it_fails
 
     written = [result.folder / TABLE]
-    files.write_bytes(written[0], csv_bytes(result.table()))
+    whole_files.write_bytes(written[0], csv_bytes(result.table()))
     with left_out_if_it_fails("below"):
-        files.write_bytes(result.folder / PICTURE, limit_picture(result))
+        whole_files.write_bytes(result.folder / PICTURE, limit_picture(result))
         written.append(result.folder / PICTURE)
     return written

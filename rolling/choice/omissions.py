@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from rolling.choice.comparison import OmittedPair
-from rolling.choice.heard import Specimen, StoredFailure
+from rolling.choice.choice_numbers import OmittedPair
+from rolling.choice.heard_specimen import Specimen, StoredFailure
 from rolling.contact.solver import ContactError
 from rolling.kinds.run_folder import FAILED
 from rolling.marches.piece import contact_identity
-from rolling.numbers.stored import to_bytes
-from rolling.terminal import files
+from rolling.numbers.number_files import to_bytes
+from rolling.terminal import whole_files
 
 FEW = 10  # pairs; of fewer, up to half may be left out
 MOST_OF_FEW = 0.5  # share of few pairs, which is refused itself
@@ -20,9 +20,9 @@ MOST_OF_MANY = 0.1  # share of ten pairs or more, above which a choice ends
 
 def remember(home: Path, specimen: Specimen, reason: str) -> None:
     """Write why the contact of a specimen has no solution, so that it is not marched again."""
-    files.make_below(home, specimen.folder)
+    whole_files.make_below(home, specimen.folder)
     failure = StoredFailure(reason=reason, contact=contact_identity(specimen.scene))
-    files.write_bytes(specimen.folder / FAILED, to_bytes(failure))
+    whole_files.write_bytes(specimen.folder / FAILED, to_bytes(failure))
 
 
 def forget(specimen: Specimen) -> None:

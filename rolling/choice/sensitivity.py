@@ -21,17 +21,17 @@ from acoustics.texts import printable
 from rolling.choice import drawing
 from rolling.choice.audition import audition_of
 from rolling.choice.candidate import Candidate
+from rolling.choice.choice_doubts import left_out_text
+from rolling.choice.choice_numbers import Contender, OmittedPair, leading_of
 from rolling.choice.choosing import OpenChoice, default_folder, open_choice
-from rolling.choice.comparison import Contender, OmittedPair, leading_of
 from rolling.choice.difference import Difference
-from rolling.choice.doubts import left_out_text
 from rolling.choice.drawing import ChangedValue, LeftOut
-from rolling.choice.heard import HeardQuantity
+from rolling.choice.heard_specimen import HeardQuantity
 from rolling.contact.solver import ContactError
 from rolling.run.budget import Budget, Clock
 from rolling.scene.messages import SceneError, quoted
 from rolling.scene.models import full_key
-from rolling.terminal import defaults, files, progress
+from rolling.terminal import defaults, progress, whole_files
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -442,10 +442,10 @@ def write_sensitivities(result: Sensitivities) -> list[Path]:
     from rolling.figures.settings import left_out_if_it_fails
 
     written = [result.folder / TABLE]
-    files.write_bytes(written[0], csv_bytes(result.table()))
+    whole_files.write_bytes(written[0], csv_bytes(result.table()))
     if result.rows:
         with left_out_if_it_fails("improve"):
-            files.write_bytes(result.folder / PICTURE, sensitivities_picture(result))
+            whole_files.write_bytes(result.folder / PICTURE, sensitivities_picture(result))
             written.append(result.folder / PICTURE)
     return written
 

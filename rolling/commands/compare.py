@@ -8,17 +8,17 @@ from typing import Any
 
 from rolling.commands.run import run_scene
 from rolling.figures.picture import csv_bytes, slug
-from rolling.recordings.comparison import RecordingComparison, words
-from rolling.recordings.comparison import compare as compare_record
 from rolling.recordings.recorded import quantity_of
+from rolling.recordings.recording_comparison import RecordingComparison, words
+from rolling.recordings.recording_comparison import compare as compare_record
 from rolling.report import bench as benches
 from rolling.report import recording_page, synthetic_bench
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs
 from rolling.scene.height_files import holds
-from rolling.terminal import files, progress
-from rolling.terminal.files import FolderError
+from rolling.terminal import progress, whole_files
 from rolling.terminal.streams import folded
+from rolling.terminal.whole_files import FolderError
 
 
 def compare(
@@ -120,8 +120,8 @@ def _write_comparison(
     content = recording_page.page(run, comparison)
     numbers = csv_bytes(comparison.table)
     page = _free_page(folder / f"compare-{slug(recording.name)[:80]}.html", content, numbers)
-    files.write_bytes(page.with_suffix(".csv"), numbers)
-    files.write_bytes(page, content)
+    whole_files.write_bytes(page.with_suffix(".csv"), numbers)
+    whole_files.write_bytes(page, content)
     if not progress.is_quiet():
         print(*map(folded, comparison.notes), sep="\n")
         for heading, table in words(comparison).items():

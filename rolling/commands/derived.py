@@ -21,8 +21,8 @@ from rolling.run import folder as folders
 from rolling.run.ending import Ending
 from rolling.run.kept_runs import KeptRuns
 from rolling.run.solving import open_runs
-from rolling.terminal import defaults, files, progress
-from rolling.terminal.files import FolderError
+from rolling.terminal import defaults, progress, whole_files
+from rolling.terminal.whole_files import FolderError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -78,7 +78,7 @@ def write_derived(ending: Ending, runs: Sequence[RunFolder], report: bool) -> No
     content, spent = _drawn(ending, done, unsolved)
     for run in done:  # before the page, which must not be older than a summary
         write_stored(run.folder, with_page(read_stored(run.folder), spent, len(done)))
-    files.write_bytes(folder / PAGE, content)
+    whole_files.write_bytes(folder / PAGE, content)
 
 
 def _drawn(
@@ -88,7 +88,7 @@ def _drawn(
 
     Where the command has several processes, one draws the figures and another one the page.
     """
-    page_file = ending.folder / f".{PAGE}{files.PARTIAL}"
+    page_file = ending.folder / f".{PAGE}{whole_files.PARTIAL}"
     names = labels.labels(unsolved) if unsolved else []
     calls: list[tuple[Any, ...]] = []
     if figures.has_written_figures(done):
@@ -140,10 +140,10 @@ def _page_file(
     unsolved: Sequence[str],
 ) -> None:
     """Write the page of runs into a file."""
-    from rolling.report import page  # slow to import, for pages only
+    from rolling.report import report_page  # slow to import, for pages only
 
-    content = page.page(open_runs(done, kept.read), unsolved)
-    files.write_bytes(path, content)
+    content = report_page.page(open_runs(done, kept.read), unsolved)
+    whole_files.write_bytes(path, content)
 
 
 def write_tables(runs: Sequence[RunFolder], folder: Path) -> list[Path]:
@@ -163,12 +163,14 @@ def write_tables(runs: Sequence[RunFolder], folder: Path) -> list[Path]:
 def write_table(frame: pd.DataFrame, path: Path) -> None:
     """Write a table as CSV, without a text that a spreadsheet takes for a formula."""
     safe = runs_table.without_formulas(frame)
-    files.write_bytes(path, safe.to_csv(lineterminator="\n").encode("utf-8", "backslashreplace"))
+    whole_files.write_bytes(
+        path, safe.to_csv(lineterminator="\n").encode("utf-8", "backslashreplace")
+    )
 
 
 def write_report(runs: Sequence[Any], folder: Path, unsolved: Sequence[RunFolder]) -> None:
     """Write the figures and the page of runs into their folder."""
-    from rolling.report import page
+    from rolling.report import report_page
 
     if figures.has_written_figures(runs):
         with progress.step("drawing the figures"):
@@ -177,4 +179,4 @@ def write_report(runs: Sequence[Any], folder: Path, unsolved: Sequence[RunFolder
         names: list[str] = []
         if unsolved:
             names = labels.labels(unsolved)
-        files.write_bytes(folder / PAGE, page.page(runs, names))
+        whole_files.write_bytes(folder / PAGE, report_page.page(runs, names))

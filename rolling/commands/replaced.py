@@ -13,7 +13,7 @@ from pathlib import Path
 
 from PIL import PngImagePlugin
 
-from rolling.terminal.files import FolderError, read_regular
+from rolling.terminal.whole_files import FolderError, read_regular
 
 SOURCE = "Source"  # text of a picture, and in small letters the column of a table
 MAX_BYTES = 50_000_000  # of an earlier file, of which the command writes far less

@@ -10,9 +10,9 @@ from typing import Any
 from acoustics.texts import printable
 from rolling.commands.answers import print_answers
 from rolling.commands.derived import write_derived_alone
+from rolling.kinds.former_folder import refuse_former
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import PAGE, RunFolder
-from rolling.kinds.stored import refuse_former
 from rolling.marches.piece import contact_identity
 from rolling.run import folder as folders
 from rolling.run.ending import Ending
@@ -20,7 +20,7 @@ from rolling.run.solving import runs_of_part, solve_folder
 from rolling.scene.file import SET
 from rolling.scene.messages import SceneError
 from rolling.terminal import pages, progress
-from rolling.terminal.files import FolderError
+from rolling.terminal.whole_files import FolderError
 
 
 def run_scene(

@@ -11,12 +11,12 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.texts import printable
-from rolling.ball.scene_surface import scene_surface
 from rolling.check import refusals
 from rolling.commands.replaced import SOURCE, refuse_others, source_name
 from rolling.contact.track import MIN_NODES
-from rolling.heights import measured, offered_lines
-from rolling.heights.described_file import FileOptions, described_file, offer_of_file
+from rolling.in_si import measured, offered_lines
+from rolling.in_si.described_file import FileOptions, described_file, offer_of_file
+from rolling.in_si.scene_surface import scene_surface
 from rolling.scene import height_files
 from rolling.scene.file import read_as
 from rolling.scene.height_files import HeightFormatError, is_instrument
@@ -24,9 +24,9 @@ from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Instrument
 from rolling.surface import character
 from rolling.surface.instrument import faded, sight
-from rolling.terminal import files, progress
-from rolling.terminal.files import FolderError
+from rolling.terminal import progress, whole_files
 from rolling.terminal.streams import wrapped
+from rolling.terminal.whole_files import FolderError
 
 # Bytes of memory for each node while parameters and picture are made; 87 were seen.
 BYTES_OF_NODE = 90.0
@@ -83,7 +83,7 @@ def surface(
         _save_heights(save, described)
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in contents.items():
-        files.write_bytes(folder / name, content)
+        whole_files.write_bytes(folder / name, content)
     if progress.is_quiet():
         return [folder]
     nodes = " x ".join(str(count) for count in described.heights.shape)

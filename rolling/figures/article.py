@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from acoustics import plots
 from acoustics.plot_style import NOTHING_DB, PER_OCTAVE, Lines, curve_style, error_bars
 from acoustics.spectrum import article_line_level_db
-from rolling.figures import picture, sweep
+from rolling.figures import picture, sweep_figures
 from rolling.figures.picture import axes_of, compared, finish, subject
 from rolling.results.labels import SEED
 from rolling.results.run_result import Run
@@ -30,13 +30,13 @@ def has_loads(runs: Sequence[Run]) -> bool:
 
 def has_loads_and_seeds(runs: Sequence[Run]) -> bool:
     """Return whether runs of several loads have a spread over seeds."""
-    return has_loads(runs) and sweep.has_seeds(runs)
+    return has_loads(runs) and sweep_figures.has_seeds(runs)
 
 
 def runs_by_surface(runs: Sequence[Run]) -> list[tuple[str, list[Run]]]:
     """Return the runs of all loads and seeds for each combination of the other swept values."""
-    frame = sweep.sweep_table(runs)
-    groups = sweep.groups_of(frame, _surface_keys(runs))
+    frame = sweep_figures.sweep_table(runs)
+    groups = sweep_figures.groups_of(frame, _surface_keys(runs))
     return [(label, [runs[row] for row in group.index]) for label, group in groups]
 
 
@@ -78,13 +78,13 @@ def max_level_over_load(runs: Iterable[Run], ax: Axes | None = None) -> Axes:
     shown = compared(runs)
     ax = axes_of(ax)
     table = max_level_table(shown)
-    groups = [*sweep.groups_of(table, _surface_keys(shown))]
+    groups = [*sweep_figures.groups_of(table, _surface_keys(shown))]
     for k, (label, group) in enumerate(groups):
         style = curve_style(k, len(groups))
         ax.plot(group[LOAD], group["maximum_db"], markersize=6, label=label or None, **style)
         deviation = group["standard_deviation_db"]
         error_bars(ax, group[LOAD], group["maximum_db"], deviation, style["color"], f"_{label}")
-    sweep.label_values(ax, LOAD, sweep.places_of(table[LOAD]))
+    sweep_figures.label_values(ax, LOAD, sweep_figures.places_of(table[LOAD]))
     ax.set_ylabel(f"maximum A-weighted line of the released power [{LEVEL}]")
     facts = ["as figure 9 of Lee, Kim and Kim (2025): upper bound (q = 1)", *_facts(shown)]
     if table["seeds"].max() > 1:
@@ -94,7 +94,7 @@ def max_level_over_load(runs: Iterable[Run], ax: Axes | None = None) -> Axes:
 
 def max_level_table(runs: Sequence[Run]) -> pd.DataFrame:
     """Tabulate mean and standard deviation of the maximum lines over seeds [dB re 1 pW/m²]."""
-    frame = sweep.sweep_table(runs)
+    frame = sweep_figures.sweep_table(runs)
     frame[LOAD] = [run.scene.load for run in runs]
     frame["maximum_db"] = [float(_lines(run).level_db.max()) for run in runs]
     keys = [*_surface_keys(runs), LOAD]
@@ -198,7 +198,7 @@ def _lines(run: Run) -> Lines:
 
 def _surface_keys(runs: Sequence[Run]) -> list[str]:
     """Return the swept keys other than load and seed."""
-    return [key for key in sweep.other_keys(runs, LOAD) if key != SEED]
+    return [key for key in sweep_figures.other_keys(runs, LOAD) if key != SEED]
 
 
 def _facts(runs: Sequence[Run]) -> list[str]:

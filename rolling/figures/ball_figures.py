@@ -2,18 +2,18 @@
 
 from collections.abc import Sequence
 
-from rolling.ball.scene_surface import scene_surface
 from rolling.figures import (
     article,
-    channels,
-    contact,
-    levels,
+    channel_figures,
+    contact_figures,
+    level_figures,
     origins,
-    places,
-    sound,
-    sweep,
-    vibration,
+    place_figures,
+    sound_figures,
+    sweep_figures,
+    vibration_figures,
 )
+from rolling.in_si.scene_surface import scene_surface
 from rolling.kinds.figure_kind import FigureKind
 from rolling.results.run_result import Run
 
@@ -21,7 +21,7 @@ from rolling.results.run_result import Run
 
 
 def _has_swept_key(runs: Sequence[Run]) -> bool:
-    return sweep.swept_key(runs) is not None
+    return sweep_figures.swept_key(runs) is not None
 
 
 def _has_turns(run: Run) -> bool:
@@ -68,15 +68,24 @@ def _vibrates_on_a_rough_surface(run: Run) -> bool:
 
 FIGURES = {
     # that compare runs
-    "third_octaves": FigureKind(sound.third_octaves, sound.third_octave_table),
-    "third_octaves_a": FigureKind(sound.third_octaves_a, sound.third_octave_a_table),
-    "spectrum": FigureKind(sound.spectrum, sound.spectrum_table),
-    "levels": FigureKind(levels.levels, levels.level_table, _has_swept_key),
-    "contact_areas": FigureKind(sweep.contact_areas, sweep.area_table, _has_swept_key),
-    "places": FigureKind(
-        places.places, places.place_table, places.has_places, is_unasked=places.are_tracks
+    "third_octaves": FigureKind(sound_figures.third_octaves, sound_figures.third_octave_table),
+    "third_octaves_a": FigureKind(
+        sound_figures.third_octaves_a, sound_figures.third_octave_a_table
     ),
-    "mean_third_octaves": FigureKind(sweep.mean_third_octaves, sweep.seed_table, sweep.has_seeds),
+    "spectrum": FigureKind(sound_figures.spectrum, sound_figures.spectrum_table),
+    "levels": FigureKind(level_figures.levels, level_figures.level_table, _has_swept_key),
+    "contact_areas": FigureKind(
+        sweep_figures.contact_areas, sweep_figures.area_table, _has_swept_key
+    ),
+    "places": FigureKind(
+        place_figures.places,
+        place_figures.place_table,
+        place_figures.has_places,
+        is_unasked=place_figures.are_tracks,
+    ),
+    "mean_third_octaves": FigureKind(
+        sweep_figures.mean_third_octaves, sweep_figures.seed_table, sweep_figures.has_seeds
+    ),
     "max_level_over_load": FigureKind(
         article.max_level_over_load,
         article.max_level_table,
@@ -85,9 +94,13 @@ FIGURES = {
     ),
     # of one run
     "release_power": FigureKind(
-        sound.release_power, sound.release_power_table, _rolls, shares_scales=True, is_single=True
+        sound_figures.release_power,
+        sound_figures.release_power_table,
+        _rolls,
+        shares_scales=True,
+        is_single=True,
     ),
-    "spectrogram": FigureKind(sound.spectrogram, shares_scales=True, is_single=True),
+    "spectrogram": FigureKind(sound_figures.spectrogram, shares_scales=True, is_single=True),
     "modulation": FigureKind(
         origins.modulation, origins.modulation_table, _has_turns, is_single=True
     ),
@@ -97,43 +110,60 @@ FIGURES = {
     "running_in": FigureKind(
         origins.running_in, origins.running_in_table, _has_passes, is_single=True
     ),
-    "surface": FigureKind(contact.surface, is_single=True),
-    "ball_surface": FigureKind(contact.ball_surface, is_shown=_has_ball_surface, is_single=True),
+    "surface": FigureKind(contact_figures.surface, is_single=True),
+    "ball_surface": FigureKind(
+        contact_figures.ball_surface, is_shown=_has_ball_surface, is_single=True
+    ),
     "contact_pressure": FigureKind(
-        contact.contact_pressure, is_shown=_has_snapshot, shares_scales=True, is_single=True
+        contact_figures.contact_pressure, is_shown=_has_snapshot, shares_scales=True, is_single=True
     ),
     "recovery_events": FigureKind(
-        contact.recovery_events, contact.recovery_event_table, _has_events, is_single=True
+        contact_figures.recovery_events,
+        contact_figures.recovery_event_table,
+        _has_events,
+        is_single=True,
     ),
     "sources": FigureKind(
-        vibration.sources, vibration.source_table, _has_vibration, is_single=True
+        vibration_figures.sources, vibration_figures.source_table, _has_vibration, is_single=True
     ),
     "contact_force": FigureKind(
-        vibration.contact_force, vibration.contact_force_table, _has_vibration, is_single=True
+        vibration_figures.contact_force,
+        vibration_figures.contact_force_table,
+        _has_vibration,
+        is_single=True,
     ),
     "contact_filter": FigureKind(
-        vibration.contact_filter,
-        vibration.contact_filter_table,
+        vibration_figures.contact_filter,
+        vibration_figures.contact_filter_table,
         _vibrates_on_a_rough_surface,
         is_single=True,
     ),
     "mobilities": FigureKind(
-        vibration.mobilities, vibration.mobility_table, _has_vibration, is_single=True
+        vibration_figures.mobilities,
+        vibration_figures.mobility_table,
+        _has_vibration,
+        is_single=True,
     ),
     "channel_third_octaves": FigureKind(
-        channels.channel_third_octaves,
-        channels.channel_third_octave_table,
+        channel_figures.channel_third_octaves,
+        channel_figures.channel_third_octave_table,
         _has_channels,
         is_single=True,
     ),
     "channel_spectrum": FigureKind(
-        channels.channel_spectrum, channels.channel_spectrum_table, _has_channels, is_single=True
+        channel_figures.channel_spectrum,
+        channel_figures.channel_spectrum_table,
+        _has_channels,
+        is_single=True,
     ),
     "channel_envelope": FigureKind(
-        channels.channel_envelope, channels.channel_envelope_table, _has_channels, is_single=True
+        channel_figures.channel_envelope,
+        channel_figures.channel_envelope_table,
+        _has_channels,
+        is_single=True,
     ),
     # on request
-    "power_density": FigureKind(sound.power_density, is_asked_only=True),
+    "power_density": FigureKind(sound_figures.power_density, is_asked_only=True),
     "spectra_over_load": FigureKind(  # for all loads and seeds of the other swept values
         article.spectra_over_load,
         article.spectra_table,

@@ -18,7 +18,7 @@ from rolling.kinds.figure_kind import FigureKind
 from rolling.kinds.registry import kind_of_runs
 from rolling.kinds.run_folder import RunFolder
 from rolling.scene.messages import nearest
-from rolling.terminal.files import make_below, write_bytes
+from rolling.terminal.whole_files import make_below, write_bytes
 
 FORMATS = ("png", "svg", "csv")
 FIGURES = "figures"  # folder beside a page

@@ -15,7 +15,7 @@ from typing import Any, overload
 
 from acoustics.arrays import instance
 from acoustics.traps import ignoring_underflow
-from rolling.bearing_run.bearing_run import BearingRun
+from rolling.bearing_kind.bearing_run import BearingRun
 from rolling.commands.derived import write_derived
 from rolling.contact.solver import ContactError
 from rolling.kinds.registry import kind_of
@@ -33,8 +33,8 @@ from rolling.scene.scene import Scene
 from rolling.scene.swept import SweptScene
 from rolling.terminal import defaults
 from rolling.terminal import progress as terminal
-from rolling.terminal.files import write_temporary
 from rolling.terminal.notebook import interrupt_with_message
+from rolling.terminal.whole_files import write_temporary
 
 PLAY_IT = "play-it"  # the section of the page where the ball is rolled by hand
 
@@ -344,10 +344,10 @@ def _listed(runs: Any) -> list[Any]:
 
 def _temporary_page(runs: Sequence[Any]) -> Path:
     """Write the page of runs into a temporary file."""
-    from rolling.report import page
+    from rolling.report import report_page
 
     if len(runs) > 1:
         names = labels.labels(runs)
         runs = [replace(run, label=label) for run, label in zip(runs, names, strict=True)]
-    content = page.page(runs)
+    content = report_page.page(runs)
     return write_temporary(f"{runs[0].scene.name}-live-", ".html", content)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from acoustics import wav
 from acoustics.arrays import Array
 from acoustics.level import laeq_db
-from rolling.numbers.files import SoundFacts
+from rolling.numbers.file_facts import SoundFacts
 
 
 class HeardSound(ABC):

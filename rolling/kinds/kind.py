@@ -2,7 +2,8 @@
 
 Rooms above know runs, folders, pools, pages and the terminal, and no kind. A kind knows its scene,
 its motion, its numbers and its pictures, and neither pools nor folders of sweeps. The kinds of the
-program are in `rolling.built_in`, and a new one begins with `PlainKind` there.
+program are in `rolling.ball_kinds` and `rolling.bearing_kind`, and a new one begins with
+`rolling.plain_kind`.
 """
 
 from __future__ import annotations
@@ -18,14 +19,14 @@ from rolling.numbers import views
 from rolling.numbers.quantity import Quantity
 from rolling.scene import file
 from rolling.scene.swept import SweptScene
-from rolling.terminal.files import FolderError
+from rolling.terminal.whole_files import FolderError
 
 if TYPE_CHECKING:  # a scene is read without the solver
+    from rolling.archive.definition import Series
     from rolling.kinds.figure_kind import FigureKind
     from rolling.kinds.heard_sound import FileGain, HeardSound
-    from rolling.kinds.march import March, MarchStore
+    from rolling.kinds.needed_marches import March, MarchStore
     from rolling.kinds.page_parts import PageParts
-    from rolling.record.definition import Series
 
 NOT_IN_0_8 = -1
 

@@ -26,7 +26,10 @@ from rolling.scene.yaml_text import parse, read_text
 
 USUAL = "ball"
 SCENE_TYPES: Mapping[str, type[SweptScene]] = {USUAL: Scene, "bearing": BearingScene}
-MODULES = {USUAL: "rolling.built_in.rolling_ball", "bearing": "rolling.built_in.bearing"}
+MODULES = {
+    USUAL: "rolling.ball_kinds.rolling_ball",
+    "bearing": "rolling.bearing_kind.turning_bearing",
+}
 _added: dict[str, Kind] = {}
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rolling.scene.sweep import Value
-from rolling.terminal.files import read_regular
+from rolling.terminal.whole_files import read_regular
 
 RESULT = "result.h5"
 NUMBERS = "numbers.json"  # unrounded, for the program

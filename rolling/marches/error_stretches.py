@@ -16,9 +16,9 @@ from dataclasses import replace
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.ball.records import bodies_of, listener_of
 from rolling.check import error_cost
 from rolling.check.error_cost import DETAIL, MEASURED, WITH_LAW
+from rolling.in_si.physics_of_scene import bodies_of, listener_of
 from rolling.marches.piece import Piece
 from rolling.marches.result import ErrorStretches, Result
 from rolling.scene.scene import Scene

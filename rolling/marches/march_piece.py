@@ -11,8 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.texts import printable
-from rolling.ball.contact_of_scene import rolling_contact
-from rolling.ball.scene_surface import continued_rows, heights, measured_rows
 from rolling.check import cost, error_cost
 from rolling.contact.march import march
 from rolling.contact.processor_time import ProcessorTime
@@ -20,6 +18,8 @@ from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.subcells import half_space_of
+from rolling.in_si.contact_of_scene import rolling_contact
+from rolling.in_si.scene_surface import continued_rows, heights, measured_rows
 from rolling.marches.effort import ARRAY, PieceEffort
 from rolling.marches.march_variables import SERIES_OF_KIND
 from rolling.marches.observers import Events, Film, Maps, Observer, Series

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from rolling.archive.definition import Variable, by_name
 from rolling.marches.effort import ARRAY
-from rolling.record.definition import Variable, by_name
 
 # Entry i of a step series belongs to the step from position i to the next.
 STEPS = (

@@ -19,7 +19,7 @@ from rolling.check import cost
 from rolling.check.error_cost import COLD_STEPS
 from rolling.contact.solver import ContactError
 from rolling.marches.error_stretches import own_stretches, stretch_pieces
-from rolling.marches.force_law import (
+from rolling.marches.marched_law import (
     first_law_pieces,
     law_motion,
     law_pieces,

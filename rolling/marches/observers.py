@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array, short_repr
+from rolling.archive.definition import Arrays, in_group
 from rolling.contact.processor_time import ProcessorTime
 from rolling.contact.recovery import EventTable, StepEnergy
 from rolling.contact.state import ContactState, RollingContact, Window
@@ -28,7 +29,6 @@ from rolling.marches.march_variables import (
     STATE_SERIES,
     STEP_SERIES,
 )
-from rolling.record.definition import Arrays, in_group
 
 MAPS = 120  # maximum number of pressure maps of a run: the eye follows about as many in ten seconds
 MAP_CELLS = 96  # maximum number of cells along a side of a map

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
-from rolling.ball.records import smooth_contact_of
 from rolling.check import cost
 from rolling.contact.memory import sink
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
+from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.marches.piece import Piece
 from rolling.scene.scene import Scene
 

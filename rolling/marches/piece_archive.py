@@ -5,6 +5,8 @@ An array of a group has the name GROUP/NAME. A piece that failed has its reason 
 
 from __future__ import annotations
 
+from rolling.archive.definition import TEXT, Arrays, Variable, by_name
+from rolling.archive.npz_file import npz_bytes, read_npz
 from rolling.marches.effort import PieceEffort
 from rolling.marches.march_variables import (
     EFFORT,
@@ -22,8 +24,6 @@ from rolling.marches.march_variables import (
     STEPS,
 )
 from rolling.marches.piece import Piece
-from rolling.record.definition import TEXT, Arrays, Variable, by_name
-from rolling.record.npz_file import npz_bytes, read_npz
 
 _FAULT = Variable("fault", "", "1", TEXT, "reason why a contact has no solution")
 _SERIES = by_name(*STEPS, STEP_TIME, *STATES)

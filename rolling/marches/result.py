@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
+from rolling.archive.definition import of_group
 from rolling.contact.recovery import join_events
 from rolling.dynamics.motion import BodyMotion
 from rolling.marches.effort import ARRAY, PARTS_OF_MARCHES, Effort, PieceEffort
@@ -28,7 +29,6 @@ from rolling.marches.march_variables import (
 from rolling.marches.observers import PressureMap, SlowMotion, Snapshot, events_of, maps_of
 from rolling.marches.passes import Passes
 from rolling.marches.piece import Piece, contact_identity, track_pieces
-from rolling.record.definition import of_group
 from rolling.scene.identity import digest
 from rolling.scene.scene import Scene
 from rolling.scene.sections import VIBRATING_PLATE

@@ -12,14 +12,14 @@ from dataclasses import replace
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.ball.contact_of_scene import rolling_contact
-from rolling.ball.records import smooth_contact_of
-from rolling.ball.scene_surface import heights
 from rolling.contact import closed_forms
 from rolling.contact.march import march
 from rolling.contact.solver import ContactError
 from rolling.contact.subcells import half_space_of
 from rolling.dynamics.force_law import MIN_SLOPE
+from rolling.in_si.contact_of_scene import rolling_contact
+from rolling.in_si.physics_of_scene import smooth_contact_of
+from rolling.in_si.scene_surface import heights
 from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 

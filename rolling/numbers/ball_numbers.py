@@ -1,7 +1,7 @@
 """The numbers of a run of a ball, by subject. They are made once, after the solve.
 
 A new number is a field here, with its unit, meaning and format, and an assignment in
-`rolling.results.numbers`. All tables, files and docs follow from the fields.
+`rolling.results.run_numbers`. All tables, files and docs follow from the fields.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The numbers of a run of a bearing, by subject. They are made once, after the motion of the ring.
 
 A new number is a field here, with its unit, meaning and format, and an assignment in
-`rolling.bearing_run.numbers`. Tables and files follow from the fields.
+`rolling.bearing_kind.bearing_run_numbers`. Tables and files follow from the fields.
 """
 
 from __future__ import annotations

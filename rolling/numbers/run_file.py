@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.bearing_numbers import BearingNumbers
-from rolling.numbers.files import BearingFiles, FileFacts, Provenance
+from rolling.numbers.file_facts import BearingFiles, FileFacts, Provenance
 
 FORMAT = 1  # of numbers.json and summary.json
 KIND = "ball"

@@ -13,7 +13,7 @@ from rolling.recordings.recorded import PRESSURE, MeasuredQuantity, Recording
 from rolling.recordings.run_spread import run_spread
 from rolling.results import listening
 from rolling.results.run_result import Run
-from rolling.terminal.files import FolderError
+from rolling.terminal.whole_files import FolderError
 
 if TYPE_CHECKING:
     from rolling.results.channels import Channel

@@ -20,7 +20,7 @@ from rolling.recordings.recorded import (
 from rolling.recordings.run_spread import RunSpread
 from rolling.recordings.stretch import Stretch, fitting_stretch
 from rolling.scene.messages import nearest
-from rolling.terminal.files import FolderError
+from rolling.terminal.whole_files import FolderError
 
 
 class RecordPair(NamedTuple):

@@ -18,7 +18,7 @@ from acoustics.texts import printable
 from acoustics.vibration_level import REFERENCES
 from acoustics.wav import SAMPLE_RATE_HZ as RATE
 from rolling.scene.messages import nearest
-from rolling.terminal.files import FolderError, read_regular
+from rolling.terminal.whole_files import FolderError, read_regular
 
 MIN_S = 0.5  # shortest recording
 MAX_S = 120.0

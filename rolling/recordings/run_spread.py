@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, EDGES_HZ
 from rolling.numbers.quantity import BandQuantity, joined
-from rolling.recordings.levels import Total
+from rolling.recordings.record_levels import Total
 from rolling.recordings.recorded import PRESSURE, MeasuredQuantity
 from rolling.results.run_result import Run
 

@@ -19,7 +19,16 @@ from rolling.figures.picture import Picture
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.page_parts import PageParts
 from rolling.numbers.doubt import Doubt
-from rolling.report import assumed, film, live, maps, number_table, quantities, records, text
+from rolling.report import (
+    assumed,
+    film,
+    leading_numbers,
+    live,
+    maps,
+    number_table,
+    page_sounds,
+    text,
+)
 from rolling.report.charts import Chart, chart_of
 from rolling.results import answer, description, run_lines, verdict
 from rolling.results.listening import QUIET_DB, Raised
@@ -56,7 +65,7 @@ def ball_parts(runs: Sequence[Run]) -> PageParts:
         "film": film,
         "sentence": description.runs_sentence(runs),
         "follows": answer.follows(runs),
-        "units": quantities.units(runs),
+        "units": leading_numbers.units(runs),
         "listeners": number_table.listeners(runs),
         "assumptions": text.facts(runs, [assumed.assumptions(run) for run in runs]),
         "provenance": text.provenance(runs),
@@ -113,7 +122,7 @@ class RunView:
     label : str
     run : Run
     number : int. Place of the run on the page.
-    playback : dict. Gains, as `records.gains` returns them.
+    playback : dict. Gains, as `page_sounds.gains` returns them.
     below_db : float. Level of the loudest run of its source over its own.
     records : list of PageRecord. Its records; the first is heard.
     lap : dict. Lap to which the end of that record leads back.
@@ -131,7 +140,7 @@ class RunView:
     number: int
     playback: dict[str, float | None]
     below_db: float
-    records: list[records.PageRecord]
+    records: list[page_sounds.PageRecord]
     lap: dict[str, float]
     solved: float
     ends: bool
@@ -150,7 +159,7 @@ class RunView:
 def _views(runs: Sequence[Run]) -> list[RunView]:
     """Return the runs as the page shows them."""
     views = []
-    for number, (run, record) in enumerate(zip(runs, records.of_runs(runs), strict=True)):
+    for number, (run, record) in enumerate(zip(runs, page_sounds.of_runs(runs), strict=True)):
         repeats = []
         if record.records[0].name == "run":  # a long record goes on
             repeats = [doubt for doubt in verdict.listed(run.numbers) if doubt.key in REPEATS]

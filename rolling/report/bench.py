@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 from acoustics.texts import printable
 from rolling.kinds.run_folder import RESULT
 from rolling.recordings.ball_records import lacking_channels
-from rolling.recordings.comparison import RecordingComparison, compare
 from rolling.recordings.recorded import FORMATS, PRESSURE, QUANTITIES, MeasuredQuantity
+from rolling.recordings.recording_comparison import RecordingComparison, compare
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs, solve_folder
@@ -23,7 +23,7 @@ from rolling.scene.file import read_as
 from rolling.scene.messages import SceneError, nearest
 from rolling.scene.scene import Scene
 from rolling.scene.yaml_text import parse, read_text
-from rolling.terminal.files import FolderError, read_regular
+from rolling.terminal.whole_files import FolderError, read_regular
 
 CALIBRATION = "calibration.txt"
 RUN = "run"  # folder of the run in the folder of a bench

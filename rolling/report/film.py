@@ -12,10 +12,10 @@ from PIL import Image
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, unit_prefix
-from rolling.ball.records import smooth_contact_of
-from rolling.ball.scene_surface import scene_surface
 from rolling.figures.picture import Caption, Picture
 from rolling.figures.settings import own_settings
+from rolling.in_si.physics_of_scene import smooth_contact_of
+from rolling.in_si.scene_surface import scene_surface
 from rolling.kinds.kind import Still
 from rolling.marches.observers import SlowMotion
 from rolling.report import maps

@@ -17,7 +17,7 @@ from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.heard_sound import HeardSound, played_sound
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import PAGE
-from rolling.report import quantities, records, text
+from rolling.report import leading_numbers, page_sounds, text
 from rolling.report.templates import environment
 from rolling.results.notes import UNVALIDATED
 
@@ -75,11 +75,11 @@ def _card(run: Any, seconds: float, folder: Path) -> dict[str, Any]:
     return {
         "title": text.titles([run]),
         "label": run.label,
-        "answers": quantities.shown_columns([run]),
+        "answers": leading_numbers.shown_columns([run]),
         "sentence": _sentence(run),
         "heard": kind.heard(run, is_alone=True),
         "picture": still,
-        "sound": records.compressed(wav.PEAK / peak * sound) if peak > 0 else None,
+        "sound": page_sounds.compressed(wav.PEAK / peak * sound) if peak > 0 else None,
         "peak": peak,
         "unit": "" if played is None else played.unit,
         "level_db": None if played is None else played.level_db,
@@ -92,8 +92,8 @@ def _gains(cards: Sequence[Mapping[str, Any]]) -> list[dict[str, float | None]]:
     """Return the gains of the sounds of cards: equal loudness for all, one scale for each unit."""
     peaks = [card["peak"] for card in cards]
     levels = [card["level_db"] for card in cards]
-    equal = records.gains(peaks, levels)
-    calibrated = records.gains_by_source([card["unit"] for card in cards], peaks, levels)
+    equal = page_sounds.gains(peaks, levels)
+    calibrated = page_sounds.gains_by_source([card["unit"] for card in cards], peaks, levels)
     return [
         {"equal": of_all["equal"], "calibrated": of_unit["calibrated"]}
         for of_all, of_unit in zip(equal, calibrated, strict=True)

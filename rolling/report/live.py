@@ -13,18 +13,18 @@ from acoustics.loss_factors import LossFactor, loss_factor_at
 from acoustics.radiation import HalfSpaceBody
 from acoustics.ritz_plate import RitzPlate
 from acoustics.wav import PEAK, SAMPLE_RATE_HZ
-from rolling.ball.records import bodies_of, plate_of, smooth_contact_of
 from rolling.dynamics import _motion_kernels
 from rolling.dynamics._motion_kernels import LawTable
 from rolling.dynamics.bodies import half_space_mobility
 from rolling.dynamics.force_law import ForceLaw, law_table, slope_weights
+from rolling.in_si.physics_of_scene import bodies_of, plate_of, smooth_contact_of
 from rolling.marches.result import released_energy
 from rolling.report.live_modes import StoredModes, stored_modes
 from rolling.results.run_result import Run
-from rolling.scene.quantities import GRAVITY
 from rolling.scene.rules import MAX_MODES
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
+from rolling.scene.values_in_si import GRAVITY
 from rolling.sound.vibration_sound import Vibration
 
 LARGEST = 300_000  # bytes of a law or a release on the page, in base64

@@ -14,9 +14,9 @@ from PIL import Image
 
 from acoustics.arrays import Array
 from acoustics.numbers import si
-from rolling.ball.records import smooth_contact_of
 from rolling.contact.track import Motion
-from rolling.figures.contact import BELOW_YIELD, YIELDED
+from rolling.figures.contact_figures import BELOW_YIELD, YIELDED
+from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.marches.observers import PressureMap
 from rolling.results.run_result import Run
 

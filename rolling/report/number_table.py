@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from acoustics.numbers import bracketed
 from rolling.kinds.registry import kind_of
 from rolling.results.level_words import SILENT
-from rolling.results.quantities import LAE, level_beside, measure
+from rolling.results.run_quantities import LAE, level_beside, measure
 from rolling.results.run_result import Run
 
 A_ABOVE_Z = (

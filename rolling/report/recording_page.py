@@ -16,9 +16,9 @@ from acoustics.wav import SAMPLE_RATE_HZ as RATE
 from rolling import __version__
 from rolling.figures.picture import finish, picture
 from rolling.figures.settings import left_out_if_it_fails
-from rolling.recordings.comparison import THIRD_OCTAVE, RecordingComparison, words
 from rolling.recordings.recorded import FAINTEST, PRESSURE
-from rolling.report import maps, records, text
+from rolling.recordings.recording_comparison import THIRD_OCTAVE, RecordingComparison, words
+from rolling.report import maps, page_sounds, text
 from rolling.report.templates import environment
 from rolling.results import labels
 
@@ -61,7 +61,7 @@ def _sounds(comparison: RecordingComparison) -> dict[str, str]:
             sounds[pair.named(name)] = beginning / level.a_weighted_rms(record.samples, RATE)
     loudest = max(np.abs(samples).max() for samples in sounds.values())
     gain = PEAK / max(FAINTEST, loudest)
-    return {name: records.compressed(gain * samples) for name, samples in sounds.items()}
+    return {name: page_sounds.compressed(gain * samples) for name, samples in sounds.items()}
 
 
 def _third_octaves(run_title: str, comparison: RecordingComparison, number: int, ax: Axes) -> Axes:

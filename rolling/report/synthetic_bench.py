@@ -16,8 +16,8 @@ import soundfile
 from acoustics import resampling
 from acoustics.arrays import Array
 from acoustics.wav import SAMPLE_RATE_HZ
-from rolling.ball.scene_surface import heights
-from rolling.heights.measured import write
+from rolling.in_si.measured import write
+from rolling.in_si.scene_surface import heights
 from rolling.report.bench import CALIBRATION, RUN
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
@@ -26,7 +26,7 @@ from rolling.scene import library
 from rolling.scene.file import read_as
 from rolling.scene.scene import Scene
 from rolling.terminal import progress
-from rolling.terminal.files import FolderError, write_bytes
+from rolling.terminal.whole_files import FolderError, write_bytes
 
 NAME = Path("synthetic-bench")
 SCENE = "scene.yaml"

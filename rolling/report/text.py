@@ -11,15 +11,15 @@ import numpy as np
 
 from acoustics.numbers import rounded
 from acoustics.texts import printable
-from rolling.ball.records import smooth_contact_of
+from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.numbers.views import NOTHING
 from rolling.results import description
 from rolling.results.level_words import level_name
-from rolling.results.quantities import heard_level_db
+from rolling.results.run_quantities import heard_level_db
 from rolling.results.run_result import Run
 from rolling.scene import file
 from rolling.sound.wavelengths import mean_speed, weighted_lines
-from rolling.terminal.files import read_regular
+from rolling.terminal.whole_files import read_regular
 
 INSTALL = "python3 -m venv .venv && .venv/bin/pip install -c constraints.txt -e ."
 MAX_SCENE = 1_000_000  # bytes of a scene file on a page

@@ -17,7 +17,7 @@ from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.quantity import PART_WORDS, Quantity, QuantityDifference, difference, mean
 from rolling.results.description import listed, material_word, number_word, special
 from rolling.results.labels import SEED, labels, worded
-from rolling.results.quantities import (
+from rolling.results.run_quantities import (
     above_vibration_db,
     heard_level_db,
     loses_contact_in_estimate,

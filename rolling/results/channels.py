@@ -16,9 +16,9 @@ from acoustics.numbers import si
 from acoustics.spectrum import Psd, welch
 from acoustics.traps import ignoring_underflow
 from acoustics.vibration_level import REFERENCES, VibrationLevels, vibration_levels
-from rolling.ball.records import bodies_of, transducers_of
+from rolling.in_si.physics_of_scene import bodies_of, transducers_of
 from rolling.numbers.ball_numbers import ChannelNumbers
-from rolling.numbers.files import ChannelFile
+from rolling.numbers.file_facts import ChannelFile
 from rolling.numbers.quantity import BandQuantity
 from rolling.scene.scene import Scene
 from rolling.sound.channel_signals import channel_signals

@@ -18,7 +18,7 @@ from rolling.kinds.run_folder import RunFolder
 from rolling.results import labels
 from rolling.results.stored_numbers import read_stored, write_stored
 from rolling.terminal import progress
-from rolling.terminal.files import open_regular, write_bytes
+from rolling.terminal.whole_files import open_regular, write_bytes
 
 Read = Callable[[RunFolder, str], Any]  # of a run that is done, under a label
 

@@ -11,15 +11,15 @@ import numpy as np
 from acoustics.bands import BAND_NAMES, EDGES_HZ
 from acoustics.numbers import rounded
 from acoustics.texts import printable
-from rolling.ball.records import bodies_of
 from rolling.dynamics import drop
+from rolling.in_si.physics_of_scene import bodies_of
 from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results.labels import named, value_at
-from rolling.scene.quantities import STEEL_DENSITY, STEEL_GPA
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
 from rolling.scene.surfaces import BallHeightFile, GradedBall, HeightFile
+from rolling.scene.values_in_si import STEEL_DENSITY, STEEL_GPA
 
 MAX_SENTENCES = 3  # of the scenes of a page; more are counted
 MAX_LISTED = 4  # values of a quantity that a sentence lists; of more it names the ends

@@ -12,19 +12,15 @@ from dataclasses import asdict
 from types import MappingProxyType
 from typing import Any
 
-from rolling.check import level
+from rolling.check import level_doubts
 from rolling.numbers.ball_numbers import ListeningNumbers, RunNumbers
 from rolling.numbers.doubt import Doubt, Severity
-from rolling.numbers.files import FileFacts, Provenance
+from rolling.numbers.file_facts import FileFacts, Provenance
+from rolling.numbers.number_files import from_bytes
 from rolling.numbers.quantity import RELEASED_POWER, VIBRATION, BandQuantity, joined
 from rolling.numbers.run_file import StoredNumbers
-from rolling.numbers.stored import from_bytes
-from rolling.results.doubts import ERRORS, silent_vibration_doubts
-from rolling.results.quantities import (
-    UNKNOWN,
-    judged,
-    with_quantities,
-)
+from rolling.results.run_doubts import ERRORS, silent_vibration_doubts
+from rolling.results.run_quantities import UNKNOWN, judged, with_quantities
 
 # Flat names of 0.8 by the fields that hold the same numbers, subject by subject.
 _SAME: Mapping[str, Mapping[str, str]] = {
@@ -214,7 +210,7 @@ _PASSES = {
 _LONG_LEVELS = ("lae_db", "laf_max_db", "las_max_db", "lz_peak_db")
 _LONG_MOTION = ("impacts", "flight_share", "force_outside_share", "limited_share")
 # Doubts of 0.8 that are about the released power alone.
-_OF_RELEASE = (*level.SOURCES, "resonance", "solver", "no_moving_release")
+_OF_RELEASE = (*level_doubts.SOURCES, "resonance", "solver", "no_moving_release")
 _OF_SOUND_ONLY = (*ERRORS, "band_errors", "no_error_estimate", "unknown_detail")
 
 

@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.ball.assumed_bodies import with_bodies
-from rolling.ball.records import bodies_of, listener_of
-from rolling.ball.scene_surface import scene_surface
 from rolling.check import error_cost
+from rolling.in_si.assumed_bodies import with_bodies
+from rolling.in_si.physics_of_scene import bodies_of, listener_of
+from rolling.in_si.scene_surface import scene_surface
 from rolling.marches import error_stretches
 from rolling.marches.result import Result
 from rolling.numbers.ball_numbers import (

@@ -11,7 +11,7 @@ from rolling.numbers.fields import Leaf, NumberField
 from rolling.numbers.quantity import Quantity, uncertain
 from rolling.numbers.views import NOTHING, NumberRow
 from rolling.results.answer import of_solved_part
-from rolling.results.quantities import LAE, as_heard, measure
+from rolling.results.run_quantities import LAE, as_heard, measure
 
 SILENT = "silent"
 

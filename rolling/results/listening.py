@@ -25,18 +25,13 @@ from acoustics.numbers import decibels_a, rounded
 from rolling.kinds.heard_sound import FileGain, HeardSound, played_sound
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import LISTEN, RunFolder
-from rolling.numbers.files import ListenFacts, RaisedEnd, SignalFacts
+from rolling.numbers.file_facts import ListenFacts, RaisedEnd, SignalFacts
 from rolling.numbers.run_file import StoredNumbers
 from rolling.results.solved_run import NumberedRun
 from rolling.sound.contact_sound import FADE_S, ContactSound
 from rolling.sound.long_listening import Listening
 from rolling.terminal import progress
-from rolling.terminal.files import (
-    make_below,
-    read_regular,
-    write_bytes,
-    write_temporary,
-)
+from rolling.terminal.whole_files import make_below, read_regular, write_bytes, write_temporary
 
 # [s] of a pass for the ear, and of the silence after it
 PASS_S = 1.5

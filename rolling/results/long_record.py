@@ -9,11 +9,11 @@ import numpy as np
 
 from acoustics import level
 from acoustics.numbers import micrometres, rounded, rounded_up
-from rolling.ball.records import bodies_of, circumference_of, listener_of
 from rolling.contact.track import Motion
+from rolling.in_si.physics_of_scene import bodies_of, circumference_of, listener_of
 from rolling.marches.result import Result, released_energy
 from rolling.numbers.ball_numbers import ListeningNumbers
-from rolling.scene import quantities
+from rolling.scene import values_in_si
 from rolling.scene.scene import Scene
 from rolling.sound import long_listening
 from rolling.sound.contact_sound import FADE_S, ContactSound, contact_sound
@@ -72,7 +72,7 @@ def motion_at_speed(scene: Scene, speed: Speed, seconds: float) -> Motion:
         start, end = speed
         speeds = ((0.0, start), (seconds, end))
     rolling = scene.rolling.model_copy(update={"speed_m_s": speeds})
-    return quantities.motion_of(scene.sphere, rolling)
+    return values_in_si.motion_of(scene.sphere, rolling)
 
 
 def make_long_record(

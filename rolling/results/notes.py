@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from acoustics.numbers import rounded
 from acoustics.plate_modes import FREE
-from rolling.check import level
+from rolling.check import level_doubts
 from rolling.dynamics.comb import NEAR_SPEEDS
 from rolling.marches.result import MovingRelease
 from rolling.numbers.ball_numbers import RunNumbers
@@ -24,7 +24,7 @@ SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
 
 # Doubts that stand beside every level, and beside every player, by their keys.
 HEADLINE = (
-    *level.SOURCES,
+    *level_doubts.SOURCES,
     "on_axis",
     "infinite_plate",
     "at_listener",
@@ -89,7 +89,7 @@ def _release(scene: Scene, sound: ContactSound) -> Iterator[Doubt]:
                 "assumption.",
             )
     if sound.levels.level_db is not None:
-        yield from level.of_source(scene)
+        yield from level_doubts.of_source(scene)
 
 
 def _radiation(scene: Scene) -> Iterator[Doubt]:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import rolling
 from rolling.check import cost
-from rolling.numbers.files import Provenance
+from rolling.numbers.file_facts import Provenance
 from rolling.scene.scene import Scene
 from rolling.terminal import program
 

@@ -12,6 +12,17 @@ import rolling
 from acoustics import wav
 from acoustics.bands import MID_HZ
 from acoustics.vibration_level import REFERENCES
+from rolling.archive.definition import (
+    ROOT,
+    Arrays,
+    Attribute,
+    GroupDefinition,
+    Record,
+    RecordDefinition,
+    RecordGroup,
+    Series,
+    Variable,
+)
 from rolling.check.error_cost import DETAIL, LEVELS, MEASURED, WITH_LAW, has_instrument
 from rolling.marches.march_variables import (
     EVENTS,
@@ -34,17 +45,6 @@ from rolling.marches.observers import (
 from rolling.marches.passes import SERIES as PASS_SERIES
 from rolling.marches.passes import Passes
 from rolling.marches.result import ErrorStretches, LoadMarches, MovingRelease, Result, StretchMarch
-from rolling.record.definition import (
-    ROOT,
-    Arrays,
-    Attribute,
-    GroupDefinition,
-    Record,
-    RecordDefinition,
-    RecordGroup,
-    Series,
-    Variable,
-)
 from rolling.results.channels import Channel, by_quantity
 from rolling.results.solved_run import SolvedRun
 from rolling.scene import file as scene_file

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rolling.archive.archive_file import largest_size, read_record, record_bytes, refusing
+from rolling.archive.hdf5_writer import to_xarray
 from rolling.check import cost
 from rolling.marches.result import Result
-from rolling.record.hdf5_writer import to_xarray
-from rolling.record.record_file import largest_size, read_record, record_bytes, refusing
 from rolling.results.result_arrays import DEFINITION, fill_result, fixed_lengths, record_of
 from rolling.results.solved_run import SolvedRun
 from rolling.scene.scene import Scene

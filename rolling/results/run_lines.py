@@ -17,11 +17,11 @@ from rolling.results import verdict
 from rolling.results.answer import follows, gap
 from rolling.results.channels import channel_line
 from rolling.results.description import runs_sentence
-from rolling.results.doubts import band_error_db, band_text
 from rolling.results.labels import labels
 from rolling.results.level_words import number_rows
 from rolling.results.notes import REPEATS, TURNS
-from rolling.results.quantities import LAE, heard_levels, level_beside, measure
+from rolling.results.run_doubts import band_error_db, band_text
+from rolling.results.run_quantities import LAE, heard_levels, level_beside, measure
 from rolling.results.stored_numbers import numbers_of
 from rolling.scene.messages import TABLES
 from rolling.terminal.streams import columns, folded, line_width

@@ -14,23 +14,23 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from acoustics.traps import ignoring_underflow
-from rolling.ball.records import bodies_of, listener_of
-from rolling.ball.scene_surface import scene_surface
 from rolling.contact.processor_time import ProcessorTime
+from rolling.in_si.physics_of_scene import bodies_of, listener_of
+from rolling.in_si.scene_surface import scene_surface
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import LISTEN, RESULT, RunFolder
 from rolling.kinds.shown_run import ShownRun
-from rolling.marches import effort, force_law
+from rolling.marches import effort, marched_law
 from rolling.marches.result import Result, released_energy
 from rolling.numbers.ball_numbers import RunNumbers
-from rolling.numbers.files import FileFacts
+from rolling.numbers.file_facts import FileFacts
 from rolling.numbers.run_file import StoredNumbers
 from rolling.results import listening, result_arrays, result_file, verdict
 from rolling.results.channels import by_quantity, channel_wavs, wav_facts
 from rolling.results.former_numbers import former_names
 from rolling.results.level_words import level_rows
-from rolling.results.numbers import record_scatter, run_numbers
 from rolling.results.provenance import provenance
+from rolling.results.run_numbers import record_scatter, run_numbers
 from rolling.results.solved_run import NumberedRun, SolvedRun
 from rolling.results.stored_numbers import read_stored, write_stored
 from rolling.scene.scene import Scene
@@ -41,7 +41,7 @@ from rolling.sound.vibration_sound import (
     vibrate,
     with_impacts,
 )
-from rolling.terminal.files import make_below, write_bytes
+from rolling.terminal.whole_files import make_below, write_bytes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -237,8 +237,8 @@ def _vibration(scene: Scene, result: Result, release: ContactSound) -> Vibration
         return None
     laps = result.steps / result.solved_steps
     is_whole_laps = scene.track.closed and result.steps % result.solved_steps == 0
-    law = force_law.force_law(scene, result)
-    motion = force_law.law_motion(scene, result)
+    law = marched_law.force_law(scene, result)
+    motion = marched_law.law_motion(scene, result)
     repeats = is_whole_laps and release.constant_speed
     vibration = vibrate(
         bodies_of(scene),

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 import rolling
 from acoustics.bands import MID_HZ, NOMINAL_HZ
+from rolling.archive.definition import Variable
 from rolling.kinds.registry import kind_of
 from rolling.numbers import views
 from rolling.numbers.fields import leaves
 from rolling.numbers.quantity import BandQuantity
-from rolling.record.definition import Variable
 from rolling.results.labels import named
 from rolling.scene.sweep import Value
 

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from acoustics.traps import ignoring_underflow
-from rolling.ball.records import listener_of, smooth_contact_of
-from rolling.ball.scene_surface import scene_surface
 from rolling.contact.recovery import EventStatistics, event_statistics
+from rolling.in_si.physics_of_scene import listener_of, smooth_contact_of
+from rolling.in_si.scene_surface import scene_surface
 from rolling.kinds.run_folder import RunFolder
 from rolling.marches.march_variables import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result, released_energy
@@ -28,7 +28,7 @@ from rolling.results.long_record import ListeningError
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
 from rolling.sound.long_listening import Listening
-from rolling.sound.places import SoundByPlace, sound_by_place
+from rolling.sound.sound_by_place import SoundByPlace, sound_by_place
 from rolling.sound.vibration_sound import Vibration
 from rolling.sound.wavelengths import (
     WavelengthOctave,

@@ -22,9 +22,9 @@ from rolling.kinds.run_folder import (
     is_former,
 )
 from rolling.marches import effort
-from rolling.numbers.stored import from_bytes, summary_of, to_bytes
-from rolling.terminal import files
-from rolling.terminal.files import FolderError, read_regular
+from rolling.numbers.number_files import from_bytes, summary_of, to_bytes
+from rolling.terminal import whole_files
+from rolling.terminal.whole_files import FolderError, read_regular
 
 _ADVICE = "delete it, and the same command solves the run again"
 
@@ -98,7 +98,7 @@ def write_stored(folder: Path, stored: Any) -> None:
     ------
     OSError : a file cannot be written. An earlier file is kept.
     """
-    files.write_bytes(folder / NUMBERS, to_bytes(stored))
+    whole_files.write_bytes(folder / NUMBERS, to_bytes(stored))
     view: dict[str, Any] = {
         "format": stored.format,
         "kind": stored.kind,
@@ -106,7 +106,7 @@ def write_stored(folder: Path, stored: Any) -> None:
         "files": summary_of(stored.files),
         "provenance": summary_of(stored.provenance),
     }
-    files.write_json(folder / SUMMARY, view)
+    whole_files.write_json(folder / SUMMARY, view)
 
 
 def numbers_of(run: RunFolder) -> Any | None:

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.results import description
-from rolling.results.doubts import ERRORS
 from rolling.results.notes import HEADLINE
+from rolling.results.run_doubts import ERRORS
 
 Runs = Sequence[tuple[str, RunNumbers]]  # label and numbers of each run
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from rolling.run import folder as folders
-from rolling.terminal import files, progress
-from rolling.terminal.files import FolderError, read_regular
+from rolling.terminal import progress, whole_files
+from rolling.terminal.whole_files import FolderError, read_regular
 
 CHOICE = "choice.json"
 PAGE = "choice.html"
@@ -84,4 +84,4 @@ def _stored(path: Path) -> dict[str, Any] | None:
 
 def begin(folder: Path, format_: str) -> None:
     """Write who began a choice."""
-    files.write_json(folder / CHOICE, {"format": format_, "program": folders.this_program()})
+    whole_files.write_json(folder / CHOICE, {"format": format_, "program": folders.this_program()})

@@ -19,7 +19,7 @@ from rolling.run import worker
 from rolling.run.pools import Pool, Task
 from rolling.scene.messages import SceneError
 from rolling.terminal import program
-from rolling.terminal.files import read_regular
+from rolling.terminal.whole_files import read_regular
 
 CONNECT_SECONDS = 10.0
 COUNT_SECONDS = 5.0  # between two counts of the workers of a cluster

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rolling.ball import scene_surface
 from rolling.check import cost, forecast
 from rolling.contact.solver import ContactError
-from rolling.kinds.march import March, MarchStore
+from rolling.in_si import scene_surface
+from rolling.kinds.needed_marches import March, MarchStore
 from rolling.kinds.run_folder import RunFolder
 from rolling.marches.next_pieces import next_pieces
 from rolling.marches.piece import Piece, contact_identity

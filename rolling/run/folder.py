@@ -12,15 +12,15 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from rolling.kinds.former_folder import refuse_former
 from rolling.kinds.reading import read_scene
 from rolling.kinds.run_folder import FAILED, RESULT, RunFolder
-from rolling.kinds.stored import refuse_former
 from rolling.scene import file
 from rolling.scene.identity import contains, differences, scene_identity
 from rolling.scene.sweep import run_name, with_paths
 from rolling.scene.swept import AnyScene
-from rolling.terminal import files, program
-from rolling.terminal.files import FolderError, open_regular
+from rolling.terminal import program, whole_files
+from rolling.terminal.whole_files import FolderError, open_regular
 
 try:
     import fcntl
@@ -127,7 +127,7 @@ def _foreign_content(folder: Path) -> str:
     strangers = [
         path.name
         for path in folder.iterdir()
-        if not path.match(f"{LOCK}*") and not path.match(f".*{files.PARTIAL}")
+        if not path.match(f"{LOCK}*") and not path.match(f".*{whole_files.PARTIAL}")
     ]
     if SCENE in strangers:
         return f"no run folder, its {SCENE} is not that of a run folder, or damaged"
@@ -224,7 +224,7 @@ def write_scene(folder: Path, scene: Any) -> None:
     """Write the resolved scene of a run folder."""
     head = f"{MARK}, written by {this_program()}\n"
     text = head + file.dump(with_relative_paths(folder, scene))
-    files.write_bytes(folder / SCENE, text.encode())
+    whole_files.write_bytes(folder / SCENE, text.encode())
 
 
 def with_relative_paths(folder: Path, scene: AnyScene) -> AnyScene:

@@ -20,7 +20,7 @@ from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import RunFolder
 from rolling.results.stored_numbers import read_stored
 from rolling.run import folder as folders
-from rolling.terminal.files import FolderError, make_below, read_regular, write_bytes
+from rolling.terminal.whole_files import FolderError, make_below, read_regular, write_bytes
 
 MAX_BYTES = 100_000_000  # of a run that is kept
 MIN_FREE = 20  # times the size of a kept run that the disk must have left

@@ -17,27 +17,27 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
+from rolling.archive.definition import TEXT, Variable, by_name
+from rolling.archive.npz_file import npz_bytes, read_npz
+from rolling.archive.sealed_file import seal, sealed_content
 from rolling.check import forecast
 from rolling.check.findings import Findings
 from rolling.check.marched import check_contacts, refuse_contacts
 from rolling.kinds.kind import Kind
-from rolling.kinds.march import March, MarchStore
+from rolling.kinds.needed_marches import March, MarchStore
 from rolling.kinds.run_folder import RunFolder
 from rolling.marches.effort import PieceEffort
 from rolling.marches.march_variables import EFFORT
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
-from rolling.record.definition import TEXT, Variable, by_name
-from rolling.record.npz_file import npz_bytes, read_npz
-from rolling.record.sealed_file import seal, sealed_content
 from rolling.run import folder as folders
 from rolling.run.taken import OTHER_CONTACT, TakenMarches
 from rolling.scene import file as scene_file
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import run_name
 from rolling.terminal import progress
-from rolling.terminal.files import FolderError, make_below, write_bytes
 from rolling.terminal.streams import folded
+from rolling.terminal.whole_files import FolderError, make_below, write_bytes
 
 CONTACTS = "contacts"  # folder of the marches, in the run folder
 _MAX_BESIDE = 10_000  # bytes of the file of a march beside its approach

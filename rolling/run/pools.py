@@ -186,7 +186,7 @@ def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
     A single piece needs this process only. So does a process of another pool, whatever the number
     of workers. Scenes with one surface need one team.
     """
-    from rolling.ball.scene_surface import identity
+    from rolling.in_si.scene_surface import identity
     from rolling.marches.piece import track_pieces
 
     pieces = sum(len(track_pieces(scene.track.solved_steps)) for scene in scenes)

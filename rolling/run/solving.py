@@ -13,11 +13,11 @@ import numpy as np
 from acoustics.texts import printable
 from rolling.check import refusals
 from rolling.contact.solver import ContactError
+from rolling.kinds.former_folder import refuse_former
 from rolling.kinds.kind import Kind
-from rolling.kinds.march import March
+from rolling.kinds.needed_marches import March
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import FAILED, LISTEN, RunFolder
-from rolling.kinds.stored import refuse_former
 from rolling.marches.piece import contact_identity
 from rolling.results import labels
 from rolling.run import folder as folders
@@ -28,8 +28,8 @@ from rolling.run.pools import Pool, local_pool
 from rolling.run.worker import finish_and_keep_run, finish_run
 from rolling.scene.messages import SceneError
 from rolling.scene.sweep import Value
-from rolling.terminal import defaults, files, progress, shortage, system_errors
-from rolling.terminal.files import FolderError
+from rolling.terminal import defaults, progress, shortage, system_errors, whole_files
+from rolling.terminal.whole_files import FolderError
 
 Values = Value | tuple[Value, ...]
 
@@ -252,8 +252,8 @@ def _solve_lacking(
     for number, reason in loop.failures.items():
         run = lacking[number]
         with suppress(OSError, FolderError):  # of a folder that cannot be written
-            files.make_below(run.home, run.folder)
-            files.write_json(run.folder / FAILED, {"reason": reason})
+            whole_files.make_below(run.home, run.folder)
+            whole_files.write_json(run.folder / FAILED, {"reason": reason})
     return {names[number]: reason for number, reason in loop.failures.items()}
 
 

@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from acoustics.traps import ignoring_underflow
-from rolling.record.definition import Arrays
+from rolling.archive.definition import Arrays
 from rolling.terminal import progress
-from rolling.terminal.files import make_below, read_regular, write_bytes
 from rolling.terminal.program import Program, identity
+from rolling.terminal.whole_files import make_below, read_regular, write_bytes
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

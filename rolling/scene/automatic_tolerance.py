@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from rolling.scene.grid_error import grid_signal_db, hertz_radius, law_roughness
 
 if TYPE_CHECKING:
-    from rolling.scene.quantities import SceneQuantities
+    from rolling.scene.values_in_si import SceneQuantities
 
 USUAL = 1e-4
 LEAST = 1e-6

@@ -14,12 +14,12 @@ from acoustics.numbers import micrometres, rounded_up
 from rolling.scene import library
 from rolling.scene.messages import Fault, Key, SceneError, key_of, quoted
 from rolling.scene.models import all_keys, unknown_name
-from rolling.scene.quantities import motion_of
 from rolling.scene.scene import Scene
 from rolling.scene.sections import VIBRATING_PLATE, WEIGHT, Rolling, Sound, Sphere
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.sweep import with_value
 from rolling.scene.swept import AnyScene, SweptScene
+from rolling.scene.values_in_si import motion_of
 from rolling.scene.yaml_text import parse, read_text
 
 OTHER_KINDS = ("sphere", "bearing")  # sections that tell what a scene is of

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from rolling.surface.refined import auto_subcells
 
 if TYPE_CHECKING:
-    from rolling.scene.quantities import SceneQuantities
+    from rolling.scene.values_in_si import SceneQuantities
 
 CONSTANT_DB = -7.2
 PER_LENGTH_DB = -14.8

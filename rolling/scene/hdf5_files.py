@@ -13,7 +13,7 @@ from pathlib import Path
 
 import h5py
 
-from rolling.record.hdf5_reader import (
+from rolling.archive.hdf5_reader import (
     FILTERS,
     LIBRARY,
     SIGNATURE,
@@ -21,7 +21,7 @@ from rolling.record.hdf5_reader import (
     takes_values_from_elsewhere,
 )
 from rolling.terminal import addresses
-from rolling.terminal.files import open_regular
+from rolling.terminal.whole_files import open_regular
 
 _FIRST_USER_BLOCK = 512  # bytes before the signature: none, or so many times a power of two
 _FILTERS = FILTERS | {h5py.h5z.FILTER_FLETCHER32}

@@ -19,7 +19,7 @@ import numpy as np
 from acoustics.arrays import Array
 from rolling.scene.kept import Kept
 from rolling.scene.messages import TABLES, SceneError, quoted
-from rolling.terminal.files import open_regular, read_regular
+from rolling.terminal.whole_files import open_regular, read_regular
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # of heights, in m
 MAX_BYTES = 500_000_000  # of a file, packed or not; reading takes long, and .npy may be larger

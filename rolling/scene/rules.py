@@ -7,7 +7,7 @@ from typing import Any
 
 from acoustics.numbers import rounded
 from rolling.contact.track import ROUNDING
-from rolling.scene import quantities
+from rolling.scene import values_in_si
 from rolling.scene.messages import fault, plain_number, quoted
 from rolling.scene.sections import (
     WEIGHT,
@@ -52,7 +52,7 @@ def refuse_rolling(rolling: Rolling, sections: Sections) -> None:
                 "missing; rolling.resistance needs the mass of the sphere",
                 at="sphere.density_kg_m3",
             )
-    rest = quantities.motion_of(sphere, rolling).rest_time
+    rest = values_in_si.motion_of(sphere, rolling).rest_time
     duration = rolling.duration_s
     if rolling.resistance and duration and duration > rest * (1 + ROUNDING):
         raise fault(
@@ -68,9 +68,9 @@ def refuse_rolling(rolling: Rolling, sections: Sections) -> None:
 def _refuse_edges(rolling: Rolling, sphere: Sphere, plate: Plate) -> None:
     """Refuse a contact too near an edge of the plate, and more modes than can be moved."""
     assert plate.edges_mm is not None  # asked for by the caller
-    load = quantities.load(sphere, rolling)
+    load = values_in_si.load(sphere, rolling)
     radius = max(sphere.radius_mm, sphere.radius_across_mm or 0.0) * 1e-3
-    contact = (3 * load * radius / (4 * quantities.contact_modulus(sphere, plate))) ** (1 / 3)
+    contact = (3 * load * radius / (4 * values_in_si.contact_modulus(sphere, plate))) ** (1 / 3)
     least = EDGE_RADII * contact * 1e3
     for key, point in plate.contact_ends_mm.items():
         edge = min(min(x, side - x) for x, side in zip(point, plate.edges_mm, strict=True))
@@ -87,7 +87,7 @@ def _refuse_edges(rolling: Rolling, sphere: Sphere, plate: Plate) -> None:
 
 def refuse_modes(plate: Plate, at: str) -> None:
     """Refuse a plate with edges, at a key, that has more modes than can be moved."""
-    modes = quantities.plate_modes(plate)
+    modes = values_in_si.plate_modes(plate)
     if modes > MAX_MODES:
         raise fault(
             f"the plate has some {rounded(modes)} modes in hearing, allowed: {MAX_MODES}; choose a"
@@ -117,7 +117,7 @@ def refuse_numerics(numerics: Numerics, sections: Sections) -> None:
     if rolling is not None and not isinstance(surface, HeightFile):
         given = numerics.step_nodes
         step_nodes = 1.0 if isinstance(given, str) else given  # auto keeps the track of one node
-        quantities.track_of(sphere, surface, rolling, step_nodes, Path())
+        values_in_si.track_of(sphere, surface, rolling, step_nodes, Path())
 
 
 def refuse_memory(numerics: Numerics, sections: Sections) -> None:

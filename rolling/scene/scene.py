@@ -14,7 +14,7 @@ from pydantic import (
     field_validator,
 )
 
-from rolling.scene import channels, quantities, rules, step_rule
+from rolling.scene import rules, step_rule, transducers, values_in_si
 from rolling.scene import sweep as sweeps
 from rolling.scene.sections import (
     Dynamics,
@@ -27,10 +27,10 @@ from rolling.scene.swept import SweepRun
 
 def _sweep(value: Any) -> dict[str, Any]:
     """Return a sweep of a scene with its lists as tuples, or refuse it."""
-    return sweeps.check_lists(value, quantities.SceneQuantities)
+    return sweeps.check_lists(value, values_in_si.SceneQuantities)
 
 
-class Scene(quantities.SceneQuantities):
+class Scene(values_in_si.SceneQuantities):
     """Scene: the bodies, the solution of their contact, and the place of the listener.
 
     Scenes are equal when all their values are equal, wherever they were read from.
@@ -108,7 +108,7 @@ class Scene(quantities.SceneQuantities):
     def _check_sound(cls, sound: Sound, info: ValidationInfo) -> Sound:
         sound = rules.with_source(sound, info.data)
         rules.refuse_listeners(sound, info.data)
-        channels.refuse_channels(sound.channels or [], info.data)
+        transducers.refuse_channels(sound.channels or [], info.data)
         return sound
 
     def __repr__(self) -> str:

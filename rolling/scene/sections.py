@@ -23,10 +23,10 @@ from acoustics.loss_factors import LossFactor
 from acoustics.numbers import rounded
 from rolling.contact.track import Motion
 from rolling.scene import library, messages
-from rolling.scene.channels import MAX_CHANNELS, SoundChannel, refuse_equal_names
 from rolling.scene.messages import MATERIALS, fault, is_number, numbers, plain_number, quoted
 from rolling.scene.models import Section
 from rolling.scene.surfaces import BallSurface
+from rolling.scene.transducers import MAX_CHANNELS, SoundChannel, refuse_equal_names
 
 # ---- numbers that a word may stand for
 

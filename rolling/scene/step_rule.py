@@ -17,7 +17,7 @@ from acoustics.numbers import micrometres, rounded_up
 from rolling.scene import grid_error
 
 if TYPE_CHECKING:
-    from rolling.scene.quantities import SceneQuantities
+    from rolling.scene.values_in_si import SceneQuantities
 
 CHOICES = (4, 2)  # [nodes], tried in turn; otherwise a step has one node
 HEARD_HZ = NOMINAL_HZ[-1]  # end of hearing [Hz]

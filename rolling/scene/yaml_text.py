@@ -13,7 +13,7 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from rolling.scene import library
 from rolling.scene.height_files import reason_of
 from rolling.scene.messages import Fault, Key, SceneError, first_line, quoted, shortened
-from rolling.terminal.files import read_regular
+from rolling.terminal.whole_files import read_regular
 
 MAX_BYTES = 1_000_000  # maximum size of a file
 MAX_VALUES = 100_000  # maximum number of keys and values of a text, with its aliases expanded

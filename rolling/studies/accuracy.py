@@ -14,12 +14,12 @@ import xarray as xr
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from rolling import __version__
-from rolling.ball.records import listener_of
+from rolling.archive import hdf5_reader
+from rolling.archive.definition import ROOT, TEXT, GroupDefinition, Variable
 from rolling.check import resolution
 from rolling.contact.solver import ContactError
 from rolling.figures.settings import left_out_if_it_fails
-from rolling.record import hdf5_reader
-from rolling.record.definition import ROOT, TEXT, GroupDefinition, Variable
+from rolling.in_si.physics_of_scene import listener_of
 from rolling.run import pools
 from rolling.run.executor import ended_by_signal
 from rolling.scene.identity import digest, scene_identity
@@ -29,8 +29,8 @@ from rolling.sound.contact_sound import contact_sound
 from rolling.studies import accuracy_variants as variants
 from rolling.studies import work_precision
 from rolling.studies.accuracy_variants import OWN, REFERENCE, SOLVER, Variant, label
-from rolling.terminal import defaults, files, progress
-from rolling.terminal.files import FolderError, read_regular
+from rolling.terminal import defaults, progress, whole_files
+from rolling.terminal.whole_files import FolderError, read_regular
 
 BANDS = [name for name in BAND_NAMES if 100 <= float(name) <= 16000]
 LEVELS = ("laeq_db", "third_octave_db")
@@ -268,13 +268,13 @@ def run_study(
             progress.line(f"the first run of the sweep: {run_name(values)}; --set chooses another")
         study = accuracy(scene, duration_s, finest, workers).assign_attrs(identity=identity)
         folder.mkdir(parents=True, exist_ok=True)
-        files.write_bytes(folder / DATASET, bytes(study.to_netcdf(engine="h5netcdf")))
-    files.write_bytes(folder / "accuracy.csv", work_precision.table(study).to_csv().encode())
+        whole_files.write_bytes(folder / DATASET, bytes(study.to_netcdf(engine="h5netcdf")))
+    whole_files.write_bytes(folder / "accuracy.csv", work_precision.table(study).to_csv().encode())
     picture = None
     with left_out_if_it_fails("accuracy.png"):
         picture = work_precision.diagram_png(study)
     if picture is not None:
-        files.write_bytes(folder / "accuracy.png", picture)
+        whole_files.write_bytes(folder / "accuracy.png", picture)
     if not progress.is_quiet():
         print(work_precision.text(study))
     return [folder]
@@ -288,7 +288,9 @@ def _stored(folder: Path, identity: str) -> xr.Dataset | None:
     FolderError : the folder holds anything else.
     """
     try:
-        if not folder.exists() or all(path.suffix == files.PARTIAL for path in folder.iterdir()):
+        if not folder.exists() or all(
+            path.suffix == whole_files.PARTIAL for path in folder.iterdir()
+        ):
             return None
         study = read_study(folder / DATASET)
     except (OSError, ValueError) as error:

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.ball import contact_of_scene
-from rolling.ball.scene_surface import heights
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
+from rolling.in_si import contact_of_scene
+from rolling.in_si.scene_surface import heights
 from rolling.scene.scene import Scene
 from rolling.surface.refined import dies_out, refined, subcell_heights
 from rolling.surface.subcell_contact import auto_subcells, on_subcells

@@ -10,7 +10,7 @@ from acoustics.arrays import Array
 from rolling.bearing.geometry import BearingGeometry, Ring, assemble
 from rolling.bearing.kinematics import kinematics_of
 from rolling.bearing.model import BearingModel
-from rolling.bearing.motion import RingMotion, move_ring
+from rolling.bearing.ring_motion import RingMotion, move_ring
 from rolling.bearing.static_load import static_balance
 from rolling.bearing.tracks import smooth_tracks, with_waves
 from rolling.contact import closed_forms

@@ -28,7 +28,7 @@ from rolling.studies.lee2025_cases import (
 from rolling.studies.lee2025_conditions import FAILS, HOLDS, IN_PART, NOT_RUN, OUTLOOK, ROUGHNESS
 from rolling.studies.output import markdown_table, png
 from rolling.terminal import defaults, progress
-from rolling.terminal.files import PARTIAL, FolderError, make_below, write_bytes
+from rolling.terminal.whole_files import PARTIAL, FolderError, make_below, write_bytes
 
 STUDY = "lee2025"
 SWEEPS = ("correlation-length", "skewness")  # of the article's outlook

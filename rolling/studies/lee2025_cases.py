@@ -15,7 +15,7 @@ from acoustics.radiation import I_REF_W_M2, P_REF_PA
 from acoustics.spectrum import article_line_level_db
 from acoustics.uncertainty import level_uncertainty
 from acoustics.weighting import a_weighting_db
-from rolling.ball import scene_surface
+from rolling.in_si import scene_surface
 from rolling.results.run_result import Run
 from rolling.run.folder import stored_runs
 from rolling.run.solving import open_runs, solve_folder

@@ -7,7 +7,7 @@ import pandas as pd
 
 from acoustics.arrays import Array
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S, Ball, axis_transfer
-from rolling.ball.scene_surface import scene_surface
+from rolling.in_si.scene_surface import scene_surface
 from rolling.scene import library
 from rolling.scene.file import read_as
 from rolling.scene.scene import Scene

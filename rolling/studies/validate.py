@@ -24,15 +24,15 @@ from acoustics.loudness import loudness
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S
 from acoustics.rectangular_plate import own_resistance
 from acoustics.wav import SAMPLE_RATE_HZ as RATE_HZ
-from rolling.ball.records import bodies_of, plate_of
-from rolling.ball.scene_surface import heights
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.single_contact import solve_contact
 from rolling.contact.solver import ContactError
 from rolling.dynamics import drop
-from rolling.heights.measured import HeightArray
-from rolling.recordings.comparison import THIRD_OCTAVE, compare
-from rolling.recordings.levels import TOTALS
+from rolling.in_si.measured import HeightArray
+from rolling.in_si.physics_of_scene import bodies_of, plate_of
+from rolling.in_si.scene_surface import heights
+from rolling.recordings.record_levels import TOTALS
+from rolling.recordings.recording_comparison import THIRD_OCTAVE, compare
 from rolling.report import synthetic_bench
 from rolling.report.bench import compare_all, read_bench
 from rolling.results.run_result import Run
@@ -47,8 +47,8 @@ from rolling.studies import bearing_truths, printed_truths
 from rolling.studies.output import markdown_table
 from rolling.surface.heights import statistics
 from rolling.terminal import progress
-from rolling.terminal.files import FolderError, read_regular, write_bytes
 from rolling.terminal.program import identity
+from rolling.terminal.whole_files import FolderError, read_regular, write_bytes
 
 PAGE = Path("validation.md")
 ALL = "all"

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
 
-from rolling.terminal.files import kind_of
+from rolling.terminal.whole_files import kind_of
 
 _LIKENESS = 0.5  # least likeness of a nearest name, between 0 and 1
 

@@ -4,7 +4,7 @@ import sys
 import webbrowser
 from pathlib import Path
 
-from rolling.terminal.files import FolderError
+from rolling.terminal.whole_files import FolderError
 
 
 def open_page(page: Path) -> None:

@@ -30,10 +30,10 @@ from scipy.special import ellipe, ellipk
 import rolling as rc
 from acoustics.arrays import Array
 from rolling.bearing import waves
-from rolling.bearing_contacts.contact_gain import contact_gain
-from rolling.bearing_contacts.joined_tracks import rough_rows
-from rolling.bearing_contacts.plan import contact_plan
-from rolling.bearing_contacts.solving import march_contacts
+from rolling.bearing_kind.contact_gain import contact_gain
+from rolling.bearing_kind.contact_marches import march_contacts
+from rolling.bearing_kind.contact_plan import contact_plan
+from rolling.bearing_kind.joined_tracks import rough_rows
 
 CHOICES = 20
 WITHIN_DB = 1.0  # wanted ±

@@ -20,10 +20,10 @@ import numpy as np
 
 import rolling as rc
 from acoustics.pairs import FIRST_PAIRS, pairs_needed
-from rolling.built_in.ball_candidates import BallCandidate, candidate
-from rolling.built_in.ball_difference import difference
+from rolling.ball_kinds.ball_candidates import BallCandidate, candidate
+from rolling.ball_kinds.ball_difference import difference
+from rolling.choice.choice_numbers import Contender
 from rolling.choice.choosing import OpenChoice, open_choice
-from rolling.choice.comparison import Contender
 
 SEEDS = 60
 WITHIN_DB = (1.0, 0.4, 0.25)  # wanted ±; the smaller ones ask for more than six pairs

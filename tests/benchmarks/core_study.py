@@ -31,7 +31,7 @@ import numpy as np
 import pandas as pd
 
 from rolling import cli
-from rolling.ball.scene_surface import heights
+from rolling.in_si.scene_surface import heights
 from rolling.run.backlog import Backlog
 from rolling.run.executor import FinishedRun, RunLoop
 from rolling.run.pools import MAX_TEAMS, LocalPool, Pool, Task

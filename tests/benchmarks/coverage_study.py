@@ -31,10 +31,10 @@ import rolling as rc
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.level import RecordNumbers, SoundLevels
-from rolling.ball.records import bodies_of, listener_of
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
+from rolling.in_si.physics_of_scene import bodies_of, listener_of
 from rolling.kinds.run_folder import RunFolder
 from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import next_pieces

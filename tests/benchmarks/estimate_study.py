@@ -23,12 +23,12 @@ import rolling as rc
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, EDGES_HZ, reliable
 from acoustics.level import SoundLevels
-from rolling.ball.contact_of_scene import rolling_contact
-from rolling.ball.records import listener_of
-from rolling.ball.scene_surface import heights
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
+from rolling.in_si.contact_of_scene import rolling_contact
+from rolling.in_si.physics_of_scene import listener_of
+from rolling.in_si.scene_surface import heights
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.sound.contact_sound import contact_sound
 from rolling.studies.accuracy_variants import Variant, march_variant

@@ -168,10 +168,12 @@ def expected_words(scene: Any, findings: Any) -> dict[str, str]:
     """Return the verdict that a check of a scene of balls expects of each run, in a word."""
     if hasattr(findings, "quantities"):
         return {name: run.leading.judged.word for name, run in findings.quantities.items()}
-    from rolling.check import level  # of version 0.8, which has a function for it
+    from rolling.check import level_doubts  # of version 0.8, which has a function for it
 
     runs = zip(scene.runs(), findings.doubts.items(), strict=True)
-    return {name: level.expected(run.scene, doubts).severity.word for run, (name, doubts) in runs}
+    return {
+        name: level_doubts.expected(run.scene, doubts).severity.word for run, (name, doubts) in runs
+    }
 
 
 # ---- choices
@@ -264,7 +266,7 @@ def _stored(job: Job, folder: Path) -> Frozen:
 
 def freeze_recording(job: Job) -> Iterator[tuple[str, Frozen]]:
     """Yield the comparison of a run with a recording: the record of the run beside noise."""
-    from rolling.recordings.comparison import compare as compare_recording
+    from rolling.recordings.recording_comparison import compare as compare_recording
 
     run = rc.simulate(scene_of(job), workers=1, progress=False)
     quantity = job.entry["quantity"]

@@ -21,8 +21,8 @@ import pandas as pd
 from recognition_study import centroid_hz
 from scipy import stats
 
-from rolling.ball.scene_surface import scene_surface
-from rolling.built_in.rolling_ball import KIND
+from rolling.ball_kinds.rolling_ball import KIND
+from rolling.in_si.scene_surface import scene_surface
 from rolling.kinds.run_folder import RunFolder
 from rolling.results.run_result import Run, make_run
 from rolling.run.executor import RunLoop

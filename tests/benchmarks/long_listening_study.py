@@ -22,8 +22,8 @@ from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, sound_levels
 from acoustics.uncertainty import kurtosis
-from rolling.ball.records import bodies_of, circumference_of, listener_of
 from rolling.dynamics.force_law import ForceLaw
+from rolling.in_si.physics_of_scene import bodies_of, circumference_of, listener_of
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
 from rolling.sound.long_listening import Listening, LongTravel, listen_to_vibration

@@ -8,9 +8,9 @@ without a solve (`may_be_too_narrow`).
 from __future__ import annotations
 
 import rolling as rc
-from rolling.ball.contact_of_scene import rolling_contact
 from rolling.check.widest_places import may_be_too_narrow, reason_against
 from rolling.contact.subcells import half_space_of
+from rolling.in_si.contact_of_scene import rolling_contact
 
 SEEDS = 40
 BASE = {

@@ -13,10 +13,10 @@ import numpy as np
 
 import rolling as rc
 from acoustics.arrays import Array
-from rolling.ball.records import bodies_of
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import BodyMotion, Stepping, move
+from rolling.in_si.physics_of_scene import bodies_of
 from rolling.scene.scene import Scene
 
 SCENE = Path(__file__).parents[2] / "scenarios" / "ball-on-plate.yaml"

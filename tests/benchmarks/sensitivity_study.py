@@ -17,10 +17,10 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.pairs import paired_mean, student_factor
-from rolling.built_in import ball_drawing
-from rolling.built_in.ball_audition import BallAudition
-from rolling.built_in.ball_candidates import LOSS_KEY, BallCandidate
-from rolling.built_in.chain import chain_levels
+from rolling.ball_kinds import ball_drawing
+from rolling.ball_kinds.ball_audition import BallAudition
+from rolling.ball_kinds.ball_candidates import LOSS_KEY, BallCandidate
+from rolling.ball_kinds.chain import chain_levels
 from rolling.choice import drawing
 from rolling.choice.choosing import OpenChoice, open_choice
 from rolling.choice.limit import tolerance_limit

@@ -30,12 +30,12 @@ import numpy as np
 from against_peers import SEQUENCES, loosest, ours, quickest, theirs
 from whole_run import scene_20_n
 
-from rolling.ball.contact_of_scene import rolling_contact
 from rolling.contact._transform_kernels import deflect_nodes, nodes_kernel
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import ContactState, RollingContact, Window
+from rolling.in_si.contact_of_scene import rolling_contact
 from rolling.marches.march_variables import STATE_SERIES, STEP_SERIES
 
 HERE = Path(__file__).parent

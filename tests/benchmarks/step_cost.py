@@ -25,7 +25,6 @@ if __name__ == "__main__":
 
 import numpy as np
 
-from rolling.ball.contact_of_scene import rolling_contact
 from rolling.check import cost
 from rolling.contact._transform_kernels import deflect_nodes, nodes_kernel
 from rolling.contact.half_space import HalfSpace
@@ -33,6 +32,7 @@ from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import ContactState
 from rolling.contact.subcells import half_space_of
+from rolling.in_si.contact_of_scene import rolling_contact
 from rolling.kinds.reading import read_scene
 from rolling.scene.scene import Scene
 

@@ -23,11 +23,11 @@ from tqdm import tqdm
 import rolling as rc
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
-from rolling.ball.contact_of_scene import rolling_contact
-from rolling.ball.records import listener_of
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
+from rolling.in_si.contact_of_scene import rolling_contact
+from rolling.in_si.physics_of_scene import listener_of
 from rolling.scene import grid_error, step_rule
 from rolling.sound.contact_sound import ContactSound, contact_sound
 from rolling.studies.accuracy_variants import Variant, march_variant

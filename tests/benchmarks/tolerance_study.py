@@ -20,11 +20,11 @@ from tqdm import tqdm
 
 from acoustics.arrays import Array
 from acoustics.weighting import a_weighting_db
-from rolling.ball.contact_of_scene import rolling_contact
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
+from rolling.in_si.contact_of_scene import rolling_contact
 from rolling.scene.file import loads
 from rolling.scene.grid_error import grid_signal_db
 from rolling.scene.scene import Scene

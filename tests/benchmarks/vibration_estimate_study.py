@@ -18,7 +18,7 @@ import pandas as pd
 from small_scenes import small_scene
 
 import rolling as rc
-from rolling.ball.records import bodies_of, listener_of, smooth_contact_of
+from rolling.in_si.physics_of_scene import bodies_of, listener_of, smooth_contact_of
 from rolling.marches.stiffness import solved_stiffness
 from rolling.results.run_errors import LINEAR
 from rolling.sound.radiators import vibration_estimate

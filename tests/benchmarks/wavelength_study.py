@@ -15,7 +15,7 @@ import numpy as np
 
 import rolling as rc
 from acoustics.arrays import Array
-from rolling.ball.scene_surface import scene_surface
+from rolling.in_si.scene_surface import scene_surface
 from rolling.sound.wavelengths import WavelengthOctave
 
 PLATE = {"material": "steel-100cr6", "thickness_mm": 10, "loss_factor": 0.01}

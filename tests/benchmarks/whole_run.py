@@ -19,8 +19,8 @@ from pathlib import Path
 
 import numpy as np
 
-from rolling.ball.scene_surface import heights
 from rolling.contact.half_space import HalfSpace
+from rolling.in_si.scene_surface import heights
 from rolling.kinds.reading import read_scene
 from rolling.marches.march_piece import march_piece
 from rolling.marches.piece import Piece, contact_identity, track_pieces

@@ -10,7 +10,7 @@ import pytest
 from report_browser import FLAGS, PATIENCE, TAP, browser_path, without_browser
 from report_runs import runs_of
 
-from rolling.report.page import page
+from rolling.report.report_page import page
 
 
 @pytest.fixture(scope="session")

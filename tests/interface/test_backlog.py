@@ -14,7 +14,7 @@ import pytest
 from commands import SWEEP, words_of
 
 from rolling import cli
-from rolling.ball import scene_surface
+from rolling.in_si import scene_surface
 from rolling.run.backlog import Backlog
 from rolling.run.pools import LocalPool, Task
 from rolling.scene.scene import Scene

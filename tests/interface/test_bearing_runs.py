@@ -25,18 +25,18 @@ from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling import cli
 from rolling.bearing import lines
 from rolling.bearing.band_uncertainty import BandUncertainty
-from rolling.bearing.motion import move_ring
+from rolling.bearing.ring_motion import move_ring
 from rolling.bearing.ring_record import DIRECTIONS
 from rolling.bearing.tracks import BodyTrack, smooth_tracks
-from rolling.bearing_run import figures, page, simulation
-from rolling.bearing_run.bearing_run import BearingRun, numbered
-from rolling.bearing_run.line_numbers import envelope_lines
-from rolling.bearing_run.numbers import MarchFindings
-from rolling.bearing_run.run_lines import band_table
+from rolling.bearing_kind import bearing_figures, bearing_page, bearing_simulation
+from rolling.bearing_kind.bearing_lines import band_table
+from rolling.bearing_kind.bearing_run import BearingRun, numbered
+from rolling.bearing_kind.bearing_run_numbers import MarchFindings
+from rolling.bearing_kind.line_numbers import envelope_lines
 from rolling.numbers.bearing_numbers import BandVelocities, VelocityLine
 from rolling.numbers.run_file import StoredBearing
 from rolling.numbers.summary_schema import summary_schema
-from rolling.report.page import page as page_of
+from rolling.report.report_page import page as page_of
 from rolling.results.stored_numbers import read_stored, write_stored
 from rolling.run import folder as folders
 
@@ -197,7 +197,7 @@ def test_orders_are_named_by_their_direction() -> None:
     (said,) = [text for text in run.numbers.sentences if text.startswith("The largest lines")]
     assert "axial outer 9 (107.8 Hz, 140 um/s)" in said
     assert "radial outer 10 (107.8 Hz, 0.049 um/s)" in said
-    rows = figures.line_table(run).set_index("name")
+    rows = bearing_figures.line_table(run).set_index("name")
     assert rows.loc["outer 9", "radial_um_s"] == 0 == rows.loc["outer 10", "axial_um_s"]
     whole = run.numbers.velocities.axial.low.value
     assert rows.loc["outer 9", "axial_um_s"] == pytest.approx(whole, rel=1e-3)
@@ -218,11 +218,11 @@ def test_a_line_that_the_record_does_not_resolve_has_no_level() -> None:
     assert line_of(run, "outer 9").radial.um_s == pytest.approx(27.75, rel=0.01)
     said = " ".join(run.numbers.sentences)
     assert "Not resolved by 0.5 s" in said and "2 x ball spin (2.1 s would)" in said
-    table = figures.line_table(run)
+    table = bearing_figures.line_table(run)
     of_velocity = table[table["of"] == "velocity"].set_index("name")
     note = "not resolved by 0.5 s, 2.1 s would"
     assert of_velocity.loc["2 x ball spin", "note"] == f"radial: {note}"
-    cells = page.line_cells(silent, record.duration_s)
+    cells = bearing_page.line_cells(silent, record.duration_s)
     assert cells[3] == "" and cells[4].replace("\N{NO-BREAK SPACE}", " ") == note
 
 
@@ -236,7 +236,7 @@ def test_harmonics_of_a_pit_are_a_pits() -> None:
     tracks = smooth_tracks(scene.geometry)
     tracks = replace(tracks, outer=pitted(tracks.outer))
     motion = move_ring(scene.model, tracks, 0.5, RATE)
-    record = simulation.record_of(motion, scene.kinematics)
+    record = bearing_simulation.record_of(motion, scene.kinematics)
     numbers = numbered(solved(scene, record, tracks)).numbers
     meanings = {line.name: line.meaning for line in numbers.lines}
     assert not [text for text in meanings.values() if "waves" in text]
@@ -272,7 +272,9 @@ def test_faults_show_in_the_envelope(body: str, radial_n: float) -> None:
         tracks = replace(tracks, balls_on_inner=on_inner, balls_on_outer=on_outer)
     else:
         tracks = replace(tracks, **{body: pitted(getattr(tracks, body))})
-    record = simulation.record_of(move_ring(scene.model, tracks, 0.7, RATE), scene.kinematics)
+    record = bearing_simulation.record_of(
+        move_ring(scene.model, tracks, 0.7, RATE), scene.kinematics
+    )
     faulty = envelope_lines(solved(scene, record, tracks))
     heights = {line.name: line.height for line in faulty}
     times = "" if radial_n else "2 "
@@ -459,7 +461,7 @@ def test_a_radial_load_alone_has_a_load_zone_and_varying_compliance() -> None:
     words = ["bearing.axial_load_n=0", "bearing.radial_load_n=200", "bearing.surfaces={}"]
     run = rolling.simulate(loads_bearing(WAVY, words), progress=False)
     assert run.record.ball_load_n.min() == 0 < run.record.lost_contact_share
-    around = figures.mean_loads_n(run)
+    around = bearing_figures.mean_loads_n(run)
     assert around[0] == np.nanmax(around) and around[len(around) // 2] == 0
     peak = max(run.numbers.lines, key=lambda line: line.radial.um_s)
     assert peak.frequency_hz == pytest.approx(8 * run.kinematics.cage_hz)

@@ -14,7 +14,7 @@ from scene_text import BEARINGS, SCENES
 
 import rolling
 from rolling import cli
-from rolling.bearing_contacts.bearing_check import scene_rules
+from rolling.bearing_kind.bearing_check import scene_rules
 from rolling.kinds.reading import schema
 from rolling.kinds.registry import name_of_file
 from rolling.scene.bearing_rules import largest_pressure

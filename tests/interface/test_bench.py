@@ -11,12 +11,12 @@ from finished import VIBRATING, marched
 
 from acoustics import resampling
 from rolling import cli, save_run
-from rolling.recordings import comparison
+from rolling.recordings import recording_comparison
 from rolling.report import recording_page
 from rolling.report.bench import read_bench
 from rolling.results.channels import Channel
 from rolling.results.run_result import Run
-from rolling.terminal.files import FolderError
+from rolling.terminal.whole_files import FolderError
 
 SECONDS = 1.0
 TONE_RMS = 10.0  # m/s2, at 159.2 Hz
@@ -82,7 +82,7 @@ def test_an_acceleration_in_noise_and_offset_is_recovered_by_a_tone(
     wav = write(tmp_path / "acceleration.wav", own, rate)
     hush = write(tmp_path / "hush.wav", [0 * samples for samples in own], rate)
     calibration = tone(tmp_path / "tone.wav", rate)
-    table, notes, pairs = comparison.compare(run, wav, calibration, hush, "acceleration")
+    table, notes, pairs = recording_comparison.compare(run, wav, calibration, hush, "acceleration")
     assert [pair.name for pair in pairs] == ["corner", "middle"]
     assert "the recording from 0.300 to 1.300 s has the waveform" in " ".join(notes)
     noise_line = 0.002**2 / (rate / 2)
@@ -102,14 +102,16 @@ def test_full_scale_of_each_channel_and_names_of_channels(run: Run, tmp_path: Pa
     own = [channel.samples for channel in run.channels[:2]]
     wav = write(tmp_path / "swapped.wav", own[::-1], 48000)
     calibration = f"{FULL_SCALE:g},{2 * FULL_SCALE:g}"
-    table, notes, _ = comparison.compare(
+    table, notes, _ = recording_comparison.compare(
         run, wav, calibration, None, "acceleration", ["middle", "corner"]
     )
     total = table[table["quantity"] == "all bands"].set_index("channel")["difference_db"]
     assert total["middle"] == pytest.approx(0, abs=0.1)
     assert total["corner"] == pytest.approx(-6.02, abs=0.1)
     assert any("channel 2 with the run's corner" in note for note in notes)
-    alone = comparison.compare(run, wav, calibration, None, "acceleration", ["-", "corner"])
+    alone = recording_comparison.compare(
+        run, wav, calibration, None, "acceleration", ["-", "corner"]
+    )
     assert set(alone.table["channel"]) == {"corner"}
     assert b"<h3>Third octaves, corner</h3>" in recording_page.page(run, alone)
 
@@ -145,7 +147,7 @@ def test_what_is_no_acceleration_is_refused(
     shaken = 3 * np.sin(2 * np.pi * 159.2 * np.arange(8000) / 8000)
     soundfile.write("clipped.wav", np.clip(shaken, -1, 1), 8000)
     with pytest.raises(FolderError) as error:
-        comparison.compare(run, Path(name), calibration, None, quantity)
+        recording_comparison.compare(run, Path(name), calibration, None, quantity)
     assert message in str(error.value)
 
 
@@ -154,11 +156,11 @@ def test_a_run_without_channels_names_the_line_to_add_and_clipping_is_named(
 ) -> None:
     wav = write(tmp_path / "one.wav", [run.channels[0].samples], 48000)
     with pytest.raises(FolderError) as error:
-        comparison.compare(marched(VIBRATING), wav, "37", None, "acceleration")
+        recording_comparison.compare(marched(VIBRATING), wav, "37", None, "acceleration")
     assert "channels: [{of: plate, quantity: acceleration, x_mm: 30, y_mm: 40}]" in str(error.value)
     hard = np.clip(5 * run.channels[2].samples, -1, 1)
     soundfile.write(tmp_path / "hard.wav", hard, 48000)
-    notes = comparison.compare(run, tmp_path / "hard.wav", "1", None, "force").notes
+    notes = recording_comparison.compare(run, tmp_path / "hard.wav", "1", None, "force").notes
     assert "the recording, contact force is clipped: repeat it with less gain" in notes
 
 

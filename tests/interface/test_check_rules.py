@@ -15,13 +15,13 @@ from large_scenes import FILE, LAPS, scene_of
 from scene_text import MADE, WIDE
 
 from acoustics.arrays import Array
-from rolling.ball.contact_of_scene import rolling_contact
 from rolling.check import cost, findings, resolution
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
+from rolling.in_si.contact_of_scene import rolling_contact
 from rolling.kinds.reading import read_scene
 from rolling.scene import grid_error
 from rolling.scene.file import loads

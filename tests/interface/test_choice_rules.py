@@ -16,21 +16,21 @@ import pytest
 import rolling as rc
 from acoustics.pairs import LOOKS
 from rolling import cli
-from rolling.built_in import ball_audition
-from rolling.built_in.ball_audition import BallAudition
-from rolling.built_in.ball_candidates import candidate, candidates_of
-from rolling.built_in.ball_heard import read_heard
-from rolling.built_in.ball_specimens import BallSpecimens
+from rolling.ball_kinds import ball_audition
+from rolling.ball_kinds.ball_audition import BallAudition
+from rolling.ball_kinds.ball_candidates import candidate, candidates_of
+from rolling.ball_kinds.ball_heard import read_heard
+from rolling.ball_kinds.ball_specimens import BallSpecimens
 from rolling.check import narrow_surface
-from rolling.choice import doubts as choice_doubts
-from rolling.choice import omissions, picture, solving, words
+from rolling.choice import choice_doubts as choice_doubts
+from rolling.choice import choice_picture, choice_sentences, omissions, specimen_solving
+from rolling.choice.choose_command import as_json
 from rolling.choice.choosing import choose_scenes, open_choice
-from rolling.choice.command import as_json
-from rolling.choice.heard import Specimen
-from rolling.choice.solving import RunSolver
+from rolling.choice.heard_specimen import Specimen
+from rolling.choice.specimen_solving import RunSolver
 from rolling.contact.solver import ContactError
 from rolling.run.budget import Budget
-from rolling.terminal.files import FolderError, write_json
+from rolling.terminal.whole_files import FolderError, write_json
 from tests.support.marched_specimens import stand_in, write_heard
 
 # The third specimen of these scenes has a lone summit 68 um beside the middle, which is loaded.
@@ -97,7 +97,7 @@ def test_a_specimen_without_solution_is_left_out_with_its_partner(
 
 def _title(choice: rc.Choice) -> str:
     """Return the line above the picture of a choice."""
-    return str(picture.picture(choice).figure.axes[0].get_title(loc="left"))
+    return str(choice_picture.picture(choice).figure.axes[0].get_title(loc="left"))
 
 
 @pytest.mark.parametrize(("seed", "pairs"), [(3, 4), (1, 12)])
@@ -139,7 +139,7 @@ def test_a_wider_surface_goes_on_in_the_folder_of_the_narrow_one(
         omissions.remember(tmp_path / "out", narrow, "no solution")
         wider = scene.with_({"surface.width_um": 256})
         specimen = Specimen({}, wider, narrow.folder, narrow.candidate, number=0)
-        monkeypatch.setattr(solving, "RunLoop", Loop)
+        monkeypatch.setattr(specimen_solving, "RunLoop", Loop)
         with pytest.raises(KeyboardInterrupt):
             work._solver.solve([specimen], ["wider"], stored=[])
     assert (narrow.folder / "scene.yaml").is_file()
@@ -183,7 +183,7 @@ def test_a_march_that_fails_is_remembered(
         ):
             work.hear(failing, 1)
         assert not (tmp_path / "out" / "pieces").exists()
-        monkeypatch.setattr(solving, "RunLoop", None)
+        monkeypatch.setattr(specimen_solving, "RunLoop", None)
 
 
 def test_a_failure_that_is_not_of_the_contact_is_not_remembered(
@@ -201,7 +201,7 @@ def test_a_failure_that_is_not_of_the_contact_is_not_remembered(
         def finished_runs(self, pool: object) -> list:
             return []
 
-    monkeypatch.setattr(solving, "RunLoop", Killed)
+    monkeypatch.setattr(specimen_solving, "RunLoop", Killed)
     both = candidates_of(two(wide))
     with (
         open_choice(both, tmp_path / "out", workers=1) as work,
@@ -290,7 +290,7 @@ def test_the_answer_names_the_command_that_repeats_it(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr("rolling.choice.command.write_choice", lambda choice: None)
+    monkeypatch.setattr("rolling.choice.choose_command.write_choice", lambda choice: None)
     (tmp_path / "a file.yaml").write_text(NARROW.replace("128", "256"))
     words = ["choose", str(tmp_path / "a file.yaml"), "--out", str(tmp_path / "out")]
     words += ["--set", "sweep={surface.roughness_ra_um: [0.1, 0.2]}", "--workers", "1"]
@@ -389,7 +389,7 @@ def test_each_rule_of_a_choice_raises_its_doubt(
     assert found["uncertain_by_baffle"].decibels == 3.0
     assert {"uncertain_by_scatter", "pairs_without_solution", "left_out_parts"} <= found.keys()
     for one in changed:
-        said = " ".join([*one.sentences, *words.notes(one)])
+        said = " ".join([*one.sentences, *choice_sentences.notes(one)])
         assert all(doubt.line in said for doubt in one.doubts)
         stored = json.loads(json.dumps(as_json(one)))
         assert [doubt["key"] for doubt in stored["doubts"]] == [doubt.key for doubt in one.doubts]

@@ -12,14 +12,14 @@ import pytest
 import rolling as rc
 from acoustics.pairs import LOOKS
 from rolling import cli
-from rolling.built_in import bearing_heard
+from rolling.bearing_kind import bearing_heard
 from rolling.choice import choosing
 from rolling.choice.audition import Audition
 from rolling.choice.choice import Choice
 from rolling.choice.choosing import choose_scenes
 from rolling.kinds.registry import kind_named
 from rolling.run.budget import Budget, Clock
-from rolling.terminal.files import write_json
+from rolling.terminal.whole_files import write_json
 from tests.support.commands import tree
 from tests.support.marched_specimens import stand_in
 
@@ -242,7 +242,7 @@ def test_a_kind_without_an_audition_is_heard_by_the_sound_of_its_runs(
 
 def _refuse_nothing_of_its_files(choice: Choice) -> None:
     """Write all files of a choice, and look at them."""
-    from rolling.choice.command import write_choice
+    from rolling.choice.choose_command import write_choice
 
     write_choice(choice)
     names = {path.name for path in choice.folder.iterdir()}

@@ -12,8 +12,8 @@ import soundfile
 import rolling as rc
 from acoustics.pairs import LOOKS
 from rolling import cli
-from rolling.built_in.ball_audition import BallAudition
-from rolling.built_in.ball_candidates import candidate, candidates_of
+from rolling.ball_kinds.ball_audition import BallAudition
+from rolling.ball_kinds.ball_candidates import candidate, candidates_of
 from rolling.choice import choosing
 from rolling.results import listening
 from rolling.terminal import progress
@@ -99,7 +99,7 @@ def test_the_same_command_solves_nothing_again(
     def refuse(*_: object) -> None:
         raise AssertionError("a march began")
 
-    monkeypatch.setattr("rolling.choice.solving.RunLoop", refuse)
+    monkeypatch.setattr("rolling.choice.specimen_solving.RunLoop", refuse)
     scenes = [str(chosen.parent / f"{name}.yaml") for name in ("ground", "lapped")]
     before = (chosen / "runs" / "ground" / "01" / "result.h5").stat().st_mtime_ns
     assert cli.main(["choose", *scenes, "--within", "9", "--out", str(chosen), "-q"]) == 0
@@ -207,8 +207,8 @@ def test_a_choice_of_another_program_is_not_mixed(
 
 @pytest.mark.slow
 def test_damaged_numbers_are_named(tmp_path: Path, chosen: Path) -> None:
-    from rolling.built_in.ball_heard import read_heard
-    from rolling.choice.heard import Specimen
+    from rolling.ball_kinds.ball_heard import read_heard
+    from rolling.choice.heard_specimen import Specimen
 
     stored = rc.open_run(chosen / "runs" / "ground" / "01")
     one = candidate("ground", stored.scene)

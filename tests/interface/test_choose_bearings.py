@@ -11,9 +11,9 @@ import pytest
 
 import rolling as rc
 from acoustics.pairs import LOOKS
-from rolling.bearing_contacts.plan import contact_plan
-from rolling.built_in import bearing_heard
-from rolling.built_in.bearing_audition import BearingAudition
+from rolling.bearing_kind import bearing_heard
+from rolling.bearing_kind.bearing_audition import BearingAudition
+from rolling.bearing_kind.contact_plan import contact_plan
 from rolling.choice.choosing import choose_scenes
 from rolling.run import pools
 from rolling.run.budget import Budget

@@ -18,13 +18,13 @@ from scene_sounds import sound_of_release
 from scene_text import PLAIN, TINY
 
 from acoustics.bands import BAND_NAMES
-from rolling.check import level
+from rolling.check import level_doubts
 from rolling.check.findings import check_run, check_scene, conclusion
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.doubt import Doubt, Severity, severity_of
 from rolling.numbers.quantity import Quantity, Verdict, worst_of
-from rolling.results import doubts, notes, run_lines, verdict
-from rolling.results.quantities import judged
+from rolling.results import notes, run_doubts, run_lines, verdict
+from rolling.results.run_quantities import judged
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
@@ -53,7 +53,7 @@ def said(
     """Return the lines of the standing doubts, and of the solver, by key."""
     scene = scene_of(seconds, *overrides)
     sound = sound_of(scene, closed, noise)
-    listed = doubts.doubts(scene, sound, released(sound.levels.laeq_db))
+    listed = run_doubts.doubts(scene, sound, released(sound.levels.laeq_db))
     kept = (*notes.HEADLINE, "solver")
     return {x.key: x.line for x in listed if x.severity is Severity.NOTE or x.key in kept}
 
@@ -123,7 +123,7 @@ def test_a_plate_that_bends_by_a_tenth_of_its_thickness(
     )
     law = SimpleNamespace(load_n=np.array([10.0, 20.0]))
     vibration = cast(Vibration, SimpleNamespace(motion=motion, law=law))
-    listed = doubts.doubts(scene, sound_of(scene), released(), vibration)
+    listed = run_doubts.doubts(scene, sound_of(scene), released(), vibration)
     texts = {doubt.key: doubt.text for doubt in listed}
     assert ("plate_deflection" in texts) == bent
     assert not bent or "by 0.11 of its thickness" in texts["plate_deflection"]
@@ -132,7 +132,7 @@ def test_a_plate_that_bends_by_a_tenth_of_its_thickness(
 def test_doubts_of_the_check_stand_after_the_run_too() -> None:
     scene = scene_of(0.03)
     _, before = check_run(scene)
-    after = doubts.doubts(scene, sound_of(scene), released())
+    after = run_doubts.doubts(scene, sound_of(scene), released())
     about = {x.key: x.about for x in after}
     before = [replace(x, about=about.get(x.key, ())) for x in before]
     assert before and set(before) <= set(after)
@@ -180,7 +180,7 @@ def verdict_of(
     numbers = known(**changes)
     sound = replace(run.sound, source=numbers.record.source)
     scene = loads(VIBRATING, [*overrides, f"sound.source={sound.source}"])
-    found = doubts.doubts(scene, sound, numbers, vibration)
+    found = run_doubts.doubts(scene, sound, numbers, vibration)
     leading = judged(numbers, found).leading
     assert leading.judged is not None
     return leading, leading.judged
@@ -332,7 +332,7 @@ def test_the_worst_doubt_is_the_verdict(
 def test_a_check_foresees_that_the_grid_of_a_silent_vibration_is_unknown() -> None:
     for estimate in ("true", "false"):
         keys = ["sound.source=release", f"numerics.error_estimate={estimate}"]
-        found = level.forecasts(loads(VIBRATING, keys), []).leading.judged
+        found = level_doubts.forecasts(loads(VIBRATING, keys), []).leading.judged
         assert found is not None and (found.word, found.worst.key) == ("indicative", "grid")
 
 

@@ -11,10 +11,10 @@ from made_numbers import changed
 
 import rolling
 from acoustics.wav import SAMPLE_RATE_HZ
-from rolling.figures import levels, vibration
+from rolling.figures import level_figures, vibration_figures
 from rolling.results import answer, listening, run_lines
 from rolling.results.level_words import number_texts
-from rolling.results.quantities import with_quantities
+from rolling.results.run_quantities import with_quantities
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
 
@@ -126,9 +126,9 @@ def test_a_record_that_is_long_enough_shows_its_maximum(run: Run) -> None:
 
 
 def test_a_fall_is_drawn_without_the_release_of_a_ball_that_rolls(run: Run) -> None:
-    columns = vibration.source_table(run).columns
+    columns = vibration_figures.source_table(run).columns
     assert "vibration_level_db" in columns and "release_level_db" not in columns
-    legend = vibration.sources(run).get_legend_handles_labels()[1]
+    legend = vibration_figures.sources(run).get_legend_handles_labels()[1]
     assert any("vibration" in label for label in legend)
     assert not any("release" in label for label in legend)
 
@@ -142,12 +142,12 @@ def test_falls_are_compared_by_their_exposure(run: Run) -> None:
     run = replace(run, values={"rolling.drop_mm": 1})
     other = replace(run, values={"rolling.drop_mm": 2}, numbers=longer)
     assert "6.0 dB louder" in answer.follows([run, other])
-    assert {*levels.level_table([run, other])["measure"]} == {"LAE"}
+    assert {*level_figures.level_table([run, other])["measure"]} == {"LAE"}
     lasting = changed(run.numbers, {"record": {"single_event": False}})
     lasting = with_quantities(lasting, run.vibration.parts, {}, {})
     steady = replace(run, label="steady", numbers=lasting)
     assert "louder" not in answer.follows([run, steady])  # LAE and LAeq cannot be compared
-    assert {*levels.level_table([run, steady])["measure"]} == {"LAE", "LAeq"}
+    assert {*level_figures.level_table([run, steady])["measure"]} == {"LAE", "LAeq"}
 
 
 def test_loudness_of_a_fall_is_that_of_its_course_in_time(run: Run) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from checked import checked
 
-from rolling.ball.records import plate_of
+from rolling.in_si.physics_of_scene import plate_of
 from rolling.scene.file import loads, resound
 from rolling.scene.identity import contact_keys
 from rolling.scene.messages import SceneError

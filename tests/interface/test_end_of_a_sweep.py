@@ -16,7 +16,7 @@ from finished import marched, same
 from scene_text import TINY
 
 from rolling import cli
-from rolling.built_in import rolling_ball
+from rolling.ball_kinds import rolling_ball
 from rolling.commands import derived
 from rolling.figures.settings import PictureWarning
 from rolling.kinds.run_folder import RunFolder
@@ -43,7 +43,9 @@ def made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
     monkeypatch.setattr(rolling_ball, "make_run", counted)
     monkeypatch.setattr(run_result, "make_run", counted)
-    monkeypatch.setattr("rolling.report.page.page", lambda runs, names: f"{len(runs)}".encode())
+    monkeypatch.setattr(
+        "rolling.report.report_page.page", lambda runs, names: f"{len(runs)}".encode()
+    )
     monkeypatch.setattr("rolling.figures.write_figures", lambda runs, folder: [])
     return labels
 

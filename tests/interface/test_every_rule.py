@@ -27,13 +27,13 @@ from rolling.check.findings import check_run, check_scene, conclusion
 from rolling.check.in_short import lines_in_short
 from rolling.numbers.ball_numbers import InstrumentNumbers, InstrumentOfSource
 from rolling.numbers.doubt import Doubt
-from rolling.results import doubts
+from rolling.results import run_doubts
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 
 ROOM = Path(rolling.__file__).parent
 # Modules of the rules for a ball. Those of bearings and of choices have tests of their own.
-RULES = (*(ROOM / "check").glob("*.py"), ROOM / "results/doubts.py", ROOM / "results/notes.py")
+RULES = (*(ROOM / "check").glob("*.py"), ROOM / "results/run_doubts.py", ROOM / "results/notes.py")
 BODIES = ("sphere.density_kg_m3=7850", "plate.density_kg_m3=7850", "plate.loss_factor=0.01")
 ON_PLATE = (*BODIES, "plate.thickness_mm=10", "dynamics={}", "sound.source=vibration")
 
@@ -173,24 +173,24 @@ def judge_all() -> None:
         "contact_loss_db": -3.0,
     }
     numbers = changed(computed(40.0), changes)
-    doubts.doubts(run.scene, run.sound, numbers, vibration)
+    run_doubts.doubts(run.scene, run.sound, numbers, vibration)
     silent = changed(numbers, {"record": {"source": "release"}})
     of_length = replace(silent.vibration, value=40.0, parts={"record": 1.0})
-    doubts.doubts(run.scene, run.sound, replace(silent, vibration=of_length), vibration)
+    run_doubts.doubts(run.scene, run.sound, replace(silent, vibration=of_length), vibration)
     comb = replace(vibration, spreads=vibration.spreads | {"comb": 9.0})
-    doubts.doubts(run.scene, run.sound, numbers, comb)
+    run_doubts.doubts(run.scene, run.sound, numbers, comb)
     half_space = run.scene.with_({"plate.thickness_mm": None, "plate.loss_factor": None})
     loud = bands(dict.fromkeys(BAND_NAMES) | {"1000": 40.0})
     heard = changed(computed(40.0), {"bands": {"vibration_a": loud}})
-    doubts.doubts(half_space, run.sound, heard, vibration)
+    run_doubts.doubts(half_space, run.sound, heard, vibration)
     still = marched(TINY)
     turns = {"reason": "the speed changes"}
     told = changed(still.numbers, {"turns": turns, "surface": {"instrument": seen}})
     told = changed(told, {"errors": {"is_asked": True, "reason": "it is too short"}})
-    doubts.doubts(still.scene, still.sound, told)
-    doubts.doubts(loads(MEMORY), still.sound, told)
+    run_doubts.doubts(still.scene, still.sound, told)
+    run_doubts.doubts(loads(MEMORY), still.sound, told)
     hidden = replace(still.sound, audible_rms=1e-12, resolved_rms=1e-9)
-    doubts.doubts(still.scene, hidden, told)
+    run_doubts.doubts(still.scene, hidden, told)
 
 
 @pytest.fixture(scope="module")

@@ -22,12 +22,12 @@ from acoustics import plots
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.spectrum import article_line_level_db
 from rolling import plot
-from rolling.figures import plot_run, sweep, write_figures, write_number_figures
+from rolling.figures import plot_run, sweep_figures, write_figures, write_number_figures
 from rolling.figures.catalogue import comparing_pictures
 from rolling.figures.picture import Picture
 from rolling.figures.settings import PictureWarning
 from rolling.kinds.reading import read_scene
-from rolling.report.page import page
+from rolling.report.report_page import page
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
 
@@ -251,23 +251,23 @@ def test_figures_of_a_table_draw_means_over_the_seeds(tmp_path) -> None:
 def test_a_number_of_runs_is_drawn_as_its_field_says() -> None:
     """Label, unit and factor are those of the field; levels say of which source they are."""
     runs = runs_of("seeds")
-    pressure = sweep.number_of(runs, "contact_max_pressure_pa")
+    pressure = sweep_figures.number_of(runs, "contact_max_pressure_pa")
     assert pressure.head == "maximum pressure [GPa]" and pressure.name == "Maximum pressure"
     expected = [run.numbers.contact.max_pressure_pa * 1e-9 for run in runs]
     assert pressure.values == pytest.approx(expected)
-    heard = sweep.number_of(runs, "vibration_db")
+    heard = sweep_figures.number_of(runs, "vibration_db")
     assert heard.head == "vibration [dB(A)]"
     assert heard.uncertainties == pytest.approx([run.vibration.uncertainty for run in runs])
-    peak = sweep.number_of(runs, "levels_released_power_lz_peak_db")
+    peak = sweep_figures.number_of(runs, "levels_released_power_lz_peak_db")
     assert peak.head == "LZpeak of the released power [dB]"
-    assert np.isnan(sweep.number_of(runs, "motion_resonance_hz").values).all()
+    assert np.isnan(sweep_figures.number_of(runs, "motion_resonance_hz").values).all()
 
 
 def test_bars_of_single_runs_are_the_uncertainty_of_the_quantity(three) -> None:
     """Runs of one seed have no standard deviation, so each point has the ± of its run."""
-    number = sweep.number_of(three, "vibration_db")
-    ax = sweep.number_against(
-        sweep.sweep_table(three), number, "rolling.load_n", [], Figure().subplots(), "three"
+    number = sweep_figures.number_of(three, "vibration_db")
+    ax = sweep_figures.number_against(
+        sweep_figures.sweep_table(three), number, "rolling.load_n", [], Figure().subplots(), "three"
     )
     (bars,) = (container for container in ax.containers if isinstance(container, ErrorbarContainer))
     segments = bars.lines[2][0].get_segments()

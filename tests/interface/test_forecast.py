@@ -11,18 +11,17 @@ from finished import VIBRATING
 from scene_text import PLAIN
 
 import rolling
-from rolling.bearing_contacts import bearing_forecast
-from rolling.bearing_contacts.bearing_forecast import BearingForecast, forecast_of
-from rolling.bearing_contacts.plan import contact_plan
-from rolling.bearing_run import simulation
-from rolling.built_in.rolling_ball import KIND
+from rolling.archive.definition import in_group
+from rolling.ball_kinds.rolling_ball import KIND
+from rolling.bearing_kind import bearing_forecast, bearing_simulation
+from rolling.bearing_kind.bearing_forecast import BearingForecast, forecast_of
+from rolling.bearing_kind.contact_plan import contact_plan
 from rolling.check import cost, forecast
 from rolling.check.findings import check_scene, conclusion
 from rolling.marches import march_piece
 from rolling.marches.march_variables import MAPS_GROUP, STATE_SERIES, STEP_SERIES
 from rolling.marches.observers import maps_arrays
 from rolling.marches.piece import Piece
-from rolling.record.definition import in_group
 from rolling.run.executor import RunLoop
 from rolling.run.pools import local_pool
 from rolling.scene.bearing_scene import BearingScene
@@ -133,14 +132,14 @@ class Counted:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.pieces: list[Piece] = []
         self.motions = 0
-        moved_ring = simulation.moved_ring
+        moved_ring = bearing_simulation.moved_ring
 
         def counted_motion(*values: Any) -> Any:
             self.motions += 1
             return moved_ring(*values)
 
         monkeypatch.setattr(march_piece, "march_piece", self.march)
-        monkeypatch.setattr(simulation, "moved_ring", counted_motion)
+        monkeypatch.setattr(bearing_simulation, "moved_ring", counted_motion)
 
     def march(self, piece: Piece) -> dict[str, Any]:
         """Return a piece with approaches by chance."""

@@ -14,13 +14,13 @@ from report_runs import runs_of
 
 from acoustics.arrays import Array
 from acoustics.bands import EDGES_HZ
-from rolling.ball.records import bodies_of
 from rolling.dynamics import drop
 from rolling.dynamics.bodies import Modes
 from rolling.dynamics.force_law import ForceLaw, law_table
 from rolling.dynamics.motion import BodyMotion, Stepping, move
 from rolling.dynamics.motion_of_ball import motion_of_ball
-from rolling.report import live, quantities
+from rolling.in_si.physics_of_scene import bodies_of
+from rolling.report import leading_numbers, live
 from rolling.report.assumed import assumptions
 from rolling.scene.scene import Scene
 
@@ -261,7 +261,7 @@ def test_the_distance_is_that_of_the_listener() -> None:
     assert data is not None
     assert data["settings"]["distance"] == pytest.approx(0.25209, rel=1e-4)
     assert data["limits"]["distance"][0] <= data["settings"]["distance"]
-    assert "0.252 m from the contact" in quantities.units([placed])
+    assert "0.252 m from the contact" in leading_numbers.units([placed])
     assert "0.252 m" in assumptions(placed)["distance from the contact to the listener"]
     released = placed.scene.with_({"sound.source": "release"})
     assert released.listener_distance_m == 1.0

@@ -11,9 +11,8 @@ from checked import Row, checked
 from hard_cases import gaussian_heights
 from scene_sounds import sound_of_release
 
-from rolling.ball import scene_surface
 from rolling.check import cost
-from rolling.heights import in_metres
+from rolling.in_si import in_metres, scene_surface
 from rolling.kinds.reading import schema
 from rolling.scene import file
 from rolling.scene.laws import AUTOCORRELATIONS

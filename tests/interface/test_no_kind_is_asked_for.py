@@ -10,12 +10,12 @@ from pathlib import Path
 ROLLING = Path(__file__).parents[2] / "rolling"
 # Rooms and files that are of one kind, or make its runs and scenes, and may name it.
 OF_A_KIND = {
-    "ball": "marches and sound of a ball",
     "bearing": "motion of a ring",
-    "bearing_contacts": "contacts of a bearing",
-    "bearing_run": "runs of bearings",
-    "built_in": "the kinds of the program",
+    "ball_kinds": "balls that roll or fall",
+    "bearing_kind": "bearings that turn",
     "dynamics": "motion of a ball",
+    "in_si": "bodies of a ball on a plate",
+    "plain_kind": "the base of further kinds",
     "studies": "studies of balls",
 }
 # Classes of scenes and runs of one kind.
@@ -23,12 +23,12 @@ CLASSES = {"Scene", "BearingScene", "Run", "BearingRun", "PlainRun", "SolvedRun"
 # Files that still ask, and how often. A number may fall, and a file may go; nothing is added. The
 # figures are those of a ball, whose functions refuse another run.
 TO_DO = {
-    "figures/channels.py": 1,
-    "figures/contact.py": 4,
+    "figures/channel_figures.py": 1,
+    "figures/contact_figures.py": 4,
     "figures/origins.py": 3,
     "figures/picture.py": 1,
-    "figures/sound.py": 2,
-    "figures/vibration.py": 2,
+    "figures/sound_figures.py": 2,
+    "figures/vibration_figures.py": 2,
 }
 
 

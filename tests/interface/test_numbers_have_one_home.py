@@ -27,7 +27,7 @@ WRITERS = {
     ROOM / "numbers" / "stored.py",
     ROOM / "numbers" / "summary_schema.py",
     ROOM / "results" / "former_numbers.py",
-    ROOM / "bearing_run" / "former_bearing.py",
+    ROOM / "bearing_kind" / "former_bearing.py",
 }
 HOLDERS = {"numbers", "summary", "summaries"}
 

@@ -12,7 +12,7 @@ from firefox import Firefox, firefox_path
 from report_browser import MINUS, axe_findings, hear, until, without_browser
 from report_runs import HOSTILE, runs_of
 
-from rolling.report.page import page as page_of
+from rolling.report.report_page import page as page_of
 from rolling.scene.scene import Scene
 
 LABELS = {

@@ -22,10 +22,10 @@ from rolling.contact.track import Motion
 from rolling.numbers import ball_numbers
 from rolling.numbers.doubt import sized
 from rolling.numbers.fields import said_of
-from rolling.report import film, maps, quantities, records, text
+from rolling.report import film, leading_numbers, maps, page_sounds, text
 from rolling.report.assumed import assumptions
 from rolling.report.number_table import number_table
-from rolling.report.page import page
+from rolling.report.report_page import page
 from rolling.report.templates import css_text
 from rolling.results import verdict
 from rolling.results.run_result import Run
@@ -71,7 +71,7 @@ def test_any_title_is_text_in_the_style_sheet(title: str) -> None:
 def test_ten_seconds_of_white_noise_take_less_than_300_kb() -> None:
     """No sound takes more than white noise; three such records leave 3 MB of 4 to the rest."""
     noise = np.random.default_rng(1).uniform(-0.9, 0.9, 480_000)
-    assert len(records.compressed(noise)) < 3e5
+    assert len(page_sounds.compressed(noise)) < 3e5
 
 
 def test_many_runs_have_a_short_page_without_players() -> None:
@@ -100,7 +100,7 @@ def test_gains_keep_levels_or_make_them_equal_and_never_clip() -> None:
     peaks = [2.0, 1.0, 0.1]
     levels = [80.0, 70.0, 60.0]
     heard = 70 - 20 * np.log10(1 / PEAK)  # digital level of the record that limits the others
-    for gain, peak, level in zip(records.gains(peaks, levels), peaks, levels, strict=True):
+    for gain, peak, level in zip(page_sounds.gains(peaks, levels), peaks, levels, strict=True):
         assert peak / gain["full_scale_pa"] == pytest.approx(PEAK)
         assert gain["calibrated_pa"] == pytest.approx(2 / PEAK)
         assert gain["calibrated"] == pytest.approx(gain["full_scale_pa"] / gain["calibrated_pa"])
@@ -111,11 +111,11 @@ def test_gains_keep_levels_or_make_them_equal_and_never_clip() -> None:
 
 
 def test_gains_of_silence_are_zero() -> None:
-    silent, loud = records.gains([0.0, 0.5], [None, 60.0])
+    silent, loud = page_sounds.gains([0.0, 0.5], [None, 60.0])
     assert (silent["calibrated"], silent["equal"]) == (0, 0)
     assert silent["calibrated_pa"] is None and silent["equal_db"] is None
     assert loud["calibrated"] == loud["equal"] == pytest.approx(1)
-    assert records.gains([0.0], [None])[0]["full_scale_pa"] == 1
+    assert page_sounds.gains([0.0], [None])[0]["full_scale_pa"] == 1
 
 
 # ---- maps
@@ -268,11 +268,11 @@ def test_the_vibration_stands_before_the_released_power(three) -> None:
 def test_a_bound_is_never_trusted(three) -> None:
     """Its word is its own, and its numerical error stands beside it."""
     for runs in (three, runs_of("flying"), runs_of("seeds")):
-        vibration, released = quantities.shown_columns(runs)
+        vibration, released = leading_numbers.shown_columns(runs)
         assert {cell.verdict for cell in released.cells} == {"bound"}
         assert not any(cell.leads for cell in released.cells)
         assert not {cell.verdict for cell in vibration.cells} & {"bound", "assumed"}
-        words = dict(quantities.verdict_words(runs))
+        words = dict(leading_numbers.verdict_words(runs))
         assert "bound" in words and "assumed" not in words
     assert 'data-verdict="bound"' in page(three).decode()
     coarse = replace(
@@ -284,23 +284,23 @@ def test_a_bound_is_never_trusted(three) -> None:
             ),
         ),
     )
-    _, released = quantities.shown_columns([coarse])
+    _, released = leading_numbers.shown_columns([coarse])
     (cell,) = released.cells
     assert (cell.verdict, cell.error) == ("bound", "numerically do not quote, ± 4.2 dB")
     assert "Released power is numerically do not quote, ± 4.2 dB: the grid is coarse." in (
-        quantities.doubts([coarse])
+        leading_numbers.doubts([coarse])
     )
 
 
 def test_an_assumed_share_has_a_word_of_its_own() -> None:
     (run,) = runs_of("lap")
     assumed = solved(run.scene.with_({"sound.q": 0.5}))
-    _, released = quantities.shown_columns([assumed])
+    _, released = leading_numbers.shown_columns([assumed])
     assert released.cells[0].verdict == "assumed" and "assumed" in released.remark
-    assert "assumed" in dict(quantities.verdict_words([assumed]))
+    assert "assumed" in dict(leading_numbers.verdict_words([assumed]))
     assert "as if a share of 0.5 became sound" in text.heard(assumed, is_alone=True)
     fixed = solved(run.scene.with_({"sound.gain_pa_per_w_m2": 0.1}))
-    assert quantities.shown_columns([fixed])[1].cells[0].verdict == "assumed"
+    assert leading_numbers.shown_columns([fixed])[1].cells[0].verdict == "assumed"
     assert "under the gain that the scene fixes" in text.heard(fixed, is_alone=True)
 
 

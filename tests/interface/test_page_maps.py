@@ -7,7 +7,7 @@ import pytest
 from report_browser import PIXELS, data_of, hear, map_of, play, seek, time_of, until
 from report_runs import runs_of
 
-from rolling.ball.records import smooth_contact_of
+from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.report.film import still as gallery_still
 from rolling.report.maps import lens, palette
 from rolling.results.run_result import Run

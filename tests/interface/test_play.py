@@ -16,8 +16,8 @@ from report_runs import folder, runs_of, solved
 from ruamel.yaml import YAML
 
 from acoustics import level as sound_level
-from rolling.ball.records import bodies_of
 from rolling.dynamics import drop
+from rolling.in_si.physics_of_scene import bodies_of
 from rolling.scene import file
 from rolling.scene.scene import Scene
 

@@ -9,10 +9,10 @@ import pytest
 from checked import Row, checked
 
 from acoustics.arrays import Array
-from rolling.ball import contact_of_scene
 from rolling.check import findings, probe
 from rolling.contact import march
 from rolling.contact.subcells import half_space_of
+from rolling.in_si import contact_of_scene
 from rolling.scene import file
 from rolling.scene.scene import Scene
 

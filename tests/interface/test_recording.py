@@ -16,8 +16,8 @@ from finished import VIBRATING, heard_again, marched
 from acoustics import BAND_NAMES, resampling
 from rolling import cli, open_run, save_run
 from rolling.numbers.quantity import joined
-from rolling.recordings import ball_records, comparison
-from rolling.recordings.levels import Total, third_octave_levels
+from rolling.recordings import ball_records, recording_comparison
+from rolling.recordings.record_levels import Total, third_octave_levels
 from rolling.recordings.recorded import PRESSURE, QUANTITIES, Recording, full_scales
 from rolling.recordings.run_spread import run_spread
 from rolling.results import listening
@@ -167,13 +167,13 @@ SMALL = {
 }
 
 
-def with_itself(run: Run, folder: Path) -> comparison.RecordingComparison:
+def with_itself(run: Run, folder: Path) -> recording_comparison.RecordingComparison:
     """Compare a run with its own record, repeated until it is long enough for a recording."""
     pressure = ball_records.of_run(run).samples
     scale = 2 * np.abs(pressure).max()
     laps = int(np.ceil(RATE / len(pressure)))
     soundfile.write(folder / "own.wav", np.tile(pressure, laps) / scale, 48000, "FLOAT")
-    return comparison.compare(run, folder / "own.wav", f"{scale:.9g}")
+    return recording_comparison.compare(run, folder / "own.wav", f"{scale:.9g}")
 
 
 @pytest.mark.law("Recordings: a difference has the ± that the run states, in each band.")
@@ -260,10 +260,10 @@ def test_the_scatter_of_a_tone_is_in_the_uncertainty_of_the_recording(
     wav = tmp_path / "noise.wav"
     soundfile.write(wav, 0.1 * np.random.default_rng(5).standard_normal(RATE), RATE, "FLOAT")
     by_number, by_tone = (
-        comparison.compare(run, wav, calibration).table["recording_uncertainty_db"]
+        recording_comparison.compare(run, wav, calibration).table["recording_uncertainty_db"]
         for calibration in ("1", f"{tmp_path / 'rising.wav'}=94")
     )
-    is_level = comparison.compare(run, wav).table["quantity"] != "modulation"
+    is_level = recording_comparison.compare(run, wav).table["quantity"] != "modulation"
     part = np.sqrt(by_tone[is_level] ** 2 - by_number[is_level] ** 2)
     assert part.to_numpy() == pytest.approx(scale.uncertainty_db, rel=1e-3)
 
@@ -375,7 +375,9 @@ def test_slow_changes_widen_all_bands_alike_and_a_drop_has_none(run: Run, tmp_pa
     soundfile.write(tmp_path / "falling.wav", falling / 10, RATE, "FLOAT")
     tables = []
     for scene in (run.scene, run.scene.with_(drop_mm=0.01)):
-        table, notes, _ = comparison.compare(replace(run, scene=scene), tmp_path / "falling.wav")
+        table, notes, _ = recording_comparison.compare(
+            replace(run, scene=scene), tmp_path / "falling.wav"
+        )
         tables.append(bands(table)["recording_uncertainty_db"])
         assert table["difference_uncertainty_db"].max() < 10
         assert "uncertain by 10 dB or more, left out: 20, 25" in notes[-1]

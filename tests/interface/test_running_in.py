@@ -16,7 +16,7 @@ from acoustics import wav
 from rolling import cli
 from rolling.check import cost, refusals
 from rolling.marches.piece import contact_identity
-from rolling.report.page import page
+from rolling.report.report_page import page
 from rolling.results.listening import PASS_S, PAUSE_S
 from rolling.results.run_result import Run
 from rolling.scene.file import loads

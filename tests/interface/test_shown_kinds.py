@@ -28,10 +28,10 @@ from rolling.kinds.run_folder import RunFolder
 from rolling.kinds.shown_run import ShownRun
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.numbers.fields import group, number
-from rolling.numbers.files import BearingFiles, SoundFacts
+from rolling.numbers.file_facts import BearingFiles, SoundFacts
 from rolling.numbers.quantity import Quantity
 from rolling.report.gallery import gallery_page
-from rolling.report.page import page as page_of
+from rolling.report.report_page import page as page_of
 from rolling.scene.swept import SweptScene
 
 KINDS = ["ball", "bearing"]

@@ -13,10 +13,9 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from rolling import cli, read_scene
-from rolling.ball import scene_surface
 from rolling.commands.replaced import source_name
-from rolling.heights import measured
-from rolling.heights.offered_lines import pair_of_scene
+from rolling.in_si import measured, scene_surface
+from rolling.in_si.offered_lines import pair_of_scene
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 from rolling.surface.character import character, plasticity_index

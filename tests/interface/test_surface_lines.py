@@ -10,11 +10,10 @@ import pytest
 
 from acoustics.arrays import Array
 from rolling import cli
-from rolling.ball import scene_surface
 from rolling.check import findings
-from rolling.heights import measured
-from rolling.heights.described_file import FileOptions, described_file, offer_of_file
-from rolling.heights.offered_lines import Offer, line, offer_of_statistics
+from rolling.in_si import measured, scene_surface
+from rolling.in_si.described_file import FileOptions, described_file, offer_of_file
+from rolling.in_si.offered_lines import Offer, line, offer_of_statistics
 from rolling.scene.file import loads
 from rolling.scene.laws import Roughness
 from rolling.scene.scene import Scene

@@ -14,12 +14,12 @@ from scipy import ndimage
 from acoustics.bands import BAND_NAMES
 from acoustics.level import a_weighted, level_db
 from acoustics.radiation import P_REF_PA
-from rolling.ball.records import bodies_of
-from rolling.check import comb, error_cost, force_estimate
+from rolling.check import comb_spread, error_cost, force_estimate
 from rolling.dynamics.motion_of_ball import motion_of_ball
 from rolling.figures.catalogue import single_picture
+from rolling.in_si.physics_of_scene import bodies_of
 from rolling.kinds.run_folder import RunFolder
-from rolling.marches.force_law import force_law
+from rolling.marches.marched_law import force_law
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.quantity import PART_WORDS, joined
 from rolling.results.run_errors import LINEAR
@@ -412,7 +412,7 @@ def test_the_check_foresees_the_comb(undamped: Run) -> None:
     scene = undamped.scene
     chain = bodies_of(undamped.scene).smooth_chain
     lap = scene.track.lap_steps * scene.track.step
-    spread = comb.comb_spread_db(scene, chain, lap, scene.motion.fastest(scene.duration))
+    spread = comb_spread.comb_spread_db(scene, chain, lap, scene.motion.fastest(scene.duration))
     assert spread is not None and 0.5 < spread / undamped.numbers.motion.comb_spread_db < 2
     damped = scene.with_({"plate.contact_loss_factor": 0.3})
     assert {x.key: x for x in checked(damped)}["comb"].warning is None

@@ -16,11 +16,11 @@ from acoustics.arrays import Array
 from acoustics.level import lae_db, laeq_db
 from acoustics.wav import SAMPLE_RATE_HZ
 from rolling.numbers.ball_numbers import ListeningNumbers, RunNumbers
+from rolling.numbers.number_files import from_bytes, summary_of, to_bytes
 from rolling.numbers.quantity import uncertain
-from rolling.numbers.stored import from_bytes, summary_of, to_bytes
-from rolling.report import records, text
+from rolling.report import page_sounds, text
 from rolling.results import answer, level_words, listening, run_lines, runs_table
-from rolling.results.quantities import with_quantities
+from rolling.results.run_quantities import with_quantities
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
 
@@ -149,7 +149,7 @@ def test_a_released_power_of_another_part_does_not_stand_beside_it() -> None:
 def test_what_ends_has_no_seam(name: str) -> None:
     """The page plays all of it once, and a record in laps has one."""
     run = run_of(name)
-    (record,) = records.of_runs([run])
+    (record,) = page_sounds.of_runs([run])
     long = run.numbers.listening
     seconds = run.sound.duration if long is None or long.seconds is None else long.seconds
     assert record.ends == run.ends_within(seconds) == (name != "rolls on")

@@ -11,9 +11,9 @@ from scipy.stats import norm
 
 import rolling as rc
 from rolling import cli
-from rolling.built_in import ball_drawing
-from rolling.built_in.ball_audition import BallAudition
-from rolling.choice import drawing, solving
+from rolling.ball_kinds import ball_drawing
+from rolling.ball_kinds.ball_audition import BallAudition
+from rolling.choice import drawing, specimen_solving
 from rolling.choice.limit import Point, falls, from_quiet, tolerance_factor
 from rolling.choice.limit_search import LimitSearch, coarsest_value
 from rolling.choice.sensitivity import improve_scene
@@ -42,13 +42,13 @@ def scene(tmp_path: Path) -> rc.Scene:
 def marched(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Count the pieces that each finished march has left."""
     counts: list[int] = []
-    drop = solving.folders.drop_pieces
+    drop = specimen_solving.folders.drop_pieces
 
     def counted(folder: Path, identity: str) -> None:
         counts.append(len([*(folder / "pieces" / identity[:16]).glob("*.npz")]))
         drop(folder, identity)
 
-    monkeypatch.setattr(solving.folders, "drop_pieces", counted)
+    monkeypatch.setattr(specimen_solving.folders, "drop_pieces", counted)
     return counts
 
 

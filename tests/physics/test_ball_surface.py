@@ -11,10 +11,10 @@ from hard_cases.gaussian_heights import gaussian
 from helpers import march_all, roll
 
 from acoustics import envelope_spectrum
-from rolling.ball.contact_of_scene import rolling_contact
-from rolling.ball.scene_surface import ball_heights, heights, scene_surface
 from rolling.check import cost
 from rolling.check.force_estimate import force_rms
+from rolling.in_si.contact_of_scene import rolling_contact
+from rolling.in_si.scene_surface import ball_heights, heights, scene_surface
 from rolling.kinds.run_folder import RunFolder
 from rolling.marches.piece import contact_identity
 from rolling.results.run_result import make_run

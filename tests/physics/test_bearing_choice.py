@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
-from rolling.built_in.bearing_audition import BearingAudition
-from rolling.built_in.bearing_heard import UM_S, HeardRing, StoredRoughBand
+from rolling.bearing_kind.bearing_audition import BearingAudition
+from rolling.bearing_kind.bearing_heard import UM_S, HeardRing, StoredRoughBand
 from rolling.choice.difference import Difference
 
 CERTAIN = np.zeros(10)

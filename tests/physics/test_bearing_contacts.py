@@ -16,11 +16,15 @@ from acoustics.arrays import Array
 from acoustics.ring_velocity import velocity_bands
 from rolling.bearing import waves
 from rolling.bearing.band_uncertainty import BandUncertainty
-from rolling.bearing.motion import move_ring
-from rolling.bearing_contacts.band_gain import gain_uncertainty_db
-from rolling.bearing_contacts.contact_doubts import coarse_nodes_db, contact_doubts
-from rolling.bearing_contacts.contact_gain import GROUPS, contact_gain
-from rolling.bearing_contacts.contacts import (
+from rolling.bearing.ring_motion import move_ring
+from rolling.bearing_kind.band_gain import gain_uncertainty_db
+from rolling.bearing_kind.contact_doubts import coarse_nodes_db, contact_doubts
+from rolling.bearing_kind.contact_gain import GROUPS, contact_gain
+from rolling.bearing_kind.contact_marches import march_contacts
+from rolling.bearing_kind.contact_plan import contact_plan, plan_contacts
+from rolling.bearing_kind.faults import FaultStretch, fault_stretches
+from rolling.bearing_kind.joined_tracks import bearing_tracks, rough_rows
+from rolling.bearing_kind.rough_contacts import (
     ContactKind,
     MarchNumbers,
     RoughContact,
@@ -28,12 +32,8 @@ from rolling.bearing_contacts.contacts import (
     march_numbers,
     rough_contact,
 )
-from rolling.bearing_contacts.faults import FaultStretch, fault_stretches
-from rolling.bearing_contacts.joined_tracks import bearing_tracks, rough_rows
-from rolling.bearing_contacts.plan import contact_plan, plan_contacts
-from rolling.bearing_contacts.solving import march_contacts
-from rolling.bearing_contacts.specimen_turn import linear_covariance, rough_body
-from rolling.bearing_contacts.turns import continued_turn
+from rolling.bearing_kind.specimen_turn import linear_covariance, rough_body
+from rolling.bearing_kind.turns import continued_turn
 from rolling.run.march_files import Marches
 from rolling.scene.laws import Roughness, SurfaceFault
 from rolling.scene.scene import Scene

@@ -12,13 +12,12 @@ from bearing_runs import PLATE, WAVY, loads_bearing, solved
 from rolling.bearing.band_uncertainty import WINDOW, BandUncertainty
 from rolling.bearing.ring_record import DIRECTIONS, RingRecord
 from rolling.bearing.tracks import smooth_tracks
-from rolling.bearing_contacts import contact_doubts
-from rolling.bearing_contacts.contact_doubts import JudgedContacts
-from rolling.bearing_contacts.plan import contact_plan
-from rolling.bearing_run import doubts
-from rolling.bearing_run.doubts import JudgedBearing
-from rolling.bearing_run.solved_bearing import SolvedBearing
-from rolling.bearing_run.velocities import rigid_velocities, velocities_below_bending
+from rolling.bearing_kind import bearing_doubts, contact_doubts
+from rolling.bearing_kind.bearing_doubts import JudgedBearing
+from rolling.bearing_kind.contact_doubts import JudgedContacts
+from rolling.bearing_kind.contact_plan import contact_plan
+from rolling.bearing_kind.solved_bearing import SolvedBearing
+from rolling.bearing_kind.velocities import rigid_velocities, velocities_below_bending
 from rolling.numbers.bearing_numbers import HOUSING, MarchedContact
 from rolling.numbers.doubt import Doubt, Severity
 
@@ -51,8 +50,8 @@ def test_each_rule_about_a_run_raises_its_doubt() -> None:
         below_bending=velocities_below_bending(bearing, no_parts),
         of_contacts=[Doubt("window", "a short window", Severity.INDICATIVE)],
     )
-    assert {rule for rule in doubts.RULES if [*rule(judged)]} == set(doubts.RULES)
-    found = {doubt.key: doubt for doubt in doubts.doubts_of(judged)}
+    assert {rule for rule in bearing_doubts.RULES if [*rule(judged)]} == set(bearing_doubts.RULES)
+    found = {doubt.key: doubt for doubt in bearing_doubts.doubts_of(judged)}
     assert {"window", "short_record", "loss_factor", "contact_angle"} <= found.keys()
     assert {"lost_contact", "energy_balance"} <= found.keys()
     assert found["housing_linear"].about == (HOUSING,)

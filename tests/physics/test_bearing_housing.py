@@ -5,7 +5,7 @@ import pytest
 
 from acoustics import wav
 from acoustics.rectangular_plate import RectangularPlate
-from rolling.bearing_run.housing import housing_sound, plate_mobility
+from rolling.bearing_kind.housing import housing_sound, plate_mobility
 
 MASS_KG = 0.06
 STIFFNESS_N_M = 5e7

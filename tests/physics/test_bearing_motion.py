@@ -11,7 +11,7 @@ from bearings import angular, bearing, miniature, model
 
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
-from rolling.bearing.motion import RingMotion, move_ring
+from rolling.bearing.ring_motion import RingMotion, move_ring
 from rolling.bearing.tracks import BearingTracks, BodyTrack, smooth_tracks, with_waves
 from rolling.bearing.wave_motion import WaveMotion
 

@@ -22,18 +22,18 @@ from rolling.bearing.band_uncertainty import (
 )
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
-from rolling.bearing.motion import move_ring
+from rolling.bearing.ring_motion import move_ring
 from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL, RingRecord
 from rolling.bearing.tracks import BodyTrack, smooth_tracks
-from rolling.bearing_contacts.contact_doubts import contact_doubts
-from rolling.bearing_contacts.contact_uncertainty import (
+from rolling.bearing_kind.bearing_simulation import record_of
+from rolling.bearing_kind.contact_doubts import contact_doubts
+from rolling.bearing_kind.contact_plan import contact_plan
+from rolling.bearing_kind.contact_uncertainty import (
     contact_uncertainty,
     roughness_powers,
     roughness_shares,
 )
-from rolling.bearing_contacts.joined_tracks import bearing_tracks
-from rolling.bearing_contacts.plan import contact_plan
-from rolling.bearing_run.simulation import record_of
+from rolling.bearing_kind.joined_tracks import bearing_tracks
 from rolling.numbers.quantity import joined
 
 RATE = 48_000

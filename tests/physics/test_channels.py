@@ -13,7 +13,7 @@ from acoustics import vibration_levels
 from acoustics.arrays import Array
 from acoustics.radiation import ThinPlate
 from acoustics.resampling import band_limit, resample_closed
-from rolling.ball.records import bodies_of, plate_of, transducers_of
+from rolling.in_si.physics_of_scene import bodies_of, plate_of, transducers_of
 from rolling.sound.channel_signals import channel_signals, transfer_mobility
 
 RATE = 48000

@@ -14,14 +14,14 @@ import rolling as rc
 from acoustics.bands import BAND_NAMES
 from acoustics.pairs import FIRST_PAIRS, LOOKS, looks, paired_mean, pairs_needed, student_factor
 from acoustics.unbaffled import SHARED_PART
-from rolling.ball import scene_surface
-from rolling.ball.records import smooth_contact_of
-from rolling.built_in.ball_candidates import LOSS_FACTORS, candidate, candidates_of
-from rolling.built_in.ball_difference import difference
-from rolling.built_in.ball_heard import HeardBall, LevelError
-from rolling.built_in.ball_specimens import BallSpecimens
-from rolling.choice.doubts import left_out_text
-from rolling.choice.words import frequencies_of_difference
+from rolling.ball_kinds.ball_candidates import LOSS_FACTORS, candidate, candidates_of
+from rolling.ball_kinds.ball_difference import difference
+from rolling.ball_kinds.ball_heard import HeardBall, LevelError
+from rolling.ball_kinds.ball_specimens import BallSpecimens
+from rolling.choice.choice_doubts import left_out_text
+from rolling.choice.choice_sentences import frequencies_of_difference
+from rolling.in_si import scene_surface
+from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.numbers.quantity import PART_WORDS
 
 SMALL = {

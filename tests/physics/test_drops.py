@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from helpers import hertz_law
 
-from rolling.ball.records import bodies_of
 from rolling.dynamics import drop
 from rolling.dynamics.motion import BodyMotion
 from rolling.dynamics.motion_of_ball import motion_of_ball
+from rolling.in_si.physics_of_scene import bodies_of
 from rolling.scene.file import loads
-from rolling.scene.quantities import GRAVITY
 from rolling.scene.scene import Scene
+from rolling.scene.values_in_si import GRAVITY
 
 STEEL = """\
 name: falling

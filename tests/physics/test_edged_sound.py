@@ -10,7 +10,7 @@ from finished import VIBRATING, doubt_lines, heard_again, marched
 
 from acoustics import wav
 from acoustics.arrays import Array
-from rolling.ball.records import bodies_of, listener_of, plate_of
+from rolling.in_si.physics_of_scene import bodies_of, listener_of, plate_of
 from rolling.results.level_words import number_rows
 from rolling.results.listening import ListenSound
 from rolling.results.run_lines import other_listeners

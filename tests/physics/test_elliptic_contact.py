@@ -9,10 +9,10 @@ import pytest
 from helpers import STEEL, assert_solved, make_track, roll, step_energies
 from scipy.special import ellipe, ellipk
 
-from rolling.ball.records import bodies_of, smooth_contact_of
 from rolling.contact import closed_forms
 from rolling.contact.state import RollingContact
 from rolling.dynamics import drop
+from rolling.in_si.physics_of_scene import bodies_of, smooth_contact_of
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 

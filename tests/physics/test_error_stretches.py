@@ -12,10 +12,10 @@ from hard_cases.gaussian_heights import gaussian
 from helpers import march_all
 from scene_text import BODIES, NARROW, PLAIN
 
-from rolling.ball.contact_of_scene import rolling_contact
-from rolling.ball.scene_surface import has_detail, heights
 from rolling.check import error_cost
 from rolling.check.error_cost import LEVELS
+from rolling.in_si.contact_of_scene import rolling_contact
+from rolling.in_si.scene_surface import has_detail, heights
 from rolling.kinds.reading import read_scene
 from rolling.marches import error_stretches
 from rolling.marches.march_piece import march_piece

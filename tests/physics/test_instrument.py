@@ -80,7 +80,7 @@ def test_made_surfaces_have_no_noise(change: dict[str, Any]) -> None:
             "rolling": {"load_n": 1, "speed_m_s": 0.1, "distance_mm": 1.024},
         }
     )
-    from rolling.ball.scene_surface import heights
+    from rolling.in_si.scene_surface import heights
 
     assert sight(heights(made), 2e-6, None).noise == 0.0
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from helpers import march_all
 
-from rolling.ball.records import bodies_of
 from rolling.dynamics.motion_of_ball import motion_of_ball
-from rolling.marches import force_law as laws
-from rolling.marches.force_law import force_law, law_error, law_loads, law_pieces, load_along
+from rolling.in_si.physics_of_scene import bodies_of
+from rolling.marches import marched_law as laws
 from rolling.marches.march_piece import march_piece
+from rolling.marches.marched_law import force_law, law_error, law_loads, law_pieces, load_along
 from rolling.marches.next_pieces import next_pieces
 from rolling.marches.piece import Piece
 from rolling.marches.result import LoadMarches, MovingRelease, Result

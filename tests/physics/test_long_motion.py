@@ -12,11 +12,11 @@ from long_listening_study import compare
 
 from acoustics import resampling
 from acoustics.uncertainty import kurtosis
-from rolling.ball.records import bodies_of, circumference_of, listener_of
 from rolling.contact.track import Motion
 from rolling.dynamics import long_motion
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.long_motion import LongLaw, LongMotion
+from rolling.in_si.physics_of_scene import bodies_of, circumference_of, listener_of
 from rolling.results.long_record import motion_at_speed
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene

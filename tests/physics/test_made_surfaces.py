@@ -13,8 +13,8 @@ from scene_text import PLAIN
 from scipy.integrate import quad
 
 import rolling as rc
-from rolling.ball import scene_surface
 from rolling.check import force_estimate
+from rolling.in_si import scene_surface
 from rolling.report.assumed import surface_words
 from rolling.scene import file as scene_file
 from rolling.scene.laws import Roughness, SelfAffineLaw

@@ -9,8 +9,8 @@ import pytest
 from hard_cases.gaussian_heights import gaussian
 
 from acoustics.arrays import Array
-from rolling.ball import scene_surface
 from rolling.check import findings
+from rolling.in_si import scene_surface
 from rolling.scene import file
 from rolling.scene.messages import SceneError
 from rolling.surface import markers

@@ -10,12 +10,12 @@ import pytest
 from helpers import march_all, roll, space_of
 from memory_scenes import MEMORY
 
-from rolling.ball.contact_of_scene import rolling_contact
-from rolling.ball.scene_surface import heights
 from rolling.contact.march import march
 from rolling.contact.memory import plastic_overlap, sink
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
+from rolling.in_si.contact_of_scene import rolling_contact
+from rolling.in_si.scene_surface import heights
 from rolling.marches import passes
 from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import next_pieces

@@ -13,12 +13,12 @@ from hard_cases.gaussian_heights import gaussian
 from helpers import march_all
 from scene_text import PLAIN, TINY
 
-from rolling.ball.contact_of_scene import rolling_contact
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
+from rolling.in_si.contact_of_scene import rolling_contact
 from rolling.kinds.reading import read_scene
 from rolling.marches import march_piece as marching
 from rolling.marches.march_piece import march_piece
@@ -26,7 +26,7 @@ from rolling.marches.march_variables import STATE_SERIES, STEP_SERIES
 from rolling.marches.next_pieces import next_pieces
 from rolling.marches.piece import PIECE_STEPS, Piece, contact_identity
 from rolling.marches.result import Result
-from rolling.results.numbers import joint_error
+from rolling.results.run_numbers import joint_error
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 

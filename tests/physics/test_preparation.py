@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hard_cases.gaussian_heights import gaussian
 
-from rolling.heights import measured, plate_file
+from rolling.in_si import measured, plate_file
 from rolling.scene.height_grid import height_grid
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import levelling, preparation

@@ -7,16 +7,16 @@ import math
 import numpy as np
 import pytest
 
-from rolling.ball.records import (
+from rolling.contact import closed_forms
+from rolling.contact.track import Motion, Track, Travel
+from rolling.in_si.physics_of_scene import (
     bodies_of,
     circumference_of,
     listener_of,
     smooth_contact_of,
     transducers_of,
 )
-from rolling.contact import closed_forms
-from rolling.contact.track import Motion, Track, Travel
-from rolling.heights.plate_file import steps_of
+from rolling.in_si.plate_file import steps_of
 from rolling.scene.laws import Roughness, SelfAffineLaw, SurfaceFault
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import GradedBall, HeightFile, Instrument, SmoothBall

@@ -7,11 +7,11 @@ import pytest
 from helpers import march_all
 from scene_text import BODIES, NARROW
 
-from rolling.ball.records import bodies_of
 from rolling.check.error_cost import COLD_STEPS
 from rolling.dynamics.motion_of_ball import motion_of_ball
-from rolling.marches.force_law import force_law
+from rolling.in_si.physics_of_scene import bodies_of
 from rolling.marches.march_piece import march_piece
+from rolling.marches.marched_law import force_law
 from rolling.marches.next_pieces import MIN_MAPS, film_stretch, loudest, next_pieces
 from rolling.marches.result import Result
 from rolling.scene.file import loads

@@ -11,7 +11,7 @@ from hard_cases.gaussian_heights import gaussian
 
 import rolling as rc
 from rolling.results.run_result import Run
-from rolling.sound.places import SoundByPlace
+from rolling.sound.sound_by_place import SoundByPlace
 
 NODES = 3000  # of 2 um
 LENGTH_M = NODES * 2e-6

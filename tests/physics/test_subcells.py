@@ -10,10 +10,10 @@ import pytest
 from hard_cases import optimality, subcell_deflection
 from helpers import STEEL, assert_solved, make_track, releases, roll, rough, step_energies
 
-from rolling.ball.contact_of_scene import rolling_contact
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.recovery import EventTable
 from rolling.contact.subcells import SubcellSpace, cell_means
+from rolling.in_si.contact_of_scene import rolling_contact
 from rolling.marches.march_piece import march_piece
 from rolling.marches.piece import Piece, contact_identity
 from rolling.scene.file import loads

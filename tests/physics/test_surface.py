@@ -9,8 +9,7 @@ import pytest
 from hard_cases.gaussian_heights import gaussian
 from scene_text import PLAIN
 
-from rolling.ball import scene_surface
-from rolling.heights import in_metres
+from rolling.in_si import in_metres, scene_surface
 from rolling.scene import file as scene_file
 from rolling.scene.kept import Kept
 from rolling.scene.laws import AUTOCORRELATIONS, Roughness

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scene_text import PLAIN
 
-from rolling.ball.scene_surface import heights
+from rolling.in_si.scene_surface import heights
 from rolling.marches.piece import contact_identity
 from rolling.scene.file import loads
 

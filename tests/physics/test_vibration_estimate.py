@@ -13,8 +13,8 @@ from acoustics.level import laeq_db
 from acoustics.radiation import RHO_C
 from acoustics.uncertainty import record_scatter_db
 from acoustics.weighting import a_weighting_db
-from rolling.ball.assumed_bodies import bodies_text, with_bodies
-from rolling.ball.records import bodies_of, listener_of, smooth_contact_of
+from rolling.in_si.assumed_bodies import bodies_text, with_bodies
+from rolling.in_si.physics_of_scene import bodies_of, listener_of, smooth_contact_of
 from rolling.marches.stiffness import solved_stiffness
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results.level_words import number_rows

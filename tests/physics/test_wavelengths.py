@@ -12,9 +12,9 @@ from scene_sounds import sound_of_release
 from scipy.signal import fftconvolve
 
 from rolling import Scene, read_scene, simulate
-from rolling.ball.records import smooth_contact_of
-from rolling.ball.scene_surface import scene_surface
 from rolling.figures.origins import reading
+from rolling.in_si.physics_of_scene import smooth_contact_of
+from rolling.in_si.scene_surface import scene_surface
 from rolling.sound import wavelengths
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.wavelengths import WavelengthOctave

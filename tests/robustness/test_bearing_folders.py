@@ -18,13 +18,13 @@ from stored_arrays import content_of
 
 import rolling
 from rolling import cli
-from rolling.bearing_run.bearing_run import BearingRun
-from rolling.bearing_run.former_bearing import former_names
+from rolling.bearing_kind.bearing_run import BearingRun
+from rolling.bearing_kind.former_bearing import former_names
 from rolling.numbers.bearing_numbers import BearingNumbers
-from rolling.numbers.stored import to_bytes
+from rolling.numbers.number_files import to_bytes
 from rolling.results.provenance import program_provenance
 from rolling.results.stored_numbers import read_stored
-from rolling.terminal import files
+from rolling.terminal import whole_files
 
 SHORT = WAVY.replace("0.5", "0.1")
 ROUGH = """
@@ -105,7 +105,7 @@ def test_a_part_of_a_summary_that_a_stranger_wrote_is_refused(
     tmp_path: Path, run: BearingRun, key: str, damage: object
 ) -> None:
     (tmp_path / "summary.json").write_text(json.dumps(former_summary(run) | {key: damage}))
-    with pytest.raises(files.FolderError, match="not readable"):
+    with pytest.raises(whole_files.FolderError, match="not readable"):
         read_stored(tmp_path)
 
 
@@ -117,7 +117,7 @@ def test_a_number_that_a_stranger_wrote_is_refused(
     content = json.loads((folder / "numbers.json").read_text())
     content["numbers"]["velocities"]["radial"]["low"] = damage
     (folder / "numbers.json").write_text(json.dumps(content))
-    with pytest.raises(files.FolderError, match=r"numbers\.velocities\.radial\.low"):
+    with pytest.raises(whole_files.FolderError, match=r"numbers\.velocities\.radial\.low"):
         read_stored(folder)
 
 
@@ -152,7 +152,7 @@ def test_a_full_disk_is_told_and_the_same_command_goes_on(
     words = ["run", str(scene), "--no-report", "-q", "--out"]
     assert cli.main([*words, str(tmp_path / "whole")]) == 0
     wanted = {path.name: content_of(path) for path in (tmp_path / "whole").iterdir()}
-    write = files.write_bytes
+    write = whole_files.write_bytes
     left = 0
 
     def fill(path: Path, content: bytes) -> None:
@@ -166,7 +166,7 @@ def test_a_full_disk_is_told_and_the_same_command_goes_on(
         left = number
         out = tmp_path / f"full-{number}"
         with monkeypatch.context() as patch:
-            patch.setattr(files, "write_bytes", fill)
+            patch.setattr(whole_files, "write_bytes", fill)
             code = cli.main([*words, str(out)])
         if left >= 0:
             break  # the disk had room for all files

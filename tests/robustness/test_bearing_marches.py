@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import rolling
-from rolling.bearing_contacts.contacts import contact_loads
-from rolling.bearing_contacts.joined_tracks import bearing_tracks
-from rolling.bearing_contacts.plan import ContactPlan, plan_contacts
-from rolling.bearing_contacts.solving import march_contacts
+from rolling.archive.definition import Arrays
+from rolling.bearing_kind.contact_marches import march_contacts
+from rolling.bearing_kind.contact_plan import ContactPlan, plan_contacts
+from rolling.bearing_kind.joined_tracks import bearing_tracks
+from rolling.bearing_kind.rough_contacts import contact_loads
 from rolling.kinds.reading import read_scene
 from rolling.marches.piece import Piece, contact_identity
-from rolling.record.definition import Arrays
 from rolling.run import executor, march_files, worker
 from rolling.run.march_files import CONTACTS, Marches
 from rolling.scene.surfaces import GaussianBall

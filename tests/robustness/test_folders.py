@@ -31,7 +31,7 @@ from rolling import cli, open_run
 from rolling.run import folder as folders
 from rolling.run import solving, worker
 from rolling.terminal import program
-from rolling.terminal.files import FolderError
+from rolling.terminal.whole_files import FolderError
 
 SEEDS = TINY + "sweep: {surface.seed: [1, 2, 3]}\n"
 
@@ -268,7 +268,7 @@ def test_a_piece_is_read_in_little_memory_or_not_at_all(
     from rolling.kinds.reading import read_scene
     from rolling.marches.next_pieces import next_pieces
     from rolling.marches.result import Result
-    from rolling.terminal import files
+    from rolling.terminal import whole_files
 
     single = read_scene(scene)
     (piece,) = next_pieces(single, Result.empty(single))
@@ -276,12 +276,12 @@ def test_a_piece_is_read_in_little_memory_or_not_at_all(
     path = worker.piece_path(tmp_path, piece)
     asked = []
 
-    class Reader(files.io.BufferedReader):
+    class Reader(whole_files.io.BufferedReader):
         def read(self, size: int | None = -1) -> bytes:
             asked.append(size)
             return super().read(size)
 
-    monkeypatch.setattr(files.io, "BufferedReader", Reader)
+    monkeypatch.setattr(whole_files.io, "BufferedReader", Reader)
     assert worker.read_piece(tmp_path, piece) is not None
     assert max(asked) == path.stat().st_size + 1
 

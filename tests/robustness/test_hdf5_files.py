@@ -27,19 +27,19 @@ from hostile_hdf5 import (
 )
 
 import rolling
-from rolling.bearing_run import stored_run
-from rolling.bearing_run.bearing_run import BearingRun
-from rolling.heights import measured
-from rolling.record.definition import TEXT
+from rolling.archive.definition import TEXT
+from rolling.bearing_kind import stored_run
+from rolling.bearing_kind.bearing_run import BearingRun
+from rolling.in_si import measured
 from rolling.scene import hdf5_files
 from rolling.scene.height_files import HeightFormatError
 from rolling.studies import accuracy
-from rolling.terminal.files import FolderError
+from rolling.terminal.whole_files import FolderError
 
 ROOT = Path(__file__).parents[2]
 DOORS = {
-    "rolling/record/hdf5_reader.py",
-    "rolling/record/hdf5_writer.py",
+    "rolling/archive/hdf5_reader.py",
+    "rolling/archive/hdf5_writer.py",
     "rolling/scene/hdf5_files.py",
 }
 PACKAGES = {"h5py", "h5netcdf", "netCDF4", "tables", "pyfive"}

@@ -17,15 +17,15 @@ from hard_cases.gaussian_heights import gaussian
 
 from acoustics.numbers import rounded
 from rolling import cli
-from rolling.ball import scene_surface
 from rolling.check import findings
-from rolling.heights.described_file import DescribedFile, FileOptions, described_file
+from rolling.in_si import scene_surface
+from rolling.in_si.described_file import DescribedFile, FileOptions, described_file
 from rolling.scene import file, height_files
 from rolling.scene.height_files import HeightFormatError
 from rolling.scene.kept import Kept
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.terminal.files import FolderError
+from rolling.terminal.whole_files import FolderError
 
 TEXT = """\
 name: measured

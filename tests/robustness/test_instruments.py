@@ -12,8 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling.ball import scene_surface
-from rolling.heights import measured
+from rolling.in_si import measured, scene_surface
 from rolling.scene import file, height_grid
 from rolling.scene.height_files import HeightFormatError
 from rolling.scene.messages import SceneError

@@ -17,7 +17,7 @@ from scene_text import MADE, TEXT, TINY
 
 import rolling
 from rolling import cli
-from rolling.bearing_run import simulation
+from rolling.bearing_kind import bearing_simulation
 from rolling.check import cost, findings, refusals
 from rolling.kinds.reading import read_scene
 from rolling.run.executor import RunLoop
@@ -256,7 +256,7 @@ def test_a_bearing_that_is_done_needs_no_disk(
     for name in ("result.h5", "summary.json"):
         (tmp_path / name).touch()
     monkeypatch.setattr(refusals, "free_disk", lambda folder: 1e6)
-    simulation.refuse(scene, workers=1, folder=tmp_path, unsolved=[])
+    bearing_simulation.refuse(scene, workers=1, folder=tmp_path, unsolved=[])
     (tmp_path / "summary.json").unlink()
     with pytest.raises(SceneError, match="free some space, and the same command"):
-        simulation.refuse(scene, workers=1, folder=tmp_path, unsolved=[scene])
+        bearing_simulation.refuse(scene, workers=1, folder=tmp_path, unsolved=[scene])

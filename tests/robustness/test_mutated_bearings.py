@@ -13,7 +13,7 @@ from mutations import VALUES
 from scene_text import BEARINGS
 
 from rolling import BearingScene
-from rolling.bearing_contacts.bearing_check import check_bearing
+from rolling.bearing_kind.bearing_check import check_bearing
 from rolling.scene.file import dump
 from rolling.scene.messages import SceneError
 from rolling.scene.yaml_text import parse

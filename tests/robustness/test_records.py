@@ -34,8 +34,8 @@ from scene_text import TINY
 from stored_arrays import stored_arrays
 
 import rolling
-from rolling.bearing_run import stored_run
-from rolling.record.definition import (
+from rolling.archive.archive_file import read_record, record_bytes
+from rolling.archive.definition import (
     LETTERS,
     ROOT,
     TEXT,
@@ -46,12 +46,12 @@ from rolling.record.definition import (
     Variable,
     by_name,
 )
-from rolling.record.hdf5_writer import to_xarray
-from rolling.record.npz_file import npz_bytes, read_npz
-from rolling.record.record_file import read_record, record_bytes
+from rolling.archive.hdf5_writer import to_xarray
+from rolling.archive.npz_file import npz_bytes, read_npz
+from rolling.bearing_kind import stored_run
 from rolling.results import result_file
 from rolling.scene.file import loads
-from rolling.terminal.files import FolderError
+from rolling.terminal.whole_files import FolderError
 
 MADE = RecordDefinition(
     name="a made record",

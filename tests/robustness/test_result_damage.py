@@ -18,7 +18,7 @@ from rolling.kinds.run_folder import RunFolder
 from rolling.results.result_file import read_result
 from rolling.results.run_result import read_run, write_run
 from rolling.scene.file import loads
-from rolling.terminal.files import FolderError
+from rolling.terminal.whole_files import FolderError
 
 SCENE = loads(TINY, ["recovery.events=true"])
 

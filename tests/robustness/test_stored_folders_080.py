@@ -21,7 +21,7 @@ from commands import tree
 
 import rolling as rc
 from rolling import cli
-from rolling.bearing_run.former_bearing import former_names
+from rolling.bearing_kind.former_bearing import former_names
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.bearing_numbers import BearingNumbers
 from rolling.results.run_result import Run

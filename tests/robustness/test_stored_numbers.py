@@ -14,12 +14,12 @@ from finished import VIBRATING, marched
 import rolling as rc
 from rolling.numbers import views
 from rolling.numbers.ball_numbers import RunNumbers
+from rolling.numbers.number_files import DIGITS, from_bytes, summary_of, to_bytes
 from rolling.numbers.run_file import StoredBearing, StoredNumbers
-from rolling.numbers.stored import DIGITS, from_bytes, summary_of, to_bytes
 from rolling.results.level_words import level_rows
 from rolling.results.run_result import Run
 from rolling.results.stored_numbers import MAX_NUMBERS, read_stored
-from rolling.terminal.files import FolderError
+from rolling.terminal.whole_files import FolderError
 
 FOLDERS = Path(__file__).parents[1] / "data" / "folders_0_8_0"
 # Together they have every group: release, motion, fall, passes, instrument, channels, listeners.

@@ -24,7 +24,7 @@ from rolling.marches.piece import contact_identity
 from rolling.results.run_result import write_run
 from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
-from rolling.terminal.files import FolderError, write_bytes
+from rolling.terminal.whole_files import FolderError, write_bytes
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no pipes and links on Windows")
 

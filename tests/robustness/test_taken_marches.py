@@ -13,15 +13,12 @@ from scene_text import TINY
 from test_bearing_marches import contacts_of, marched_pieces, small_plan
 
 from rolling import cli
-from rolling.bearing_contacts.bearing_forecast import different_marches
-from rolling.bearing_contacts.plan import ContactPlan, contact_plan
-from rolling.bearing_contacts.solving import (
-    march_contacts,
-    march_of_contact,
-)
+from rolling.archive.sealed_file import seal
+from rolling.bearing_kind.bearing_forecast import different_marches
+from rolling.bearing_kind.contact_marches import march_contacts, march_of_contact
+from rolling.bearing_kind.contact_plan import ContactPlan, contact_plan
 from rolling.kinds.reading import read_scene
 from rolling.marches.piece import Piece, contact_identity
-from rolling.record.sealed_file import seal
 from rolling.results import result_file
 from rolling.results.stored_numbers import read_stored
 from rolling.run import folder as folders
@@ -31,7 +28,7 @@ from rolling.run.taken import TakenMarches
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.scene import Scene
 from rolling.terminal import progress
-from rolling.terminal.files import FolderError
+from rolling.terminal.whole_files import FolderError
 
 __all__ = ["marched_pieces"]  # a fixture
 LOADS = TINY + "sweep: {rolling.load_n: [1, 2]}\n"

@@ -14,10 +14,10 @@ from hard_cases.dense import dense_contact
 from acoustics.bands import BAND_NAMES
 from acoustics.radiation import I_REF_W_M2
 from rolling import cli
-from rolling.ball.contact_of_scene import rolling_contact
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.state import Window
+from rolling.in_si.contact_of_scene import rolling_contact
 from rolling.kinds.reading import read_scene
 from rolling.results.stored_numbers import read_stored
 from rolling.scene import library

@@ -15,8 +15,8 @@ from helpers import roll
 from speed import RIVALS, counts, measure_rival, table, timed_march
 from whole_run import scene_20_n
 
-from rolling.ball.contact_of_scene import rolling_contact
 from rolling.contact.state import Window
+from rolling.in_si.contact_of_scene import rolling_contact
 
 GUARDS = {  # most iterations and convolutions per step: what was measured and 15 %
     "scene": (2.8, 4.1),

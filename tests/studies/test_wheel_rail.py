@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import rolling
-from rolling.ball import scene_surface
-from rolling.heights.measured import HeightArray
+from rolling.in_si import scene_surface
+from rolling.in_si.measured import HeightArray
 from rolling.scene.scene import Scene
 from rolling.studies import validate
 

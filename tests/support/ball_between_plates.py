@@ -14,11 +14,11 @@ from pydantic import Field
 
 import rolling
 from acoustics import resampling, wav
-from rolling.built_in.plain_kind import PlainKind
+from rolling.archive.definition import Variable
 from rolling.numbers.fields import group
 from rolling.numbers.quantity import Quantity
-from rolling.record.definition import Variable
-from rolling.results.plain_run import PlainNumbers, RunSound, Solved
+from rolling.plain_kind.plain_kind import PlainKind
+from rolling.plain_kind.plain_run import PlainNumbers, RunSound, Solved
 from rolling.scene.models import Section
 from rolling.scene.swept import PlainScene
 

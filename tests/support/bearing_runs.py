@@ -8,8 +8,8 @@ from pathlib import Path
 
 from rolling.bearing.ring_record import RingRecord
 from rolling.bearing.tracks import BearingTracks
-from rolling.bearing_run.bearing_run import BearingRun, numbered
-from rolling.bearing_run.solved_bearing import SolvedBearing
+from rolling.bearing_kind.bearing_run import BearingRun, numbered
+from rolling.bearing_kind.solved_bearing import SolvedBearing
 from rolling.interface.runs import simulate
 from rolling.scene import file
 from rolling.scene.bearing_scene import BearingScene

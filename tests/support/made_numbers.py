@@ -12,7 +12,7 @@ from typing import Any
 from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.quantity import BandQuantity
-from rolling.results.quantities import with_quantities
+from rolling.results.run_quantities import with_quantities
 from rolling.scene.scene import Scene
 
 _PLAIN = {float: 0.0, int: 0, str: "", bool: False}

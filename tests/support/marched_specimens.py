@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rolling.built_in.ball_audition import BallAudition
-from rolling.built_in.ball_heard import loss_factors_of
+from rolling.ball_kinds.ball_audition import BallAudition
+from rolling.ball_kinds.ball_heard import loss_factors_of
 from rolling.choice import omissions
-from rolling.choice.heard import Specimen
-from rolling.choice.solving import RunSolver
+from rolling.choice.heard_specimen import Specimen
+from rolling.choice.specimen_solving import RunSolver
 from rolling.scene.identity import scene_identity
-from rolling.terminal.files import write_json
+from rolling.terminal.whole_files import write_json
 
 
 def stand_in(monkeypatch: pytest.MonkeyPatch) -> list[str]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from acoustics.arrays import Array
-from rolling.ball.records import bodies_of, listener_of
 from rolling.dynamics.force_law import ForceLaw
+from rolling.in_si.physics_of_scene import bodies_of, listener_of
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, contact_sound
 from rolling.sound.vibration_sound import Vibration, vibrate

@@ -1,0 +1,1 @@
+"""Archives of arrays: one definition serves their writer, their reader and xarray."""

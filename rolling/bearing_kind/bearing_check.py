@@ -1,0 +1,507 @@
+"""Check of the scene of a bearing before it is run: geometry, speeds, loads, cost and doubts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from acoustics.numbers import rounded, si
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from acoustics.traps import ignoring_underflow
+from rolling.bearing import iso_15242
+from rolling.bearing.kinematics import lines_of
+from rolling.bearing.limits import bounce_hz
+from rolling.bearing.linear_ring import free_tilt_db, linear_ring
+from rolling.bearing.moving_angle import angles_under_loads
+from rolling.bearing.waves import hertz_pressure, semi_axes
+from rolling.bearing_kind import needs
+from rolling.bearing_kind.bearing_forecast import different_marches, forecast_of, marches_seconds
+from rolling.bearing_kind.contact_plan import (
+    ContactPlan,
+    contact_of,
+    contact_plan,
+    kinds_of_contact,
+)
+from rolling.bearing_kind.faults import reach_across
+from rolling.check import cost, forecast, refusals
+from rolling.check.finding import Finding
+from rolling.check.findings import Findings
+from rolling.numbers.bearing_numbers import AXIAL_NAMES
+from rolling.numbers.doubt import TRUSTED_DB, Doubt, Severity, sized
+from rolling.scene import bearing_rules
+from rolling.scene.bearing_scene import BearingScene
+from rolling.scene.bearing_sources import assumed_keys, sources, static_load_rating_n
+from rolling.scene.surfaces import BallHeightFile, BallSurface, GradedBall
+from rolling.scene.sweep import run_name
+from rolling.terminal.streams import folded
+
+HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
+_PLACES = 8  # of the cage, over which loads are stated
+_TURNED_DEG = 0.5  # turn of the contact angle by the loads, beyond which axial bands do not hold
+AXIAL_DOUBT = "contact_angle"  # key of the doubt that concerns axial velocities alone
+# The smallest ball bearing that a maker announced is 1.5 x 0.5 mm with six balls (MinebeaMitsumi,
+# 2015). Others of that size have like proportions.
+_SMALL_MM = 2.5  # outside diameter below which only miniature bearings are made
+_SMALLEST_MM = 1.4
+_MINIATURE_BALLS = 7
+_MINIATURE_BORE = 0.36  # of the outside diameter
+_CENTRIFUGAL_SHARE = 0.1  # of the mean load of a ball, from which on it is said
+
+
+@ignoring_underflow
+def check_bearing(scene: BearingScene) -> Findings:
+    """Judge all runs of the scene of a bearing before anything is computed.
+
+    Parameters
+    ----------
+    scene : BearingScene
+        Scene, with or without a sweep.
+
+    Returns
+    -------
+    Findings
+        Quantities and values of each run, and doubts about them; printed, they are a table.
+
+    Raises
+    ------
+    SceneError
+        A contact cannot be made with these values, or a height file cannot be used.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> findings = rolling.read_scene("bearing-6204").check()
+    >>> {row.key: row.value for row in findings}["BPFO"]
+    '92.1 Hz'
+    """
+    rows: dict[str, list[Finding]] = {}
+    doubts: dict[str, list[Doubt]] = {}
+    runs: list[tuple[BearingScene, ContactPlan]] = []
+    for values, run in scene.runs():
+        name = run_name(values) or run.name
+        plan = contact_plan(run)
+        lacking = needs.excess(run, plan, workers=0, folder=refusals.OUTPUTS)
+        found = [*scene_rules(run), *_cost(plan), *lacking]
+        rows[name] = [row for row in found if isinstance(row, Finding)]
+        doubts[name] = [doubt for doubt in found if isinstance(doubt, Doubt)]
+        runs.append((run, plan))
+    of_runs = forecast_of(runs)
+    whole = f"{forecast.takes(of_runs.core_seconds)}, with start, files and page"
+    if of_runs.compilations:
+        whole += f", and with compilation of the {' and the '.join(of_runs.compilations)}"
+    of_all = (("time of the whole run", whole),)
+    return Findings(rows, doubts, of_all, seconds=of_runs.core_seconds)
+
+
+def scene_rules(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    """Yield rows and doubts of one run from its scene, in the order of the table."""
+    yield from _geometry(scene)
+    yield from _speeds(scene)
+    yield from _loads(scene)
+    yield from _ring(scene)
+    yield from _standard(scene)
+    yield from _surfaces(scene)
+    yield from _assumed(scene)
+
+
+# ---- geometry and speeds
+
+
+def _geometry(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    bearing = scene.bearing
+    name = f"{bearing.named}, " if bearing.named is not None else ""
+    yield Finding(
+        "bearing",
+        "bearing",
+        f"{name}{bearing.balls} balls of {bearing.ball_diameter_mm:g} mm on a circle of"
+        f" {bearing.pitch_diameter_mm:g} mm",
+    )
+    yield from _size(scene)
+    sizes = " x ".join(
+        rounded(1e3 * size, 4) for size in (scene.bore, scene.outside_diameter, scene.width)
+    )
+    yield Finding("boundary", "boundary dimensions", f"{sizes} mm")
+    yield Finding(
+        "grooves",
+        "radii of the grooves",
+        f"{bearing.conformity_inner:g} and {bearing.conformity_outer:g} ball diameters, inner and"
+        " outer",
+    )
+    clearance = f"{rounded(1e6 * scene.radial_clearance, 3)} um"
+    yield Finding("radial_clearance", "radial clearance", clearance)
+    if not scene.axial_load:
+        yield Finding("contact_angle", "contact angle", "0 under a purely radial load")
+        return
+    free = rounded(math.degrees(scene.contact_angle), 3)
+    yield Finding(
+        "contact_angle",
+        "contact angle",
+        f"{free} degrees without load, kept in motion; {_turned(scene)} under the loads",
+    )
+    doubt = contact_angle_doubt(scene)
+    if doubt is not None:
+        yield doubt
+
+
+def contact_angle_doubt(scene: BearingScene) -> Doubt | None:
+    """Return the doubt about axial velocities at an angle that the loads would turn, if they do.
+
+    How wrong these are depends on the frequency, because the angle moves the axial resonance. The
+    turned angle in place of the free one would leave errors as well.
+    """
+    if not scene.axial_load:
+        return None
+    free = math.degrees(scene.contact_angle)
+    if max(abs(angle - free) for angle in _angles_under_loads(scene)) <= _TURNED_DEG:
+        return None
+    return Doubt(
+        AXIAL_DOUBT,
+        f"the loads would turn the contact angle from {rounded(free, 3)} degrees to"
+        f" {_turned(scene)}, and the motion keeps it, so axial velocities are wrong by decibels"
+        " that are not known",
+        Severity.DO_NOT_QUOTE,
+        advice="quote the radial velocities alone",
+        about=AXIAL_NAMES,
+    )
+
+
+def _angles_under_loads(scene: BearingScene) -> tuple[float, float]:
+    """Return the least and the largest contact angle [degrees] of balls that bear load."""
+    least, most = angles_under_loads(
+        scene.geometry, axial_load_n=scene.axial_load, radial_load_n=scene.radial_load
+    )
+    return math.degrees(least), math.degrees(most)
+
+
+def _turned(scene: BearingScene) -> str:
+    """Write the contact angles under the loads."""
+    first, last = (rounded(angle, 3) for angle in _angles_under_loads(scene))
+    return f"{first} degrees" if first == last else f"between {first} and {last} degrees"
+
+
+def _size(scene: BearingScene) -> Iterator[Doubt]:
+    """Doubt a bearing that is smaller than those that are made, as of sizes in inches.
+
+    Miniature bearings have few balls and a bore of a third of their outside diameter. Inches make
+    such diameters of usual bearings, which have more balls or a larger bore.
+    """
+    outside_mm = 1e3 * scene.outside_diameter
+    if outside_mm >= _SMALL_MM:
+        return
+    is_made = (
+        outside_mm >= _SMALLEST_MM
+        and scene.bearing.balls <= _MINIATURE_BALLS
+        and scene.bore <= _MINIATURE_BORE * scene.outside_diameter
+    )
+    if is_made:
+        return
+    in_inches = 25.4 * outside_mm
+    yield Doubt(
+        "size",
+        f"no such bearing is made: {scene.bearing.balls} balls in an outside diameter of"
+        f" {rounded(outside_mm, 3)} mm, where its ring would bend at"
+        f" {si(scene.ring_bending_hz, 'Hz')}; sizes in inches?",
+        Severity.DO_NOT_QUOTE,
+        advice=f"give millimetres; as inches the outside diameter is {rounded(in_inches, 3)} mm",
+    )
+
+
+def _speeds(scene: BearingScene) -> Iterator[Finding]:
+    speeds = scene.kinematics
+    yield Finding(
+        "speed",
+        "speed",
+        f"{rounded(scene.bearing.speed_rpm, 4)} rpm of the {speeds.turning} ring; the"
+        f" {speeds.moving} ring vibrates",
+    )
+    for name, frequency in lines_of(speeds).items():
+        yield Finding(name, name, si(frequency, "Hz"))
+    yield Finding("rolling_speed", "rolling speed", f"{rounded(speeds.rolling_speed_m_s, 3)} m/s")
+
+
+# ---- loads and contacts
+
+
+def ball_loads(scene: BearingScene) -> tuple[float, float]:
+    """Return the least and the largest load [N] of a ball over the places of the cage."""
+    loads = np.array([balance.ball_load_n for balance in scene.model.balances(_PLACES)])
+    return float(loads.min()), float(loads.max())
+
+
+def _loads(scene: BearingScene) -> Iterator[Finding]:
+    least, most = ball_loads(scene)
+    yield Finding("ball_loads", "loads of the balls", _range(least, most, "N"))
+    for ring in ("inner", "outer"):
+        contact = getattr(scene.geometry, ring)
+        pressure = hertz_pressure(contact, most)
+        axes = semi_axes(contact, most)
+        yield Finding(f"{ring}_pressure", f"Hertz pressure, {ring} ring", si(pressure, "Pa"))
+        yield Finding(
+            f"{ring}_semi_axes",
+            f"semi-axes of the contact, {ring} ring",
+            f"{si(axes.along, 'm')} along, {si(axes.across, 'm')} across the track",
+        )
+    share = bearing_rules.largest_pressure(scene.bearing, scene.geometry)
+    share /= 1e9 * bearing_rules.STATIC_GPA
+    text = f"{share:.0%} of {bearing_rules.STATIC_GPA} GPa"
+    rating = static_load_rating_n(scene)
+    if rating is not None:
+        text += f"; catalogues give a static load rating of {si(rating, 'N')}"
+    yield Finding("static_capacity", "largest pressure", text)
+
+
+def _range(least: float, most: float, unit: str) -> str:
+    """Write a range of numbers, or one number."""
+    first = rounded(least, 3)
+    last = rounded(most, 3)
+    if first == last:
+        return f"{last} {unit} each"
+    return f"{first} to {last} {unit}"
+
+
+# ---- ring
+
+
+def _ring(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    mass = f"{rounded(scene.ring_mass, 3)} kg"
+    if scene.bearing.ring_mass_kg is None:
+        mass += ", from its dimensions"
+    yield Finding("ring_mass", f"mass of the {scene.moving_ring} ring", mass)
+    ring = linear_ring(scene.model)
+    text = f"{si(ring.radial_hz, 'Hz')} radial"
+    if scene.axial_load:
+        text += f", {si(ring.axial_hz, 'Hz')} axial"
+    yield Finding("ring_resonances", "resonances of the ring", text)
+    bending = scene.ring_bending_hz
+    yield Finding("ring_bending", "first bending mode of the ring", f"{si(bending, 'Hz')}, free")
+    if bending < HIGHEST_HZ:
+        yield Doubt(
+            "ring_bending",
+            f"the ring bends from {si(bending, 'Hz')} on, and is rigid here",
+            Severity.INDICATIVE,
+            advice="velocities above are those of a rigid ring",
+        )
+    section = scene.ring_section
+    tilt_db = free_tilt_db(scene.geometry, section.radius, section.width)
+    if tilt_db > TRUSTED_DB:
+        yield sized(
+            "tilt",
+            f"the ring cannot tilt here; one without guidance would move {tilt_db:.1f} dB less"
+            " along its radius, well above its rocking mode",
+            tilt_db,
+        )
+    yield from _balls(scene)
+
+
+def _balls(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    """Yield the resonance of a ball between its raceways, and doubts about mass that it lacks."""
+    frequency = bounce_hz(scene.model, scene.model.balances(_PLACES))
+    yield Finding("ball_resonance", "resonance of a ball", si(frequency, "Hz"))
+    yield from _centrifugal(scene)
+    if scene.bearing.ball_inertia:
+        return
+    left = 1 - (HIGHEST_HZ / frequency) ** 2
+    error_db = -20 * math.log10(left) if left > 0 else math.inf
+    if error_db > 1:
+        yield sized(
+            "ball_resonance",
+            f"balls without mass hold well below their resonance at {si(frequency, 'Hz')}",
+            min(error_db, 20.0),
+            advice="bearing.ball_inertia: true moves them with their mass",
+        )
+
+
+def _centrifugal(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    """Yield the centrifugal force of a ball, and a doubt where it is a part of its load."""
+    model = scene.model
+    force = model.centrifugal_n
+    yield Finding("centrifugal_force", "centrifugal force of a ball", si(force, "N"))
+    mean = float(np.mean([balance.ball_load_n.mean() for balance in model.balances(_PLACES)]))
+    if force < _CENTRIFUGAL_SHARE * mean:
+        return
+    text = f"the centrifugal force of a ball is {force / mean:.0%} of its mean load"
+    advice = ""
+    if scene.bearing.ball_inertia:
+        text += ", and turns the contact angles of both rings, which are fixed here"
+    else:
+        text += ", and is left out"
+        advice = "bearing.ball_inertia: true includes its part along the contact line"
+    yield Doubt("centrifugal_force", text, Severity.INDICATIVE, advice=advice)
+
+
+# ---- standard, surfaces, cost, what is assumed
+
+
+def departures(scene: BearingScene) -> list[str]:
+    """Return what a scene does otherwise than ISO 15242 asks for, in words."""
+    return iso_15242.departures(
+        turning=scene.bearing.turning,
+        speed_rpm=scene.bearing.speed_rpm,
+        axial_load_n=scene.axial_load,
+        radial_load_n=scene.radial_load,
+        outer_diameter_mm=1e3 * scene.outside_diameter,
+    )
+
+
+def _standard(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    texts = departures(scene)
+    allowed = iso_15242.axial_load_range_n(1e3 * scene.outside_diameter)
+    value = "speed and load as the standard asks"
+    if allowed is not None:
+        value += f", {allowed[0]:g} to {allowed[1]:g} N"
+    if texts:
+        value = f"not met: {'; '.join(texts)}"
+        yield Doubt("iso_15242", f"the bands are not ISO 15242: {'; '.join(texts)}", Severity.NOTE)
+    yield Finding("iso_15242", "ISO 15242", value)
+
+
+def _surfaces(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    surfaces = scene.bearing.surfaces
+    for name, surface in (
+        ("balls", surfaces.balls),
+        ("inner raceway", surfaces.inner),
+        ("outer raceway", surfaces.outer),
+    ):
+        yield Finding(f"surface_{name.partition(' ')[0]}", f"surface, {name}", _words(surface))
+    yield from _faults_beside(scene)
+    if scene.is_smooth:
+        reason = "a perfectly smooth bearing is silent"
+        if scene.radial_load:
+            reason = "a perfectly smooth bearing moves by the passing of its balls alone"
+        yield Doubt("smooth", reason, Severity.NOTE)
+
+
+def _faults_beside(scene: BearingScene) -> Iterator[Doubt]:
+    """Say which faults lie beside the contacts, so that no ball meets them."""
+    _, most = ball_loads(scene)
+    for body in ("balls", "inner", "outer"):
+        surface = getattr(scene.bearing.surfaces, body)
+        contacts = [contact_of(scene.geometry, name) for name in kinds_of_contact(body)]
+        half = max(semi_axes(contact, most).across for contact in contacts)
+        for number, fault in enumerate(getattr(surface, "faults", None) or ()):
+            if fault.at_mm is None:  # at random places within the track
+                continue
+            nearest = 1e-3 * abs(fault.at_mm[1]) - reach_across(fault)
+            if nearest <= half:
+                continue
+            yield Doubt(
+                "fault_beside",
+                f"bearing.surfaces.{body}.faults[{number}]: the {fault.kind} lies beside the track,"
+                f" {rounded(1e3 * nearest)} mm and more from its middle; the contact reaches"
+                f" {rounded(1e3 * half)} mm under the largest load of a ball, so nothing meets it",
+                Severity.NOTE,
+                advice=f"give an at_mm whose second number is below {rounded(1e3 * half)}",
+            )
+
+
+def _words(surface: BallSurface | None) -> str:
+    """Describe the surface of balls or of a raceway."""
+    if surface is None:
+        return "smooth"
+    parts = []
+    if isinstance(surface, GradedBall):
+        parts.append(f"{surface.grade} of ISO 3290-1, Ra {surface.law.roughness_ra_um:g} um")
+    elif isinstance(surface, BallHeightFile):
+        parts.append(f"heights from {surface.path}")
+    elif surface.law is not None:
+        parts.append(surface.law.words.replace("µ", "u"))
+    if surface.waviness:
+        parts.append(f"waves of the orders {', '.join(map(str, surface.waviness))}")
+    if surface.faults:
+        number = len(surface.faults)
+        parts.append(f"{number} single fault{'s' if number > 1 else ''}")
+    return "; ".join(parts) or "smooth"
+
+
+def _cost(plan: ContactPlan) -> Iterator[Finding]:
+    marches = different_marches([plan]).values()
+    seconds = marches_seconds(marches)
+    text = "none, nothing is rough"
+    if marches:
+        text = f"{len(marches)}, {cost.computing(seconds)}"
+    yield Finding("marches", "marches of contacts", text, seconds)
+
+
+def _assumed(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    keys = assumed_keys(scene)
+    if keys:
+        yield Finding("assumed", "assumed", ", ".join(keys))
+        yield Doubt(
+            "assumed",
+            f"assumed: {', '.join(keys)}",
+            Severity.NOTE,
+            advice="give those that you know",
+        )
+    for key, source in sources(scene).items():
+        yield Finding(f"source_{key}", key, f"{getattr(scene.bearing, key):g}: {source}")
+
+
+# ---- in short
+
+
+def conclusion(findings: Findings) -> str:
+    """State in a sentence how long a scene takes, and with which verdict at best."""
+    if findings.refusal is not None:
+        return f"It does not run: {findings.refusal.text}."
+    doubts = [doubt for of_run in findings.doubts.values() for doubt in of_run]
+    radial = [doubt.severity for doubt in doubts if doubt.key != AXIAL_DOUBT]
+    worst = max(radial, default=Severity.NOTE)
+    time = f"It runs in {forecast.takes(findings.seconds)}."
+    of_what = "velocities"
+    axial = ""
+    if len(radial) < len(doubts):
+        of_what = "radial velocities"
+        axial = f" Its axial velocities are under the verdict {Severity.DO_NOT_QUOTE.word}."
+    if worst <= Severity.TRUST:
+        return f"{time} Nothing speaks against its {of_what}.{axial}"
+    return f"{time} The verdict on its {of_what} will at best be {worst.word}.{axial}"
+
+
+def lines_in_short(findings: Findings) -> list[str]:
+    """Return the conclusion of a check, the numbers that a designer asks for, and the doubts."""
+    texts: dict[str, list[str]] = {}  # with the runs that have them
+    for name, rows in findings.runs.items():
+        for text in _sentences({row.key: row.value for row in rows}):
+            texts.setdefault(text, []).append(name)
+    lines = [folded(conclusion(findings), "")]
+    for text, names in texts.items():
+        prefix = ""
+        if len(names) < len(findings.runs):
+            prefix = f"{', '.join(names)}: "
+        lines.append(folded(f"{prefix}{text}", ""))
+    lines += [folded(f"- {text[0].upper()}{text[1:]}.") for text in _doubts(findings)]
+    return [*lines, "-v shows all quantities."]
+
+
+def _sentences(values: Mapping[str, str]) -> Iterator[str]:
+    """Yield sentences on the lines, the loads, the ring and the standard from the rows of a run."""
+    lines = ("cage", "BPFO", "BPFI", "2 x ball spin")
+    frequencies = ", ".join(f"{line} {values[line]}" for line in lines)
+    yield f"{values['bearing']}: {frequencies}."
+    yield (
+        f"Balls bear {values['ball_loads']}, Hertz pressure {values['inner_pressure']} inner and"
+        f" {values['outer_pressure']} outer."
+    )
+    yield (
+        f"The ring resonates at {values['ring_resonances']}, and bends from"
+        f" {values['ring_bending'].partition(',')[0]} on."
+    )
+    if "not met" not in values["iso_15242"]:
+        yield f"ISO 15242: {values['iso_15242']}."
+
+
+def _doubts(findings: Findings) -> list[str]:
+    """Return the doubts of all runs, the worst first, each once with the runs that have it."""
+    runs: dict[Doubt, list[str]] = {}
+    for name, doubts in findings.doubts.items():
+        for doubt in doubts:
+            runs.setdefault(doubt, []).append(name)
+    texts = []
+    for doubt in sorted(runs, key=lambda doubt: doubt.rank, reverse=True):
+        text = doubt.line
+        if len(runs[doubt]) < len(findings.runs):
+            text += f" ({', '.join(runs[doubt])})"
+        texts.append(text)
+    return texts

@@ -1,0 +1,162 @@
+"""The numbers of a run of a bearing, made once after the motion of its ring."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from rolling.bearing.band_uncertainty import BandUncertainty
+from rolling.bearing.linear_ring import linear_ring
+from rolling.bearing.moving_angle import angles_under_loads
+from rolling.bearing.ring_record import PLACES, UM_S
+from rolling.bearing_kind.bearing_check import departures
+from rolling.bearing_kind.bearing_doubts import JudgedBearing, doubts_of
+from rolling.bearing_kind.bearing_sentences import sentences
+from rolling.bearing_kind.line_numbers import envelope_lines, velocity_lines
+from rolling.bearing_kind.solved_bearing import SolvedBearing
+from rolling.bearing_kind.velocities import rigid_velocities, velocities_below_bending
+from rolling.marches import effort
+from rolling.numbers.bearing_numbers import (
+    HOUSING,
+    AngleNumbers,
+    BallLoads,
+    BearingEffort,
+    BearingNumbers,
+    FaultlessNumbers,
+    HousingNumbers,
+    MarchedContact,
+    MotionOfRing,
+    RingNumbers,
+    SpeedNumbers,
+)
+from rolling.numbers.doubt import Doubt
+from rolling.numbers.quantity import BandQuantity, Quantity, RecordOfNumber
+
+
+@dataclass(frozen=True)
+class MarchFindings:
+    """What the marches of the rough contacts say beside their tracks.
+
+    doubts : tuple of Doubt. Doubts about the rough contacts.
+    contacts : tuple of MarchedContact. Numbers of those that were marched.
+    uncertainty : BandUncertainty. Parts of the ± of the bands that come from them.
+    without_faults : FaultlessNumbers or None. The same bearing without its single faults.
+    """
+
+    doubts: tuple[Doubt, ...] = ()
+    contacts: tuple[MarchedContact, ...] = ()
+    uncertainty: BandUncertainty = field(default_factory=BandUncertainty)
+    without_faults: FaultlessNumbers | None = None
+
+
+def bearing_numbers(bearing: SolvedBearing, found: MarchFindings) -> BearingNumbers:
+    """Return the numbers of a bearing from the motion of its ring, and what its marches found.
+
+    Processor times are not known yet.
+    """
+    scene = bearing.scene
+    rigid = rigid_velocities(bearing, found.uncertainty)
+    below_bending = velocities_below_bending(bearing, found.uncertainty)
+    judged = JudgedBearing(bearing, rigid, below_bending, of_contacts=found.doubts)
+    doubts = tuple(doubts_of(judged))
+    numbers = BearingNumbers(
+        name=scene.name,
+        title=scene.title,
+        below_bending=below_bending,
+        velocities=rigid,
+        lines=velocity_lines(bearing),
+        envelope_lines=envelope_lines(bearing),
+        without_faults=found.without_faults,
+        ring=RingNumbers(
+            moving=bearing.moving,
+            mass_kg=bearing.model.ring_mass_kg,
+            resonances_hz=tuple(linear_ring(bearing.model).resonances_hz.tolist()),
+            bending_hz=scene.ring_bending_hz,
+        ),
+        motion=MotionOfRing(
+            duration_s=bearing.record.duration_s,
+            energy_error=bearing.record.energy_error,
+            lost_contact_share=bearing.record.lost_contact_share,
+        ),
+        speeds=_speeds(bearing),
+        loads=_loads(bearing),
+        angles=_angles(bearing),
+        housing=_housing(bearing, doubts),
+        contacts=found.contacts,
+        effort=BearingEffort(march_cpu_s=None),
+        departures=tuple(departures(scene)),
+        doubts=doubts,
+    )
+    return replace(numbers, sentences=tuple(sentences(scene, numbers)))
+
+
+def with_effort(numbers: BearingNumbers, parts_cpu_s: Mapping[str, float | None]) -> BearingNumbers:
+    """Return numbers with the processor times [s] of the parts of the run."""
+    own = BearingEffort(march_cpu_s=parts_cpu_s.get(effort.MARCH), parts_cpu_s=dict(parts_cpu_s))
+    return replace(numbers, effort=own)
+
+
+def _speeds(bearing: SolvedBearing) -> SpeedNumbers:
+    """Return the turns and rates of a bearing."""
+    kinematics = bearing.kinematics
+    return SpeedNumbers(
+        cage_hz=kinematics.cage_hz,
+        ball_pass_outer_hz=kinematics.ball_pass_outer_hz,
+        ball_pass_inner_hz=kinematics.ball_pass_inner_hz,
+        ball_spin_hz=kinematics.ball_spin_hz,
+        rolling_speed_m_s=kinematics.rolling_speed_m_s,
+    )
+
+
+def _loads(bearing: SolvedBearing) -> BallLoads:
+    """Return the loads of the balls: their largest and least, and the mean at each angle."""
+    loads = bearing.record.ball_load_n
+    around = bearing.record.loads_around(PLACES).tolist()
+    return BallLoads(
+        largest_n=float(loads.max()),
+        least_n=float(loads.min()),
+        mean_n=float(loads.mean()),
+        mean_at_angles_n=tuple(None if math.isnan(load) else load for load in around),
+    )
+
+
+def _angles(bearing: SolvedBearing) -> AngleNumbers:
+    """Return the free contact angle, and those under the loads."""
+    least, largest = angles_under_loads(
+        bearing.geometry,
+        axial_load_n=bearing.model.axial_load_n,
+        radial_load_n=bearing.model.radial_load_n,
+    )
+    return AngleNumbers(
+        free_deg=math.degrees(bearing.geometry.contact_angle),
+        least_under_loads_deg=math.degrees(least),
+        largest_under_loads_deg=math.degrees(largest),
+    )
+
+
+def _housing(bearing: SolvedBearing, doubts: Sequence[Doubt]) -> HousingNumbers | None:
+    """Return the sound of the housing plate, None for a scene without one."""
+    sound = bearing.housing
+    if sound is None:
+        return None
+    distance_m = bearing.scene.sound.distance_m
+    level_db = sound.levels.laeq_db
+    duration_s = bearing.record.duration_s
+    laeq = Quantity(
+        name=HOUSING,
+        value=level_db,
+        unit="dB(A)",
+        measure="LAeq",
+        record=RecordOfNumber(heard_s=duration_s, solved_s=duration_s, repeats=False),
+        where=f"at {distance_m:g} m from the plate",
+        meaning="A-weighted level of the housing plate that the ring shakes",
+        reason="the plate does not move" if level_db is None else "",
+    )
+    return HousingNumbers(
+        laeq=laeq.with_doubts(doubts),
+        third_octaves=BandQuantity.of(sound.levels.third_octave_db, "dB"),
+        distance_m=distance_m,
+        force_n=float(sound.force_n.std()),
+        velocity_um_s=UM_S * float(sound.velocity_m_s.std()),
+    )

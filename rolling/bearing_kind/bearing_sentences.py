@@ -1,0 +1,288 @@
+"""The answer of a bearing run in sentences, made from its numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from acoustics.numbers import decibels_a, rounded, rounded_up, si
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from rolling.bearing.lines import FAULT_LINES
+from rolling.bearing.ring_record import AXIAL, DIRECTIONS, NOTHING_UM_S
+from rolling.bearing_kind.bearing_doubts import moves
+from rolling.bearing_kind.solved_bearing import bands_below_hz, faulty_bodies
+from rolling.numbers.bearing_numbers import (
+    BandValues,
+    BearingNumbers,
+    EnvelopeLine,
+    FaultlessNumbers,
+    VelocityLine,
+)
+from rolling.scene.bearing_scene import BearingScene
+
+BAND_WORDS = {
+    name: f"{low:,.0f} to {high:,.0f} Hz" for name, (low, high) in VELOCITY_BANDS_HZ.items()
+}
+NO_VELOCITY = "-"  # of a band that lies above the bending, or where it is not known
+HEARD_LINE = 5.0  # height from which on a line stands out of its surroundings
+LEAST_SHARE = 0.1  # of the largest line, from which on another one is named
+STRONG_LINE = 10.0  # height from which on a line of the envelope tells of a fault
+RISE = 2.0  # of that height over the height without the fault, from which on the fault shows
+_MOST_LINES = 3  # that a sentence names
+
+
+def sentences(scene: BearingScene, numbers: BearingNumbers) -> list[str]:
+    """Say what a run has: bands, axial bands, lines that lead, faults, and its departures."""
+    texts = [answer(scene, numbers), axial_sentence(numbers)]
+    texts += [rigid_sentence(numbers), housing_sentence(numbers)]
+    texts += [leading_lines(numbers), unresolved_lines(numbers)]
+    texts += fault_sentences(scene, numbers)
+    texts.append(load_sentence(numbers))
+    if numbers.departures:
+        texts.append(f"Not ISO 15242: {'; '.join(numbers.departures)}.")
+    return [text for text in texts if text]
+
+
+# ---- words
+
+
+def condition(scene: BearingScene) -> str:
+    """Say how a bearing runs: its name, speed and loads."""
+    bearing = scene.bearing
+    name = scene.title or scene.name
+    if bearing.named:
+        name = f"bearing {bearing.named}"
+    loads = [
+        f"{rounded(load, 3)} N {direction}"
+        for load, direction in (
+            (bearing.axial_load_n, "axial"),
+            (bearing.radial_load_n, "radial"),
+        )
+        if load > 0
+    ]
+    return f"{name} at {rounded(bearing.speed_rpm, 4)} rpm under {' and '.join(loads)}"
+
+
+def band_words(bending_hz: float) -> dict[str, str]:
+    """Return the bands in words, each up to the first bending mode of the ring; none above it."""
+    words = {}
+    for band, (low, high) in bands_below_hz(bending_hz).items():
+        if high >= VELOCITY_BANDS_HZ[band][1]:
+            words[band] = BAND_WORDS[band]
+        elif high > low:
+            words[band] = f"{low:,.0f} to {high:,.0f} Hz, where it begins to bend"
+    return words
+
+
+def velocity(um_s: float | None) -> str:
+    """Write a velocity [um/s]; what is below a thousandth is nothing."""
+    if um_s is None:
+        return NO_VELOCITY
+    return "0" if um_s < NOTHING_UM_S else rounded(um_s, 2)
+
+
+def not_resolved_by(duration_s: float) -> str:
+    """Say that a record does not separate a line from a stronger one."""
+    return f"not resolved by {rounded(duration_s, 3)} s"
+
+
+def unresolved(duration_s: float, resolving_s: float) -> str:
+    """Say that a record does not separate a line from a stronger one, and which one would."""
+    return f"{not_resolved_by(duration_s)}, {rounded_up(resolving_s)} s would"
+
+
+def _listed(texts: Sequence[str]) -> str:
+    """Join texts: a, b and c."""
+    if len(texts) == 1:
+        return texts[0]
+    return f"{', '.join(texts[:-1])} and {texts[-1]}"
+
+
+def _three(bands: BandValues) -> str:
+    """Write three velocities with two digits."""
+    return f"{velocity(bands.low)}, {velocity(bands.medium)} and {velocity(bands.high)}"
+
+
+# ---- velocities
+
+
+def answer(scene: BearingScene, numbers: BearingNumbers) -> str:
+    """Say how fast the ring vibrates radially in the three bands, as far as it is rigid."""
+    said = condition(scene)
+    said = f"{said[0].upper()}{said[1:]}"
+    moving = numbers.ring.moving
+    um_s = numbers.below_bending.radial.um_s
+    bands = [
+        f"{velocity(um_s[band])} um/s ({words})"
+        for band, words in band_words(numbers.ring.bending_hz).items()
+    ]
+    if not bands:
+        return f"{said}: the {moving} ring bends below all three bands."
+    return f"{said}: the {moving} ring vibrates radially at {_listed(bands)}, rms."
+
+
+def axial_sentence(numbers: BearingNumbers) -> str:
+    """Say how fast the ring vibrates along its axis, and whether that is to be quoted."""
+    um_s = numbers.below_bending.axial.um_s
+    velocities = [velocity(um_s[band]) for band in band_words(numbers.ring.bending_hz)]
+    if not velocities:
+        return "Axially, all three bands are above the bending as well."
+    text = f"Axially it vibrates at {_listed(velocities)} um/s in the same bands"
+    if numbers.axial_doubt is None:
+        return f"{text}."
+    return (
+        f"{text}: do not quote these, because the loads would turn the contact angle, which is kept"
+        " here."
+    )
+
+
+def rigid_sentence(numbers: BearingNumbers) -> str:
+    """Say what the bands have with what a rigid ring does above its bending; empty for nothing."""
+    bending_hz = numbers.ring.bending_hz
+    radial = numbers.velocities.radial.um_s
+    axial = numbers.velocities.axial.um_s
+    cut = [band for band, (_, high) in VELOCITY_BANDS_HZ.items() if bending_hz < high]
+    if not any(moves(radial[band]) for band in cut):
+        return ""
+    texts = []
+    for band in cut:
+        velocities = f"{velocity(radial[band])} um/s radially"
+        if numbers.axial_doubt is None:
+            velocities += f" and {velocity(axial[band])} um/s axially"
+        texts.append(f"{velocities} ({BAND_WORDS[band]})")
+    return (
+        f"A real ring bends from {si(bending_hz, 'Hz')} on. One that stays rigid has"
+        f" {'; '.join(texts)}."
+    )
+
+
+def housing_sentence(numbers: BearingNumbers) -> str:
+    """Say how loud the plate of the housing is; empty without one."""
+    housing = numbers.housing
+    if housing is None:
+        return ""
+    if housing.laeq.value is None:
+        return "The plate of its housing is silent."
+    level = decibels_a(housing.laeq.value)
+    return f"The plate of its housing is heard at {level} at {housing.distance_m:g} m."
+
+
+# ---- lines
+
+
+def leading_lines(numbers: BearingNumbers) -> str:
+    """Say which lines are the largest of those that stand out, radially and along the axis."""
+    texts = []
+    for direction in DIRECTIONS:
+        named = _named_lines(numbers.lines, direction)
+        if named:
+            verdict = ""
+            if direction == AXIAL and numbers.axial_doubt is not None:
+                verdict = f" ({numbers.axial_doubt.severity.word} these)"
+            texts.append(f"{direction} {', '.join(named)}{verdict}")
+    if not texts:
+        return "No line stands out."
+    return f"The largest lines are {'; '.join(texts)}."
+
+
+def _named_lines(lines: Sequence[VelocityLine], direction: str) -> list[str]:
+    """Name the largest lines of a direction with their frequencies and velocities."""
+    by_frequency = {}  # the last of equal ones, which names its cause
+    for line in lines:
+        own = line.by_direction[direction]
+        if own.um_s is not None and (own.height or 0.0) >= HEARD_LINE:
+            by_frequency[round(line.frequency_hz, 2)] = line, own.um_s
+    largest_first = sorted(by_frequency.values(), key=lambda item: -item[1])
+    least = LEAST_SHARE * largest_first[0][1] if largest_first else 0.0
+    return [
+        f"{line.name} ({rounded(line.frequency_hz, 4)} Hz, {velocity(um_s)} um/s)"
+        for line, um_s in largest_first[:_MOST_LINES]
+        if um_s >= max(least, NOTHING_UM_S)
+    ]
+
+
+def unresolved_lines(numbers: BearingNumbers) -> str:
+    """Say which lines the record does not separate from stronger ones; empty for none."""
+    needed_s: dict[str, float] = {}
+    for line in numbers.lines:
+        for own in line.by_direction.values():
+            if own.resolved_by_s is not None:
+                needed_s[line.name] = max(own.resolved_by_s, needed_s.get(line.name, 0.0))
+    if not needed_s:
+        return ""
+    shown = [
+        f"{name} ({rounded_up(seconds)} s would)"
+        for name, seconds in list(needed_s.items())[:_MOST_LINES]
+    ]
+    more = len(needed_s) - len(shown)
+    if more:
+        shown.append(f"{more} more")
+    return (
+        f"{not_resolved_by(numbers.motion.duration_s).capitalize()} from stronger lines, so without"
+        f" a velocity: {', '.join(shown)}."
+    )
+
+
+# ---- faults
+
+
+def fault_sentences(scene: BearingScene, numbers: BearingNumbers) -> Iterator[str]:
+    """Say for each body with faults whether its line rises in the envelope, and what they add.
+
+    Balls meet the same roughness turn after turn, so a healthy bearing has these lines too.
+    """
+    bodies = faulty_bodies(scene)
+    lines = {line.name: line for line in numbers.envelope_lines}
+    for body in bodies:
+        yield _fault_sentence(numbers, body, lines[FAULT_LINES[body]])
+    if numbers.without_faults is not None:
+        yield _added_by_faults(numbers, numbers.without_faults, len(bodies))
+
+
+def _fault_sentence(numbers: BearingNumbers, body: str, line: EnvelopeLine) -> str:
+    """Say whether the line of a body with faults rises in the envelope."""
+    duration_s = numbers.motion.duration_s
+    ring = "a ball" if body == "balls" else f"the {body} raceway"
+    at = f"{line.name}, {rounded(line.frequency_hz, 4)} Hz"
+    if line.height is None:
+        text = not_resolved_by(duration_s)
+        if line.resolved_by_s is not None:
+            text = unresolved(duration_s, line.resolved_by_s)
+        return f"The fault of {ring} may have a line in the envelope at {at}: {text}."
+    size = f"{rounded(line.height)} times its surroundings"
+    rises = line.height >= STRONG_LINE
+    if numbers.without_faults is not None:
+        before = numbers.without_faults.heights.get(line.name, 0.0)
+        if before is None:
+            size += f", and {not_resolved_by(duration_s)} without the fault"
+        else:
+            size += f", and {rounded(before)} times without the fault"
+            rises = rises and line.height >= RISE * before
+    verb = "shows" if rises else "does not show"
+    return f"The fault of {ring} {verb} in the envelope at {at}: {size}."
+
+
+def _added_by_faults(numbers: BearingNumbers, healthy: FaultlessNumbers, faulty: int) -> str:
+    """Say by how many decibels faults raise the radial velocity in the three bands."""
+    before = healthy.radial.by_band
+    if min(before.values()) < NOTHING_UM_S:
+        return f"Without faults the ring vibrates at {_three(healthy.radial)} um/s."
+    added = []
+    for band, um_s in numbers.velocities.radial.um_s.items():
+        decibels = 20 * math.log10(max(um_s or 0.0, NOTHING_UM_S) / before[band])
+        added.append(f"{round(decibels, 1) + 0.0:+.1f}")  # no "-0.0"
+    low, medium, high = added
+    noun = "The fault changes" if faulty == 1 else "The faults change"
+    return f"{noun} the three bands by {low}, {medium} and {high} dB."
+
+
+# ---- loads
+
+
+def load_sentence(numbers: BearingNumbers) -> str:
+    """Say between which loads the balls work."""
+    least = rounded(numbers.loads.least_n, 3)
+    largest = rounded(numbers.loads.largest_n, 3)
+    if least == largest:
+        return f"The load of a ball is {least} N."
+    return f"The load of a ball is {least} to {largest} N."

@@ -1,0 +1,190 @@
+"""What the rough contacts leave uncertain in the bands of a ring, weighted by what they make of it.
+
+By linear theory the roughness of a kind of contact moves the ring in proportion to the level of its
+approach at each frequency, the stiffness of the balls and the mobility of the ring. A part of a
+band that is uncertain by some decibels makes the band uncertain by its share of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from acoustics.arrays import Array
+from acoustics.continued_rows import drawn_lines
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from rolling.bearing.band_uncertainty import WINDOW, BandUncertainty
+from rolling.bearing.geometry import contact_lines
+from rolling.bearing.linear_ring import linear_ring
+from rolling.bearing.model import BearingModel
+from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL, RingRecord
+from rolling.bearing_kind.contact_plan import ContactPlan, radius_of
+from rolling.bearing_kind.joined_tracks import rough_rows
+from rolling.bearing_kind.rough_contacts import RoughContact
+from rolling.run.march_files import Marches
+
+WHOLE_TURN = 0.99  # of a turn, from which on a stretch is all of it
+STEP_HZ = 4.0  # between frequencies at which the mobility of the ring is taken
+_PLACES = 8  # of the cage, over which the stiffness of the balls is averaged
+_DECIBELS = 10 / math.log(10)  # of a relative change of a mean square
+
+
+class RoughnessPower(NamedTuple):
+    """Power with which the roughness of a kind of contact moves the ring, by linear theory.
+
+    frequency_hz : array (n,), Hz. Equally spaced frequencies, up to 10 kHz.
+    density : dict. Mean square of the velocity in each step of frequency [(m/s)^2], (n,), by
+        direction.
+    line_hz : float, Hz. Distance of the lines of the stretch that is known.
+    """
+
+    frequency_hz: Array
+    density: Mapping[str, Array]
+    line_hz: float
+
+    def of_band(self, direction: str, band: str) -> Array:
+        """Return the density in a band, and zeros beside it."""
+        low, high = VELOCITY_BANDS_HZ[band]
+        inside = (self.frequency_hz >= low) & (self.frequency_hz < high)
+        return np.where(inside, self.density[direction], 0.0)
+
+
+def body_of(name: str) -> str:
+    """Return the body whose roughness a kind of contact meets: inner, outer or balls."""
+    return name.partition("-")[0]
+
+
+def track_length_m(contact: RoughContact) -> float:
+    """Return the length of track [m] on which a contact is marched."""
+    return contact.steps * contact.scene.step
+
+
+def is_whole_turn(plan: ContactPlan, contact: RoughContact) -> bool:
+    """Tell whether a contact is marched around its whole body."""
+    turn = 2 * math.pi * radius_of(plan.geometry, body_of(contact.name))
+    return track_length_m(contact) >= WHOLE_TURN * turn
+
+
+def roughness_powers(
+    plan: ContactPlan, marches: Marches, model: BearingModel
+) -> dict[str, RoughnessPower]:
+    """Return the power with which the roughness of each kind of contact moves the ring.
+
+    Balls meet a random roughness at places of their own, so the powers of their forces add.
+    """
+    frequency_hz = shown_hz()
+    gain = velocity_per_approach(model, frequency_hz)
+    powers = {}
+    for name, contact in plan.rough.items():
+        row = rough_rows(contact, marches)[contact.loads_n.index(contact.middle_load_n)]
+        line_hz = model.kinematics.rolling_speed_m_s / track_length_m(contact)
+        lines = np.square(np.abs(np.fft.rfft(row))) * 2 / len(row) ** 2
+        number = np.clip(np.rint(frequency_hz / line_hz).astype(int), 1, len(lines) - 1)
+        approach = lines[number] * STEP_HZ / line_hz
+        density = {direction: gain[direction] * approach for direction in DIRECTIONS}
+        powers[name] = RoughnessPower(frequency_hz, density, line_hz)
+    return powers
+
+
+def shown_hz() -> Array:
+    """Return the frequencies [Hz] at which powers are taken, below the end of the high band."""
+    return np.arange(STEP_HZ, VELOCITY_BANDS_HZ["high"][1], STEP_HZ)
+
+
+def velocity_per_approach(model: BearingModel, frequency_hz: Array) -> dict[str, Array]:
+    """Return the mean square of the ring's velocity over that of the approach of a contact [1/s2].
+
+    All balls have an approach of this mean square, each at random. By direction, (n,).
+    """
+    forces = _force_per_approach(model)
+    mobility = linear_ring(model).mobility(frequency_hz)
+    velocity = mobility @ forces @ np.conj(np.swapaxes(mobility, 1, 2))
+    squares = np.real(np.diagonal(velocity, axis1=1, axis2=2))
+    return {RADIAL: squares[:, :2].mean(axis=1), AXIAL: squares[:, 2]}
+
+
+def _force_per_approach(model: BearingModel) -> Array:
+    """Return the sum over the balls of their stiffness squared along their lines [N2/m2], (3, 3).
+
+    It is the mean over places of the cage.
+    """
+    geometry = model.geometry
+    total = np.zeros((3, 3))
+    for place, balance in enumerate(model.balances(_PLACES)):
+        angles = geometry.ball_angles(2 * math.pi / geometry.balls * place / _PLACES)
+        directions = contact_lines(angles, geometry.contact_angle, model.kinematics.moving)
+        stiffness = 1.5 * geometry.series_stiffness ** (2 / 3) * balance.ball_load_n ** (1 / 3)
+        forces = stiffness[:, None] * directions
+        total += forces.T @ forces
+    return total / _PLACES
+
+
+def roughness_shares(
+    powers: Mapping[str, RoughnessPower], record: RingRecord
+) -> dict[str, dict[str, dict[str, float]]]:
+    """Return which share of the power of a band each kind of contact has, by direction and band.
+
+    What is left is form, waves and faults. All shares together are 1 at most.
+    """
+    shares: dict[str, dict[str, dict[str, float]]] = {
+        name: {direction: {} for direction in DIRECTIONS} for name in powers
+    }
+    for direction in DIRECTIONS:
+        for band, rms in record.bands[direction].rms_m_s.items():
+            own = {name: power.of_band(direction, band).sum() for name, power in powers.items()}
+            whole = max(rms**2, sum(own.values()), np.finfo(float).tiny)
+            for name, value in own.items():
+                shares[name][direction][band] = float(value / whole)
+    return shares
+
+
+def contact_uncertainty(
+    plan: ContactPlan, marches: Marches, model: BearingModel, record: RingRecord
+) -> BandUncertainty:
+    """Return the parts of the uncertainty of the bands that come from the rough contacts.
+
+    Parameters
+    ----------
+    plan : ContactPlan
+        Contacts of the bearing.
+    marches : dict
+        Marches by contact identity.
+    model : BearingModel
+        Bearing.
+    record : RingRecord
+        Motion of its ring.
+    """
+    powers = roughness_powers(plan, marches, model)
+    shares = roughness_shares(powers, record)
+    uncertainty = BandUncertainty()
+    short = [name for name, contact in plan.rough.items() if not is_whole_turn(plan, contact)]
+    if short:
+        uncertainty = uncertainty.with_part(WINDOW, _window_db(short, powers, shares))
+    return uncertainty
+
+
+def _window_db(
+    short: list[str],
+    powers: Mapping[str, RoughnessPower],
+    shares: Mapping[str, Mapping[str, Mapping[str, float]]],
+) -> dict[str, dict[str, float]]:
+    """Return the scatter of bands [dB] by roughness that is known from a stretch of track only.
+
+    Both contacts of a ball meet the same stretch, and bodies have stretches of their own.
+    """
+    scatter: dict[str, dict[str, float]] = {}
+    for direction in DIRECTIONS:
+        scatter[direction] = {}
+        for band in VELOCITY_BANDS_HZ:
+            by_body: dict[str, float] = {}
+            for name in short:
+                power = powers[name]
+                places = power.frequency_hz / power.line_hz
+                lines = drawn_lines(places, power.of_band(direction, band))
+                own_db = _DECIBELS / math.sqrt(lines) * shares[name][direction][band]
+                by_body[body_of(name)] = by_body.get(body_of(name), 0.0) + own_db
+            scatter[direction][band] = math.hypot(*by_body.values())
+    return scatter

@@ -1,0 +1,127 @@
+"""A solved bearing: scene, motion of its ring and tracks, and what follows from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
+
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from acoustics.traps import ignoring_underflow
+from rolling.bearing import lines
+from rolling.bearing.geometry import BearingGeometry
+from rolling.bearing.kinematics import Kinematics
+from rolling.bearing.linear_ring import linear_ring
+from rolling.bearing.lines import BearingLine
+from rolling.bearing.model import BearingModel
+from rolling.bearing.ring_record import RingRecord
+from rolling.bearing.tracks import BearingTracks
+from rolling.bearing_kind.housing import HousingSound, housing_of_scene
+from rolling.kinds.run_folder import RunFolder
+from rolling.scene.bearing_scene import BearingScene
+
+HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
+
+
+@ignoring_underflow
+@dataclass(frozen=True, eq=False, repr=False)
+class SolvedBearing(RunFolder):
+    """Data of a bearing from which its numbers are made.
+
+    It equals no other one, so it can be the key of a dictionary. Its fields are described at
+    `BearingRun`.
+    """
+
+    scene: BearingScene
+    label: str
+    record: RingRecord
+    tracks: BearingTracks
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the fields alone, for pickle and copies; what follows from them is made again."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @property
+    def model(self) -> BearingModel:
+        """Geometry, speeds, masses and loads, in SI."""
+        return self.scene.model
+
+    @property
+    def geometry(self) -> BearingGeometry:
+        """Dimensions and Hertz contacts, in SI."""
+        return self.model.geometry
+
+    @property
+    def kinematics(self) -> Kinematics:
+        """Turns per second of rings, cage and balls."""
+        return self.model.kinematics
+
+    @property
+    def moving(self) -> str:
+        """The ring that vibrates: inner or outer."""
+        return self.kinematics.moving
+
+    @cached_property
+    def housing(self) -> HousingSound | None:
+        """Sound of the housing plate, None for a scene without one."""
+        return housing_of_scene(self.scene, linear_ring(self.model), self.record.velocity_m_s[:, 0])
+
+    @property
+    def bands_below_bending_hz(self) -> dict[str, tuple[float, float]]:
+        """Edges of the three bands [Hz], cut at the ring's first bending mode.
+
+        A band above it has two equal edges.
+        """
+        return bands_below_hz(self.scene.ring_bending_hz)
+
+    @cached_property
+    def lines(self) -> list[BearingLine]:
+        """Lines of the bearing below 10 kHz: of its speeds, its load and its waviness."""
+        bearing = self.scene.bearing
+        found = lines.kinematic_lines(self.kinematics)
+        if bearing.radial_load_n > 0:
+            found += lines.varying_compliance(self.kinematics, self.geometry.balls)
+        found += lines.wave_lines(self.model, self.waves)
+        found = [line for line in found if 0 < line.frequency_hz < HIGHEST_HZ]
+        return sorted(found, key=lambda line: line.frequency_hz)
+
+    @property
+    def waves(self) -> dict[str, list[int]]:
+        """Orders of waviness of the bodies that have some, by body."""
+        waves = {}
+        for body in lines.BODIES:
+            surface = getattr(self.scene.bearing.surfaces, body)
+            orders = getattr(surface, "waviness", None) or {}
+            if orders:
+                waves[body] = [int(order) for order in orders]
+        return waves
+
+    @property
+    def wavy(self) -> list[str]:
+        """Bodies whose surface is rough, wavy or measured: balls, inner, outer."""
+        surfaces = self.scene.bearing.surfaces
+        found = []
+        for body in lines.BODIES:
+            surface = getattr(surfaces, body)
+            if surface is not None and (surface.kind != "smooth" or surface.has_form):
+                found.append(body)
+        return found
+
+    @property
+    def faulty(self) -> list[str]:
+        """Bodies whose surface has single faults: balls, inner, outer."""
+        return faulty_bodies(self.scene)
+
+
+def bands_below_hz(bending_hz: float) -> dict[str, tuple[float, float]]:
+    """Return the edges of the three bands [Hz], cut at a bending mode; equal edges above it."""
+    return {
+        band: (low, max(min(high, bending_hz), low))
+        for band, (low, high) in VELOCITY_BANDS_HZ.items()
+    }
+
+
+def faulty_bodies(scene: BearingScene) -> list[str]:
+    """Return the bodies of a scene whose surface has single faults: balls, inner, outer."""
+    surfaces = scene.bearing.surfaces
+    return [body for body in lines.BODIES if getattr(getattr(surfaces, body), "faults", None)]

@@ -1,0 +1,227 @@
+"""A ball bearing that turns: its rough contacts are marched, and its ring moves over them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from rolling.bearing.ring_record import NOTHING_UM_S
+from rolling.bearing_kind import bearing_lines, bearing_sentences, bearing_simulation, stored_run
+from rolling.bearing_kind.bearing_check import check_bearing, conclusion, lines_in_short
+from rolling.bearing_kind.bearing_run import BearingRun
+from rolling.bearing_kind.contact_marches import march_of_contact
+from rolling.bearing_kind.contact_plan import contact_plan
+from rolling.bearing_kind.former_bearing import former_bearing
+from rolling.check.findings import Findings
+from rolling.kinds.figure_kind import FigureKind
+from rolling.kinds.heard_sound import HeardSound
+from rolling.kinds.kind import Still
+from rolling.kinds.needed_marches import March
+from rolling.kinds.page_parts import PageParts
+from rolling.kinds.run_folder import LISTEN, RunFolder
+from rolling.marches.piece import contact_identity
+from rolling.numbers.bearing_numbers import BearingNumbers
+from rolling.numbers.quantity import Quantity
+from rolling.numbers.run_file import BEARING_KIND, StoredBearing
+from rolling.results import shared_lines
+from rolling.run.march_files import ContactMarch, Marches, MarchesInFiles
+from rolling.scene.bearing_scene import BearingScene
+from rolling.terminal import defaults, whole_files
+
+if TYPE_CHECKING:
+    from rolling.archive.definition import Series
+    from rolling.bearing_kind.bearing_audition import BearingAudition
+    from rolling.recordings.compared_run import ComparedRun
+    from rolling.recordings.recorded import MeasuredQuantity
+
+
+class TurningBearing(MarchesInFiles):
+    """A ball bearing that turns under a constant load."""
+
+    name = BEARING_KIND
+    scene_type = BearingScene
+    description = (
+        "A ball bearing: its geometry, surfaces, loads and speed, and the plate on which it is"
+        " heard."
+    )
+    stored_type = StoredBearing
+    former_format = 1
+    noise = "bearing noise"
+    gallery_note = (
+        "Bearings: velocities of the ring that vibrates, in the three bands of ISO 15242-1 as far"
+        " as the ring is rigid. Pictures: the spectrum of the velocity with its lines."
+    )
+    leading = tuple(f"below_bending_radial_{band}_um_s" for band in VELOCITY_BANDS_HZ)
+
+    # ---- scenes
+
+    def refuse(
+        self,
+        scene: BearingScene,
+        workers: int,
+        folder: Path | None,
+        unsolved: Sequence[BearingScene] | None = None,
+    ) -> None:
+        """Refuse a scene that cannot be run here."""
+        if unsolved is None:
+            unsolved = [run for _, run in scene.runs()]
+        bearing_simulation.refuse(scene, workers, folder, unsolved)
+
+    def check(self, scene: BearingScene, solve: bool = True) -> Findings:
+        """Judge all runs of a scene before they are run; no contact is solved."""
+        return check_bearing(scene)
+
+    def conclusion(self, scene: BearingScene, findings: Findings) -> str:
+        """State in a sentence how long a scene takes, and with which verdict at best."""
+        return conclusion(findings)
+
+    def lines_in_short(self, scene: BearingScene, findings: Findings) -> list[str]:
+        """Return the conclusion of a check, the numbers that a designer asks for, and doubts."""
+        return lines_in_short(findings)
+
+    # ---- marches
+
+    def marches(self, scene: BearingScene, film: bool = False) -> list[March]:
+        """Return the rough contacts at their middle load and the faults, then all other loads."""
+        first, rest = contact_plan(scene).stages
+        marches = [march_of_contact(contact) for contact in first]
+        return marches + [march_of_contact(contact, is_first=False) for contact in rest]
+
+    # ---- runs
+
+    def make_run(self, place: RunFolder, label: str, marched: Sequence[ContactMarch]) -> BearingRun:
+        """Move the ring over the tracks of all marches, and make its numbers."""
+        return bearing_simulation.make_run(place, label, self._by_identity(place.scene, marched))
+
+    def _by_identity(self, scene: BearingScene, marched: Sequence[ContactMarch | None]) -> Marches:
+        """Return the marches of a scene that are there by their contact identities."""
+        by_identity = {}
+        for march, known in zip(self.marches(scene), marched, strict=True):
+            if known is not None:
+                by_identity[contact_identity(march.scene)] = known
+        return by_identity
+
+    def write_first_sound(
+        self, place: RunFolder, label: str, marched: Sequence[ContactMarch | None]
+    ) -> Path:
+        """Write the sound of contacts at one load."""
+        marches = self._by_identity(place.scene, marched)
+        plan = contact_plan(place.scene)
+        bearing = bearing_simulation.move_bearing(place, label, plan, marches)
+        whole_files.make_below(place.home, place.folder)
+        stored_run.write_acceleration(bearing, place.folder)
+        sound = stored_run.ring_sound(bearing)
+        whole_files.write_bytes(place.folder / sound.file, sound.wav())
+        return place.folder / sound.file
+
+    def write_run(self, run: BearingRun) -> None:
+        """Write the files of a run into its folder."""
+        stored_run.write_run(run)
+
+    def read_run(self, place: RunFolder, label: str) -> BearingRun:
+        """Read a run from its folder."""
+        return bearing_simulation.read_run(place, label)
+
+    def former_stored(self, content: bytes) -> StoredBearing:
+        """Return the numbers of a run of version 0.8."""
+        return former_bearing(content)
+
+    def sounds(self, run: BearingRun) -> list[HeardSound]:
+        """Return the acceleration of the ring, and the sound of a housing plate."""
+        return stored_run.sounds(run)
+
+    def write_long(self, run: BearingRun, seconds: float, speed: Any, seed: int) -> Path:
+        """Let the ring move for longer, and write long.wav."""
+        if speed is not None or seed:
+            raise ValueError("--speed, --seed: a bearing turns on at the speed of its scene")
+        return stored_run.write_long(run, seconds)
+
+    def series(self, run: BearingRun) -> Series:
+        """Return the motion of the ring, the loads of the balls, and the tracks."""
+        return stored_run.series_of(run)
+
+    def compared(self, run: BearingRun, quantity: MeasuredQuantity) -> ComparedRun:
+        """Return the motion of the ring of a run, or the sound of its housing plate."""
+        from rolling.bearing_kind.compared_records import records_of_bearing
+
+        return records_of_bearing(run, quantity)
+
+    # ---- how runs are shown
+
+    def answer_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Return the sentences of a run, or the bands of several."""
+        return bearing_lines.answer_lines(done)
+
+    def doubt_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Return the doubts about runs, the worst first."""
+        return shared_lines.doubt_lines(done)
+
+    def further_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Return the lines of the spectra of runs."""
+        return bearing_lines.further_lines(done)
+
+    def listen_lines(self, done: Sequence[RunFolder]) -> list[str]:
+        """Name the sound of the ring, and that of the housing where there is one."""
+        sounds = [("listen", LISTEN, ""), ("listen to the housing", stored_run.HOUSING, "")]
+        return shared_lines.listen_lines(done, sounds)
+
+    def quantities(self, numbers: BearingNumbers) -> dict[str, Quantity]:
+        """Return the radial velocities of the ring in the bands, as far as it does not bend.
+
+        A ring that hardly moves is at rest, which has no ±.
+        """
+        bending_hz = numbers.ring.bending_hz
+        words = bearing_sentences.band_words(bending_hz)
+        quantities = {}
+        for band, quantity in numbers.below_bending.radial.by_band.items():
+            if band not in words:
+                reason = f"the ring bends from {bending_hz:,.0f} Hz on"
+                quantity = replace(quantity, value=None, uncertainty=None, reason=reason)
+            elif quantity.value is not None and quantity.value < NOTHING_UM_S:
+                quantity = replace(quantity, value=0.0, uncertainty=None)
+            quantities[f"Radial below the bending, {bearing_sentences.BAND_WORDS[band]}"] = quantity
+        return quantities
+
+    def card_sentence(self, run: BearingRun) -> str:
+        """Return the first sentence of the answer."""
+        return run.numbers.sentences[0].replace(" um/s", " µm/s")
+
+    def still(self, run: BearingRun) -> Still | None:
+        """Draw the spectrum of the velocity."""
+        from rolling.figures.catalogue import single_picture
+        from rolling.report import maps
+
+        drawn = single_picture("spectrum", run)
+        content = None if drawn is None else drawn.file("png")
+        if content is None:
+            return None
+        words = f"Spectrum of the velocity of the ring, {run.label or run.scene.name}"
+        return Still(maps.uri("image/png", content), words, is_chart=True)
+
+    def figures(self) -> Mapping[str, FigureKind]:
+        """Return spectrum, envelope, load distribution and ball forces of a run."""
+        from rolling.bearing_kind.bearing_figures import FIGURES
+
+        return FIGURES
+
+    def page_parts(self, runs: Sequence[BearingRun]) -> PageParts:
+        """Return the parts of the page of bearings; of very many it has numbers alone."""
+        if len(runs) > defaults.MAX_RUNS_ON_PAGE:
+            return PageParts(has_plain_players=False)
+        from rolling.bearing_kind.bearing_page import bearing_parts
+
+        return bearing_parts(runs)
+
+    # ---- choices
+
+    def audition(self) -> BearingAudition:
+        """Return how bearings are compared."""
+        from rolling.bearing_kind.bearing_audition import BearingAudition
+
+        return BearingAudition()
+
+
+KIND = TurningBearing()

@@ -1,0 +1,118 @@
+"""Doubts about a choice: rules, each with its sentence.
+
+What limits the answer is told with it. What was assumed is a note, and so is what the ± leaves out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from acoustics.numbers import rounded_up
+from acoustics.texts import printable
+from rolling.choice.choice_numbers import ChoiceNumbers
+from rolling.choice.difference import LEFT_OUT, SCATTER, Difference
+from rolling.numbers.doubt import Doubt, Severity
+from rolling.numbers.quantity import PART_WORDS
+
+WITHOUT_SOLUTION = "pairs_without_solution"  # key of the doubt that stands beside the verdict
+LEAST_DB = 0.1  # smallest part that the ± leaves out and a note names
+_LEFT_OUT_ADVICE = "the pairs that are left out; choose a wider surface"
+
+
+def doubts(choice: ChoiceNumbers) -> list[Doubt]:
+    """List the doubts about a choice, notes at the end."""
+    found = [doubt for rule in LIMITS for doubt in rule(choice)]
+    found += choice.audition.doubts(choice)
+    return [*found, *_left_out_parts(choice)]
+
+
+# ---- what limits the answer
+
+
+def _omissions(choice: ChoiceNumbers) -> Iterator[Doubt]:
+    """Say which pairs are left out, why, and what that does to the sureness."""
+    if not choice.omitted:
+        return
+    first = choice.omitted[0]
+    numbers = " and ".join(str(one.number) for one in choice.omitted)
+    verb = "is" if len(choice.omitted) == 1 else "are"
+    each = "it counts" if len(choice.omitted) == 1 else "each counts"
+    text = (
+        f"Of {choice.tried} {choice.noun}, number {numbers} {verb} left out for all, because a"
+        f" contact has no solution ({printable(first.label)}: {printable(first.reason)}); {each} as"
+        " a pair that speaks against this answer."
+    )
+    yield Doubt(WITHOUT_SOLUTION, text, Severity.INDICATIVE)
+
+
+def _overlap(choice: ChoiceNumbers) -> Iterator[Doubt]:
+    """Say that the tracks of a scan overlap."""
+    if not choice.overlap or choice.widest.apart.uncertainty_db is None:
+        return
+    text = (
+        f"The scan has room for fewer than {choice.pairs} tracks, so they overlap, and the ± is"
+        " too small: measure a larger field."
+    )
+    yield Doubt("overlapping_tracks", text, Severity.INDICATIVE)
+
+
+def _early(choice: ChoiceNumbers) -> Iterator[Doubt]:
+    """Say that the limit of time ended a choice."""
+    if not choice.is_early or choice.widest.apart.uncertainty_db is None:
+        return
+    text = (
+        f"The choice ended early, because {choice.limit} after {choice.tried} {choice.noun};"
+        " with more --minutes the same command goes on."
+    )
+    yield Doubt("ended_early", text, Severity.INDICATIVE)
+
+
+def _wide(choice: ChoiceNumbers) -> Iterator[Doubt]:
+    """Say what limits the ± where it is above the wanted one, with its size."""
+    other, apart = choice.widest
+    if apart.uncertainty_db is None or apart.uncertainty_db <= choice.within_db:
+        return
+    part, size_db = max(apart.parts_db.items(), key=lambda item: item[1])
+    if part != SCATTER:
+        advice = _LEFT_OUT_ADVICE if part == LEFT_OUT else choice.audition.advice[part]
+        text = f"Of the ±, {size_db:.1f} dB come from {advice}."
+        yield Doubt(f"uncertain_by_{part}", text, Severity.INDICATIVE, size_db)
+    elif choice.limit and not choice.is_early:
+        text = (
+            f"The ± of {printable(other.label)} is above the wanted {choice.within_db:g} dB,"
+            f" because {choice.limit}; four times as many {choice.noun} would halve it."
+        )
+        yield Doubt("uncertain_by_scatter", text, Severity.INDICATIVE, size_db)
+
+
+# ---- notes
+
+
+def _left_out_parts(choice: ChoiceNumbers) -> Iterator[Doubt]:
+    """Say which parts of the ± of the runs the ± of their differences leave out."""
+    text = left_out_text(apart for of_one in choice.by_quantity for apart in of_one.values())
+    if text:
+        yield Doubt("left_out_parts", text, Severity.NOTE)
+
+
+def left_out_text(differences: Iterable[Difference]) -> str:
+    """Say which parts of the ± of the runs the ± of differences leave out; empty without any."""
+    sizes: dict[str, float] = {}
+    for apart in differences:
+        for source, size_db in apart.left_out_db.items():
+            sizes[source] = max(size_db, sizes.get(source, 0.0))
+    named = [
+        f"{PART_WORDS[source]} ({rounded_up(size_db)} dB)"
+        for source, size_db in sorted(sizes.items(), key=lambda item: -item[1])
+        if size_db >= LEAST_DB
+    ]
+    if not named:
+        return ""
+    return (
+        "The ± of a difference leaves out what is taken to shift both levels alike:"
+        f" {', '.join(named)}, with the size that it would have otherwise."
+    )
+
+
+LIMITS = (_omissions, _overlap, _early, _wide)
+RULES = (*LIMITS, _left_out_parts)

@@ -1,0 +1,249 @@
+"""Sentences of a choice, made last from its numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from acoustics.arrays import Array
+from acoustics.bands import BAND_NAMES
+from acoustics.numbers import rounded
+from acoustics.pairs import SURE
+from acoustics.texts import printable
+from rolling.choice.choice_doubts import WITHOUT_SOLUTION, doubts
+from rolling.choice.choice_numbers import ChoiceNumbers, Contender
+from rolling.choice.difference import Difference
+from rolling.choice.heard_specimen import HeardQuantity
+from rolling.numbers.doubt import Severity
+from rolling.numbers.quantity import uncertain
+
+PROBABLE = 0.8  # probability from which on a candidate is probably quieter
+WHERE_SHARE = 0.8  # of the difference of the energies that lies between two named frequencies
+_OVER = 0.999  # probabilities above are not told apart
+
+
+def sentences(choice: ChoiceNumbers) -> list[str]:
+    """Return the answer: who is quieter and how sure, where the difference lies, and one doubt."""
+    limits = [doubt for doubt in doubts(choice) if doubt.severity is not Severity.NOTE]
+    of_pairs = [doubt.line for doubt in limits if doubt.key == WITHOUT_SOLUTION]
+    others = [doubt.line for doubt in limits if doubt.key != WITHOUT_SOLUTION]
+    audible = [choice.audible[0].text] if choice.audible else []
+    if len(choice.quantities) > 1:
+        verdicts: list[str] = []
+        for place in range(len(choice.by_quantity)):
+            verdicts += _by_quantity(choice, place)
+    else:
+        verdicts = [_verdict(choice)]
+    return [*verdicts, *of_pairs, *_where(choice), *audible, *others]
+
+
+def in_short(choice: ChoiceNumbers) -> str:
+    """Return the present answer for a line of progress."""
+    quietest, other, apart = _first_two(choice)
+    if len(choice.quantities) > 1:
+        numbers = []
+        for quantity in choice.quantities:
+            numbers.append(f"{number(choice.by_quantity[0][quantity.name])} dB ({quantity.words})")
+        names = f"{printable(other.label)} less {printable(quietest.label)}"
+        return f"{names}: {', '.join(numbers)}"
+    if apart.db is None:
+        return _silence(choice)
+    return (
+        f"{quietest.label} is {uncertain(apart.db, apart.uncertainty_db)} dB(A) quieter than"
+        f" {other.label}"
+    )
+
+
+# ---- the verdict by several quantities
+
+
+def _by_quantity(choice: ChoiceNumbers, place: int) -> Iterator[str]:
+    """Say in which quantities one of two candidates is quieter, and which ones stay open."""
+    first = choice.contenders[0]
+    second = choice.contenders[place + 1]
+    still_open = []
+    for quantity in choice.quantities:
+        apart = choice.by_quantity[place][quantity.name]
+        if apart.db is None:
+            yield _of_rest(quantity, first, second)
+        elif apart.sureness is not None and not apart.is_sure:
+            still_open.append((quantity, apart))
+        else:
+            yield _of_quantity(quantity, apart, first, second, choice.noun)
+    for quantity, apart in still_open:
+        yield (
+            f"{quantity.where} it stays open which one is quieter: {printable(second.label)} is"
+            f" {number(apart)} dB above {printable(first.label)}"
+            f" ({_specimens(apart, choice.noun)})."
+        )
+
+
+def _of_rest(quantity: HeardQuantity, first: Contender, second: Contender) -> str:
+    """Say which of two candidates is at rest in a quantity, so that they have no difference."""
+    resting = [one for one in (first, second) if not one.rms_in(quantity.name).any()]
+    if len(resting) == 1:
+        return f"{quantity.where}, {printable(resting[0].label)} is at rest and the other is not."
+    return f"{quantity.where}, both are alike."
+
+
+def _of_quantity(
+    quantity: HeardQuantity, apart: Difference, first: Contender, second: Contender, noun: str
+) -> str:
+    """Say which of two candidates is quieter in a quantity, by how much and how sure that is."""
+    assert apart.db is not None  # asked by the caller
+    quiet, loud = (first, second) if apart.db > 0 else (second, first)
+    size = uncertain(abs(apart.db), apart.uncertainty_db)
+    if apart.db == 0 and apart.sureness is None:
+        return f"{quantity.where}, both are alike."
+    return (
+        f"{quantity.where}, {printable(quiet.label)} {quantity.verb} {size} dB {quantity.adverb}"
+        f" than {printable(loud.label)} ({_specimens(apart, noun)})."
+    )
+
+
+def _specimens(apart: Difference, noun: str) -> str:
+    """Say on how many specimens a difference was heard, and how sure its sign is."""
+    if apart.sureness is None:
+        return "one specimen, so it has no ±"
+    return f"{apart.pairs} {noun}; {probability(apart.sureness)} sure"
+
+
+def number(apart: Difference) -> str:
+    """Write a difference with its ±, `-` where there is none."""
+    return "-" if apart.db is None else uncertain(apart.db, apart.uncertainty_db)
+
+
+# ---- the verdict by one quantity
+
+
+class _FirstTwo(NamedTuple):
+    """The quietest contender, the next one, and their difference."""
+
+    quietest: Contender
+    other: Contender
+    apart: Difference
+
+
+def _first_two(choice: ChoiceNumbers) -> _FirstTwo:
+    """Return the two contenders between which a choice decides."""
+    return _FirstTwo(choice.contenders[0], choice.contenders[1], choice.differences[0])
+
+
+def _verdict(choice: ChoiceNumbers) -> str:
+    """Say which candidate is quieter than the next one, by how much, and how sure that is."""
+    quietest, other, apart = _first_two(choice)
+    if apart.db is None:
+        return f"{capital(_silence(choice))}."
+    quiet = printable(quietest.label)
+    loud = printable(other.label)
+    count = f"{apart.pairs} {choice.noun}"
+    if apart.pairs == 1:
+        return (
+            f"{capital(quiet)} is {apart.db:.1f} dB(A) quieter than {loud}. Nothing is random in"
+            " these scenes, so they are compared once, and the difference has no ±."
+        )
+    number = uncertain(apart.db, apart.uncertainty_db)
+    sure = f"{probability(apart.sureness)} sure"
+    if apart.is_sure:
+        return (
+            f"{capital(quiet)} is {number} dB(A) quieter than {loud} ({count}; {sure} that it is"
+            " quieter)."
+        )
+    if apart.sureness is not None and apart.sureness >= PROBABLE:
+        return (
+            f"{capital(quiet)} is probably quieter than {loud}, by {number} dB(A) ({count};"
+            f" {sure}, and {100 * SURE:.0f} % would decide)."
+        )
+    return (
+        f"Which of {quiet} and {loud} is quieter stays open: they differ by {number} dB(A)"
+        f" ({count}; {sure} that {quiet} is quieter)."
+    )
+
+
+def _silence(choice: ChoiceNumbers) -> str:
+    """Say that a contender makes no sound, so that there is no difference of levels."""
+    silent = [one.label for one in choice.contenders if not math.isfinite(one.level_db)]
+    names = " and ".join(map(printable, silent))
+    return f"{names} makes no sound within hearing, so there is no difference in decibels"
+
+
+def probability(sureness: float | None) -> str:
+    """Write a probability in whole percent, rounded down."""
+    if sureness is None:
+        return "un"
+    if sureness > _OVER:
+        return "over 99.9 %"
+    return f"{math.floor(100 * sureness)} %"
+
+
+def capital(text: str) -> str:
+    """Return a text that begins with a capital letter."""
+    return text[:1].upper() + text[1:]
+
+
+# ---- where the difference lies
+
+
+def _where(choice: ChoiceNumbers) -> Iterator[str]:
+    """Say between which frequencies most of the difference lies."""
+    quietest, other, apart = _first_two(choice)
+    quiet_bands = quietest.third_octaves
+    loud_bands = other.third_octaves
+    if not apart.is_sure or quiet_bands is None or loud_bands is None:
+        return
+    edges = frequencies_of_difference(loud_bands - quiet_bands)
+    if edges is not None:
+        yield f"The difference lies {edges}."
+
+
+def frequencies_of_difference(squares: Array) -> str | None:
+    """Say in which third octaves most of a difference of energies lies; None without any.
+
+    They are the fewest neighbouring bands that hold 80 % of it.
+    """
+    known = np.nan_to_num(squares)
+    total = float(known.sum())
+    if not total > 0:
+        return None
+    sums = np.append(0.0, np.cumsum(known))
+    for width in range(1, len(known) + 1):
+        held = sums[width:] - sums[:-width]
+        first = int(np.argmax(held))
+        if held[first] >= WHERE_SHARE * total:
+            last = first + width - 1
+            if width == 1:
+                return f"in the third octave at {hertz(BAND_NAMES[first])}"
+            return f"between {hertz(BAND_NAMES[first])} and {hertz(BAND_NAMES[last])}"
+    return None
+
+
+def hertz(name: str) -> str:
+    """Write the nominal frequency of a third octave with its unit."""
+    frequency = float(name)
+    if frequency >= 1000:
+        return f"{rounded(frequency / 1000, 3)} kHz"
+    return f"{name} Hz"
+
+
+def notes(choice: ChoiceNumbers) -> list[str]:
+    """Return what was assumed, what the ± leaves out, and what the released power says."""
+    return [doubt.line for doubt in doubts(choice) if doubt.severity is Severity.NOTE]
+
+
+def parts(choice: ChoiceNumbers) -> list[str]:
+    """Return where the ± of each difference comes from, for --verbose."""
+    found = []
+    for other, of_one in zip(choice.contenders[1:], choice.by_quantity, strict=True):
+        for quantity in choice.quantities:
+            sizes = [
+                f"{name.replace('_', ' ')} {size:.2f} dB"
+                for name, size in of_one[quantity.name].parts_db.items()
+                if size > 0
+            ]
+            place = f", {quantity.words}" if len(of_one) > 1 else ""
+            if sizes:
+                found.append(f"± of {printable(other.label)}{place}: {', '.join(sizes)}")
+    return found

@@ -1,0 +1,161 @@
+"""The command `rolling choose`: which of some scenes is quieter, into a folder and on the terminal.
+
+A folder of a choice has choice.html, choice.csv, choice.png, choice.json, a WAV of each candidate
+with one gain for all, and below runs/ a folder for each candidate.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from acoustics.bands import BAND_NAMES
+from rolling.choice import choice_page, choice_sentences, choice_table
+from rolling.choice.choice import Choice
+from rolling.choice.choice_numbers import Contender
+from rolling.choice.choosing import FORMAT
+from rolling.choice.difference import Difference
+from rolling.figures.picture import csv_bytes
+from rolling.numbers.number_files import summary_of
+from rolling.run import folder as folders
+from rolling.run.choice_folder import CHOICE, PAGE, PICTURE, RUNS, TABLE
+from rolling.terminal import progress, whole_files
+from rolling.terminal.streams import folded
+
+
+def print_choice(choice: Choice) -> None:
+    """Print the answer of a choice, its table and its files; the folder if quiet."""
+    if progress.is_quiet():
+        print(choice.folder)
+        return
+    for sentence in choice.sentences:
+        print(folded(sentence))
+    print()
+    print(choice_table.lines(choice))
+    print()
+    for note in choice_sentences.notes(choice):
+        print(folded(note))
+    if progress.is_verbose():
+        for line in choice_sentences.parts(choice):
+            print(folded(line))
+    quietest = choice.contenders[0].candidate
+    print(f"listen: {choice.folder / quietest.folder_name}.wav")
+    print(f"page: {choice.folder / PAGE}")
+    if choice.command:
+        print(f"the same answer again: {choice.command}")
+
+
+def print_advice(
+    folder: Path, sentences: Sequence[str], lines: Sequence[str], paths: Sequence[Path]
+) -> None:
+    """Print the answer to what would help, or how coarse a value may be; the folder if quiet."""
+    if progress.is_quiet():
+        print(folder)
+        return
+    for sentence in sentences:
+        print(folded(sentence))
+    if lines:
+        print()
+        for line in lines:
+            print(line)
+    print()
+    for path in paths:
+        print(f"{path.suffix.removeprefix('.')}: {path}")
+
+
+def write_choice(choice: Choice) -> None:
+    """Write the files of a choice into its folder, last choice.json."""
+    from rolling.choice.choice_picture import picture
+
+    with progress.step("making the sound of each candidate"):
+        sounds = choice_page.candidate_sounds(choice)
+    with progress.step("drawing the picture"):
+        png = picture(choice).file("png")
+    if png is not None:
+        whole_files.write_bytes(choice.folder / PICTURE, png)
+    whole_files.write_bytes(choice.folder / TABLE, csv_bytes(choice.table()))
+    for contender, sound in zip(choice.contenders, sounds, strict=True):
+        path = choice.folder / f"{contender.candidate.folder_name}.wav"
+        whole_files.write_bytes(path, sound.wav)
+    with progress.step("writing the page"):
+        whole_files.write_bytes(choice.folder / PAGE, choice_page.page(choice, sounds, png))
+    whole_files.write_json(choice.folder / CHOICE, as_json(choice))
+
+
+def as_json(choice: Choice) -> dict[str, Any]:
+    """Return all numbers of a choice for JSON."""
+    candidates = []
+    for contender in choice.contenders:
+        candidates.append(
+            {
+                "label": contender.label,
+                "folder": f"{RUNS}/{contender.candidate.folder_name}",
+                "specimens": choice.numbers,
+                **_heard_as_json(choice, contender),
+                **choice.audition.facts(contender),
+            }
+        )
+    differences = []
+    for contender, of_one in zip(choice.contenders[1:], choice.by_quantity, strict=True):
+        for apart in of_one.values():
+            differences.append({"label": contender.label, **_difference_as_json(apart)})
+    first = choice.contenders[0]
+    provenance = choice.audition.provenance(first.specimens[0].scene, first.label)
+    return {
+        "format": FORMAT,
+        "program": folders.this_program(),
+        "sentences": choice.sentences,
+        "candidates": candidates,
+        "differences": differences,
+        "audible": [heard.text for heard in choice.audible],
+        "pairs": choice.pairs,
+        "left_out": [pair._asdict() for pair in choice.omitted],
+        "command": choice.command,
+        "within_db": choice.within_db,
+        "limit": choice.limit,
+        "ended_early": choice.is_early,
+        "specimens": choice.noun,
+        "doubts": summary_of(choice.doubts),
+        "provenance": summary_of(provenance),
+    }
+
+
+def _heard_as_json(choice: Choice, contender: Contender) -> dict[str, list[float | None]]:
+    """Return what is heard of each specimen of a candidate, by the column of its quantity."""
+    found = {}
+    for quantity in choice.quantities:
+        values = contender.rms_in(quantity.name)
+        if quantity.is_level:
+            values = contender.levels_in(quantity.name)
+        name = quantity.column if len(choice.quantities) == 1 else quantity.name
+        found[name] = _known(values.tolist())
+    return found
+
+
+def _difference_as_json(apart: Difference) -> dict[str, Any]:
+    """Return the numbers of a difference for JSON."""
+    content: dict[str, Any] = {
+        "quantity": apart.quantity,
+        "pairs": apart.pairs,
+        "louder_db": apart.db,
+        "uncertainty_db": apart.uncertainty_db,
+        "sureness": apart.sureness,
+        "parts_db": dict(zip(apart.parts_db, _known([*apart.parts_db.values()]), strict=True)),
+        "left_out_db": apart.left_out_db,
+    }
+    if apart.released_db is not None:
+        content["released_power_higher_db"] = apart.released_db
+        content["released_power_higher_uncertainty_db"] = apart.released_uncertainty_db
+    if apart.band_db is not None and apart.band_uncertainty_db is not None:
+        content["bands_db"] = dict(zip(BAND_NAMES, _known(apart.band_db.tolist()), strict=True))
+        content["bands_uncertainty_db"] = dict(
+            zip(BAND_NAMES, _known(apart.band_uncertainty_db.tolist()), strict=True)
+        )
+    return content
+
+
+def _known(values: list[float]) -> list[float | None]:
+    """Return numbers for JSON, None for those that are not finite."""
+    return [value if math.isfinite(value) else None for value in values]

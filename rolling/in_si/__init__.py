@@ -1,0 +1,1 @@
+"""A scene in SI: its bodies, contact and listener as records of physics, its heights as arrays."""

@@ -1,0 +1,157 @@
+"""A file of heights as a person describes it, and the section of a scene that rolls over it.
+
+The heights are read as that section makes them be read: marks of unmeasured points and outliers
+beside them count as unmeasured, and the ball rolls along the same axis. So the numbers that are
+printed of a file are those of the scene.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from acoustics.arrays import Array
+from acoustics.numbers import rounded
+from rolling.in_si import measured
+from rolling.in_si.in_metres import HIGHEST, LARGEST_RA
+from rolling.in_si.offered_lines import PROFILE_NODES, Offer, line
+from rolling.in_si.plate_file import prepared_file
+from rolling.scene import height_grid
+from rolling.scene.height_files import TRIPLES, UNITS, HeightFormatError, is_instrument
+from rolling.scene.messages import SceneError
+from rolling.scene.surfaces import HeightFile
+from rolling.surface import markers, preparation
+from rolling.surface.parameters import without_plane
+from rolling.terminal.whole_files import FolderError
+
+
+@dataclass(frozen=True)
+class FileOptions:
+    """How a file is to be read, by the keys of `HeightFile`; None where the default holds."""
+
+    spacing_um: float | None = None
+    channel: str | None = None
+    height_unit: str = "m"
+    xy_unit: str | None = None
+    along: str | None = None
+    tip_radius_um: float | None = None
+
+
+@dataclass(frozen=True)
+class DescribedFile:
+    """Measured heights less their plane.
+
+    heights : (along, across) array, m. NaN where they are not measured. A profile lies along.
+    steps : (2,) array, m. Spacings along and across.
+    doubts : list of str. A sentence for each doubt about the file.
+    keys : dict. Keys of the section `surface` of a scene that rolls over the file.
+    """
+
+    heights: Array
+    steps: Array
+    doubts: list[str]
+    keys: dict[str, Any]
+
+
+def described_file(path: Path, options: FileOptions) -> DescribedFile:
+    """Read measured heights less their plane, with the keys of a scene that rolls over them.
+
+    Raises
+    ------
+    FolderError : the heights cannot be used, or an option does not go with the file.
+    """
+    read = _read(path, options)
+    has_own_unit = is_instrument(path) and path.suffix.lower() != TRIPLES
+    unit = "m" if has_own_unit else options.height_unit
+    suspects = markers.suspected(read.heights / UNITS[unit], unit)
+    doubts = measured.doubts(path, read, options.xy_unit or options.height_unit, "--xy-unit")
+    heights = read.heights
+    if suspects:
+        doubts.append(markers.sentence(suspects, "file"))
+        marks = [marker.value for marker in suspects]
+        heights = np.where(np.isin(heights / UNITS[unit], marks), np.nan, heights)
+    _refuse_unusable(path, heights, doubts)
+    if suspects:
+        heights, _ = preparation.without_outliers(heights, markers.OUTLIERS)
+    level = without_plane(heights)
+    if np.nanmean(np.abs(level)) > LARGEST_RA:
+        option = "" if has_own_unit else "--height-unit: "
+        text = f"Ra would be more than {LARGEST_RA:g} m"
+        raise FolderError(f"{path}: {option}{'; '.join([text, *doubts])}")
+    steps = np.array(read.spacing_m)
+    is_profile = 1 in level.shape
+    if len(level) == 1 or (options.along == "x" and not is_profile):
+        level = np.ascontiguousarray(level.T)
+        steps = steps[::-1]
+    has_gaps = bool(np.isnan(level).any())
+    keys = _keys(path, options, bool(suspects), has_gaps)
+    if is_profile:
+        keys["width_um"] = float(f"{PROFILE_NODES * 1e6 * steps[0]:.10g}")
+    return DescribedFile(heights=level, steps=steps, doubts=doubts, keys=keys)
+
+
+def _read(path: Path, options: FileOptions) -> height_grid.Measured:
+    """Read a file whose spacing it holds or an option gives; refuse both and neither."""
+    if options.xy_unit is not None and path.suffix.lower() != TRIPLES:
+        raise FolderError(f"{path}: --xy-unit: only goes with a {TRIPLES} file")
+    try:
+        read = measured.read(path, options.channel, options.height_unit, options.xy_unit)
+    except HeightFormatError as error:
+        raise FolderError(error.of(path)) from error
+    if read.spacing_m is None:
+        if options.spacing_um is None:
+            raise FolderError(f"{path}: --spacing-um: missing; the file holds no spacing")
+        step = 1e-6 * options.spacing_um
+        return height_grid.Measured(read.heights, (step, step))
+    if options.spacing_um is not None:
+        raise FolderError(f"{path}: --spacing-um: the file holds its own spacing")
+    return read
+
+
+def _refuse_unusable(path: Path, heights: Array, doubts: list[str]) -> None:
+    """Raise FolderError where a file holds no heights, or heights beyond all surfaces."""
+    hint = "".join(f"; {sentence}" for sentence in doubts)
+    sizes = np.abs(heights[np.isfinite(heights)])
+    if not sizes.size:
+        raise FolderError(f"{path}: holds no heights{hint}")
+    if sizes.max() > HIGHEST:
+        raise FolderError(f"{path}: holds heights above {HIGHEST:g} m{hint}")
+
+
+def _keys(path: Path, options: FileOptions, has_marks: bool, has_gaps: bool) -> dict[str, Any]:
+    """Return the keys of the section `surface` that read a file as it was described."""
+    keys: dict[str, Any] = {"kind": "file", "path": path.as_posix()}
+    given = {
+        "channel": options.channel,
+        "along": options.along,
+        "spacing_um": options.spacing_um,
+        "xy_unit": options.xy_unit,
+    }
+    keys |= {name: value for name, value in given.items() if value is not None}
+    if options.height_unit != "m":
+        keys["height_unit"] = options.height_unit
+    if has_marks:
+        keys["outliers"] = markers.OUTLIERS
+    if has_marks or has_gaps:
+        keys["unmeasured"] = "fill"
+    if not is_instrument(path):
+        keys["periodic"] = "blend"  # as a measurement, which does not close
+    if options.tip_radius_um is not None:
+        keys["instrument"] = {"tip_radius_um": options.tip_radius_um}
+    return keys
+
+
+def offer_of_file(path: Path, keys: dict[str, Any]) -> Offer:
+    """Write the section `surface` of a scene that rolls over a file, on one line.
+
+    The heights are prepared as a run prepares them. The sentence says the roughness that is left,
+    or why no scene rolls over the file.
+    """
+    try:
+        heights, _, _ = prepared_file(path, HeightFile(**keys))
+    except (SceneError, ValueError) as error:  # a fault of pydantic is a ValueError
+        return Offer(f"No scene rolls over the file itself: {error}")
+    ra_um = 1e6 * float(np.abs(heights - heights.mean()).mean())
+    sentence = "In a scene, this rolls over the file itself, with an Ra of"
+    return Offer(f"{sentence} {rounded(ra_um, 3)} um once its ends are blended:", line(keys))

@@ -1,0 +1,98 @@
+"""Heights of the file of a plate: read, and prepared by the keys of its section."""
+
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from acoustics.arrays import Array
+from rolling.in_si import measured
+from rolling.in_si.in_metres import in_metres
+from rolling.scene.height_files import TRIPLES, HeightFormatError, is_instrument
+from rolling.scene.height_grid import height_grid, is_turned
+from rolling.scene.surfaces import HeightFile
+from rolling.surface import markers
+from rolling.surface.heights import SurfaceError
+from rolling.surface.levelling import Levelling
+from rolling.surface.markers import Marker, Nodes
+from rolling.surface.preparation import Effect, PreparationSteps, prepare
+
+
+def prepared_file(path: Path, surface: HeightFile) -> tuple[Array, Levelling, list[Effect]]:
+    """Read the heights of the plate [m], and prepare them by the keys of the surface.
+
+    Returned are one period, the plane of the heights with the seam of the period, and the steps
+    that were taken.
+
+    Raises
+    ------
+    SurfaceError
+        The heights cannot be used.
+    """
+    grid = height_grid(path, surface)
+    marked = None
+    if surface.outliers is not None:
+        _, marked = suspected(path, surface)
+    return prepare(read(path, surface), steps_of(surface), grid, marked)
+
+
+def steps_of(surface: HeightFile) -> PreparationSteps:
+    """Return the steps of the preparation that the keys of a surface ask for."""
+    s_filter_um = surface.s_filter_um
+    l_filter_um = surface.l_filter_um
+    return PreparationSteps(
+        outliers=surface.outliers,
+        fills_unmeasured=surface.unmeasured == "fill",
+        s_filter_m=None if s_filter_um is None else s_filter_um * 1e-6,
+        l_filter_m=None if l_filter_um is None else l_filter_um * 1e-6,
+        form=surface.level,
+        closing=surface.made_periodic,
+        is_profile=surface.width_um is not None,
+    )
+
+
+def read(path: Path, surface: HeightFile) -> Array:
+    """Read the heights of the plate [m], (along, across), about their mean; NaN is unmeasured.
+
+    Where outliers count as unmeasured, marks of unmeasured points do so at once if the heights
+    cannot be used with them. Raise SurfaceError for unusable heights, and for unmeasured points
+    that may not be filled.
+    """
+    values = _values(path, surface)
+    unit = "m" if is_instrument(path) else surface.height_unit
+    has_own_unit = is_instrument(path) and path.suffix.lower() != TRIPLES
+    metres = partial(
+        in_metres,
+        unit=unit,
+        name=str(path),
+        has_gaps=surface.unmeasured == "fill",
+        has_own_unit=has_own_unit,
+    )
+    try:
+        return metres(values)
+    except SurfaceError:
+        suspects = markers.suspected(values, unit)
+        if surface.outliers is None or not suspects:
+            raise
+    return metres(markers.without(values, suspects))
+
+
+def suspected(path: Path, surface: HeightFile) -> tuple[tuple[Marker, ...], Nodes]:
+    """Return the values in the file of a plate that look like marks of unmeasured points.
+
+    The nodes that hold them, (along, across), come with them.
+    """
+    values = _values(path, surface)
+    unit = "m" if is_instrument(path) else surface.height_unit
+    suspects = markers.suspected(values, unit)
+    return suspects, np.isin(values, [suspect.value for suspect in suspects])
+
+
+def _values(path: Path, surface: HeightFile) -> Array:
+    """Read the numbers of a file, (along, across), in m where it is of an instrument."""
+    unit = surface.height_unit if is_instrument(path) else "m"
+    try:
+        values = measured.read(path, surface.channel, unit, surface.xy_unit).heights
+    except HeightFormatError as error:
+        raise SurfaceError(error.of(path)) from error
+    return values.T if is_turned(values.shape, surface) else values

@@ -1,0 +1,112 @@
+"""The report page of runs of any kind: an HTML file without network access.
+
+All pages have title, answer, doubts, numbers, and how to make the runs again. A kind gives what
+its page has beside these: pictures, an instrument to play with, their scripts and styles.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from markupsafe import Markup
+
+from acoustics import wav
+from acoustics.numbers import rounded
+from acoustics.texts import printable
+from rolling import __version__
+from rolling.kinds.heard_sound import HeardSound
+from rolling.kinds.registry import kind_of, kind_of_runs
+from rolling.report import leading_numbers, number_table, page_sounds, text
+from rolling.report.templates import environment, joined_script
+from rolling.results import verdict
+
+
+def page(runs: Sequence[Any], unsolved: Sequence[str] = ()) -> bytes:
+    """Write the page of one run or several of one kind of scene.
+
+    Parameters
+    ----------
+    runs : sequence of runs, at least one, in the order of the page. Their labels differ.
+    unsolved : sequence of str. Labels of runs that are not solved. Default: none.
+
+    Returns
+    -------
+    bytes
+        The HTML file.
+
+    Raises
+    ------
+    ValueError : the runs are of several kinds.
+    """
+    kind = kind_of_runs(runs)
+    parts = kind.page_parts(runs)
+    solved = [(run.label, run.numbers) for run in runs]
+    templates = environment()
+    templates.globals |= {"crowded": False, **parts.shared}
+    template = templates.get_template(parts.template)
+    values = {
+        "version": __version__,
+        "title": text.titles(runs),
+        "noise": kind.noise,
+        "text": text,
+        "runs": runs,
+        "labels": [printable(run.label or run.scene.name) for run in runs],
+        "unsolved": [printable(label) for label in unsolved],
+        "sentences": kind.sentences(runs),
+        "columns": leading_numbers.shown_columns(runs),
+        "meanings": leading_numbers.meanings(runs),
+        "verdict_words": leading_numbers.verdict_words(runs),
+        "players": players(runs) if parts.has_plain_players else [],
+        "doubts": leading_numbers.doubts(runs),
+        "headline": verdict.headline(solved),
+        "notes": [note.text for note in verdict.notes(solved)],
+        "table": number_table.number_table(runs),
+        "recipes": text.recipes(runs),
+        "css": Markup("".join(text.asset(name) for name in ("report.css", *parts.styles))),
+        "js": Markup(joined_script(parts.script)),
+        "engine": Markup(joined_script(parts.engine) if parts.engine else ""),
+        "data": parts.data,
+    }
+    return template.render(values | dict(parts.values)).encode()
+
+
+# ---- sounds
+
+
+class PlainPlayer(NamedTuple):
+    """A player of a sound of a run: its place among the runs, words and sound in a data URI."""
+
+    run: int
+    words: str
+    src: str | None
+
+
+def page_gains(runs: Sequence[Any]) -> dict[str, float]:
+    """Return the gain of the sounds of each group [full scale per unit], so that none clips.
+
+    Runs of a page share it, so that a louder run sounds louder.
+    """
+    gains: dict[str, float] = {}
+    for run in runs:
+        for sound in kind_of(run.scene).sounds(run):
+            gain = wav.listening_gain(sound.samples)
+            gains[sound.group] = min(gain, gains.get(sound.group, gain))
+    return gains
+
+
+def players(runs: Sequence[Any]) -> list[PlainPlayer]:
+    """Return players of the sounds of runs, with one gain for each group of sounds."""
+    gains = page_gains(runs)
+    shown = []
+    for number, run in enumerate(runs):
+        for sound in kind_of(run.scene).sounds(run):
+            shown.append(_player(number, sound, gains[sound.group]))
+    return shown
+
+
+def _player(number: int, sound: HeardSound, gain: float) -> PlainPlayer:
+    """Return the player of a sound at a gain; a silent one has no source."""
+    seconds = len(sound.samples) / wav.SAMPLE_RATE_HZ
+    words = f"{sound.words}, {seconds:.3g} s; full scale is {rounded(1 / gain, 3)} {sound.unit}"
+    src = page_sounds.compressed(gain * sound.samples) if np.any(sound.samples) else None
+    return PlainPlayer(run=number, words=words, src=src)
