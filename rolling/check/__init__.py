@@ -1,10 +1,10 @@
 """Check of a scene before it is run: its cost, the credibility of its result, and refusals.
 
-- `doubt`: a doubt about the numbers of a run, and a row of the check
+- `finding`: a row of the check
 - `findings`: `check_scene` judges all runs of a scene, `check_run` a single run
-- `resolution`, `height_findings`, `validity`, `vibration_limits`, `comb_spread`, `level_doubts`: rules by subject, namely
-  spacing, steps and record; heights from a file and made; limits of the model, and of it with
-  dynamics; a short lap; the level itself
+- `resolution`, `height_findings`, `validity`, `vibration_limits`, `comb_spread`, `level_doubts`:
+  rules by subject, namely spacing, steps and record; heights from a file and made; limits of the
+  model, and of it with dynamics; a short lap; the level itself
 - `force_estimate`: contact force from the statistics of the surface
 - `probe` solves a few positions
 - `cost`, `error_cost`, `forecast`: expected time, window, memory and disk
