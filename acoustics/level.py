@@ -93,7 +93,7 @@ def level_db(mean_square: float, reference: float = P_REF_PA**2) -> float | None
     Raises
     ------
     ValueError
-        If the mean square is not finite, or the reference not above 0: a fault upstream must pass
+        If the mean square is not finite, or the reference not above 0: an error upstream must pass
         neither as silence nor as a level.
 
     References

@@ -20,7 +20,7 @@ _Public = TypeVar("_Public", bound=Callable[..., Any])
 def ignoring_underflow(public: _Public) -> _Public:
     """Let a function, or all methods and properties of a class, ignore underflow.
 
-    The setting of the caller comes back with each return. Traps of other faults stay as they are.
+    The setting of the caller comes back with each return. Traps of other errors stay as they are.
     """
     if isinstance(public, type):
         for name, member in list(vars(public).items()):

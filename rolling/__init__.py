@@ -115,7 +115,7 @@ def __getattr__(name: str) -> Any:
         text = f"module {__name__!r} has no attribute {name!r}"
         # Python suggests the nearest name where it knows the module.
         raise AttributeError(text, name=name, obj=sys.modules[__name__])
-    if message := _own_acoustics.fault():
+    if message := _own_acoustics.foreign_package():
         raise ImportError(message, name="acoustics")
     if name in _SUBMODULES:
         value = import_module(_SUBMODULES[name])

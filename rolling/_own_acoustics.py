@@ -9,7 +9,7 @@ from importlib.util import find_spec
 _MARK = b'__distribution__ = "rolling-contact-noise"'  # stands in acoustics/__init__.py
 
 
-def fault() -> str | None:
+def foreign_package() -> str | None:
     """Return a message if another package, or none, would be imported as `acoustics`.
 
     The file is read and not imported: a foreign package may take seconds, or fail for reasons of

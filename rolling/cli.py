@@ -77,9 +77,9 @@ def _run_command(argv: Sequence[str] | None) -> int:
         _print_error(str(error))
         return FAILED
     if unknown:
-        _print_faults_of_scene(given)
+        _print_mistakes_of_scene(given)
         arguments.refuse_unknown_arguments(given.parser, unknown)
-    if message := _own_acoustics.fault():
+    if message := _own_acoustics.foreign_package():
         _print_error(message)
         return BAD_INPUT
     level = Level.NORMAL
@@ -105,9 +105,9 @@ def _run_command(argv: Sequence[str] | None) -> int:
         return code
 
 
-def _print_faults_of_scene(given: argparse.Namespace) -> None:
-    """Print the faults of the scene that a command names, before those of its options."""
-    if "scene" not in given or _own_acoustics.fault():
+def _print_mistakes_of_scene(given: argparse.Namespace) -> None:
+    """Print the mistakes of the scene that a command names, before those of its options."""
+    if "scene" not in given or _own_acoustics.foreign_package():
         return
     from rolling.kinds.reading import read_scene
     from rolling.scene.messages import SceneError

@@ -63,9 +63,9 @@ def candidates_of(scenes: Sequence[Scene]) -> list[BallCandidate]:
         runs = [runs[0], _without_faults(runs[0])]
         names = ["the scene with faults", "the scene without faults"]
     candidates = [candidate(name, run.scene) for name, run in zip(names, runs, strict=True)]
-    faults = [*_incomparable(candidates)]
-    if faults:
-        raise SceneError(faults)
+    mistakes = [*_incomparable(candidates)]
+    if mistakes:
+        raise SceneError(mistakes)
     return _with_shared_steps(candidates)
 
 

@@ -23,7 +23,7 @@ _SECONDS_PER_BALL = 0.4e-6
 _BESIDE = 1.001  # a limit that is told keeps this distance, so that it is allowed when rounded
 
 
-class MotionFault(NamedTuple):
+class BrokenLimit(NamedTuple):
     """Value with which a ring cannot be moved: its key in a scene, and what is allowed."""
 
     key: str
@@ -69,7 +69,7 @@ def motion_seconds(bearing: BearingModel, duration_s: float) -> float:
     return _SECONDS_PER_BALL * bearing.geometry.balls * steps
 
 
-def motion_faults(bearing: BearingModel) -> Iterator[MotionFault]:
+def broken_limits(bearing: BearingModel) -> Iterator[BrokenLimit]:
     """Yield the values of a bearing with which its ring cannot be moved.
 
     The loads must have a balance.
@@ -77,7 +77,7 @@ def motion_faults(bearing: BearingModel) -> Iterator[MotionFault]:
     balances = bearing.balances()
     least = _stiffest(balances) / (2 * pi * FASTEST_HZ) ** 2
     if bearing.ring_mass_kg < least:
-        yield MotionFault(
+        yield BrokenLimit(
             key="ring_mass_kg",
             text=f"got {bearing.ring_mass_kg:g}, allowed: at least {_BESIDE * least:.4g}, because a"
             f" lighter ring would have a resonance above {1e-6 * FASTEST_HZ:g} MHz on these balls",
@@ -86,7 +86,7 @@ def motion_faults(bearing: BearingModel) -> Iterator[MotionFault]:
         return
     bounce = bounce_hz(bearing, balances)
     if bounce > FASTEST_HZ:
-        yield MotionFault(
+        yield BrokenLimit(
             key="ball_inertia",
             text=f"got true, allowed: false, because these balls bounce at {1e-6 * bounce:.3g} MHz,"
             f" and motions up to {1e-6 * FASTEST_HZ:g} MHz can be followed",
@@ -96,7 +96,7 @@ def motion_faults(bearing: BearingModel) -> Iterator[MotionFault]:
         rpm = 60 * bearing.kinematics.turning_hz
         slower = rounded(rpm * sqrt(bearing.axial_load_n / pushed) / _BESIDE, 4)
         heavier = rounded(_BESIDE * pushed, 4)
-        yield MotionFault(
+        yield BrokenLimit(
             key="speed_rpm",
             text=f"got {rpm:g}, allowed with ball_inertia: below {slower}, or an axial_load_n above"
             f" {heavier}: the centrifugal force of the balls would push the outer ring off them,"

@@ -87,14 +87,14 @@ def move_ring(
     Raises
     ------
     ValueError
-        If tracks are missing, the loads have no balance, or `limits.motion_faults` has a fault.
+        If tracks are missing, the loads have no balance, or `limits.broken_limits` has one.
     """
     if len(tracks.balls_on_inner) != bearing.geometry.balls:
         raise ValueError(
             f"tracks: got {len(tracks.balls_on_inner)} balls, allowed: {bearing.geometry.balls}"
         )
-    for fault in limits.motion_faults(bearing):
-        raise ValueError(f"{fault.key}: {fault.text}")
+    for limit in limits.broken_limits(bearing):
+        raise ValueError(f"{limit.key}: {limit.text}")
     balances = bearing.balances()
     samples = max(1, round(duration_s * rate_hz))
     factor = _steps_per_sample(bearing, balances, tracks, rate_hz, per_period)

@@ -258,20 +258,20 @@ def lost_release(radii: float) -> float:
 
 def refuse_long_steps(scene: Scene) -> None:
     """Raise SceneError for the runs of a scene with steps longer than `MAX_RADII` contact radii."""
-    faults = []
+    mistakes = []
     for values, run in scene.runs():
         radius = contact_radius(run)
         if run.step > MAX_RADII * radius:
             which = f" (in the run {run_name(values)} of the sweep)" if values else ""
             key = "numerics.step_nodes"
-            text = _fault(run, radius)
+            text = _mistake(run, radius)
             unit = unit_of_radius(run)
             if unit:
                 key = "sphere.radius_mm"
-                text = _fault_of_radius(run, radius, unit)
-            faults.append(f"{scene.place(key)}: {key}: {text}{which}")
-    if faults:
-        raise SceneError(faults)
+                text = _mistake_of_radius(run, radius, unit)
+            mistakes.append(f"{scene.place(key)}: {key}: {text}{which}")
+    if mistakes:
+        raise SceneError(mistakes)
 
 
 def unit_of_radius(scene: Scene) -> str:
@@ -288,7 +288,7 @@ def unit_of_radius(scene: Scene) -> str:
     )
 
 
-def _fault_of_radius(scene: Scene, radius: float, unit: str) -> str:
+def _mistake_of_radius(scene: Scene, radius: float, unit: str) -> str:
     """Write that the contact of a sphere is too small for a step, and the likely unit."""
     return (
         f"got {plain_number(scene.sphere.radius_mm)}, whose contact has a radius of"
@@ -297,7 +297,7 @@ def _fault_of_radius(scene: Scene, radius: float, unit: str) -> str:
     )
 
 
-def _fault(scene: Scene, radius: float) -> str:
+def _mistake(scene: Scene, radius: float) -> str:
     """Write the length of the steps, the longest that are allowed, and the nearest number."""
     longest = MAX_RADII * radius
     fitting = [nodes for nodes in STEP_NODES if nodes * scene.spacing <= longest]

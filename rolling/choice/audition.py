@@ -165,19 +165,19 @@ class Audition:
 
     def _refuse_other_values(self, found: Sequence[tuple[str, Any]]) -> None:
         """Refuse candidates in which a key differs that makes the comparison void."""
-        faults = []
+        mistakes = []
         first_label, first = found[0]
         for label, scene in found[1:]:
             for key in self.same_keys:
                 mine = value_at(first, key)
                 theirs = value_at(scene, key)
                 if mine != theirs:
-                    faults.append(
+                    mistakes.append(
                         f"{scene.place(key)}: {key}: got {quoted(theirs)} for {label}, and"
                         f" {quoted(mine)} for {first_label}; a choice needs the same"
                     )
-        if faults:
-            raise SceneError(faults)
+        if mistakes:
+            raise SceneError(mistakes)
 
     def specimens(self, candidates: Sequence[Candidate]) -> Specimens:
         """Return what varies from specimen to specimen."""

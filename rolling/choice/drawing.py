@@ -115,7 +115,7 @@ def changes_of(
                 changed = audition.with_value(base, wanted.set_key, value, label)
                 refuse(changed, workers, folder)
             except SceneError as error:
-                reason = reason or error.faults[0]
+                reason = reason or error.mistakes[0]
                 continue
             changes.append(
                 ChangedValue(

@@ -203,7 +203,7 @@ def _allowed_end(
             drawing.refuse(_changed(base, key, value), workers, folder)
             return value, first_reason
         except SceneError as error:
-            first_reason = first_reason or error.faults[0]
+            first_reason = first_reason or error.mistakes[0]
         value = _short(math.sqrt(own * value))
     return own, first_reason
 

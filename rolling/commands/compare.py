@@ -90,17 +90,17 @@ def compare_bench(folder: Path) -> list[Path]:
         raise FolderError("; ".join(f"{place}: {reason}" for reason in failures.values()))
     run = _run_to_compare(place)
     pages = []
-    faults = []
+    problems = []
     for item in bench.recordings:
         try:
             with progress.step(f"comparing it with {item.path.name}"):
                 comparison = benches.compare_recording(run, item)
         except FolderError as error:
-            faults.append(str(error))
+            problems.append(str(error))
             continue
         pages.append(_write_comparison(run, place, item.path, comparison))
-    if faults:
-        raise FolderError("\n".join(faults))
+    if problems:
+        raise FolderError("\n".join(problems))
     progress.line(f"as rows of the validation: rolling validate --bench {folder}")
     return pages
 

@@ -150,7 +150,7 @@ def offer_of_file(path: Path, keys: dict[str, Any]) -> Offer:
     """
     try:
         heights, _, _ = prepared_file(path, HeightFile(**keys))
-    except (SceneError, ValueError) as error:  # a fault of pydantic is a ValueError
+    except (SceneError, ValueError) as error:  # a mistake of pydantic is a ValueError
         return Offer(f"No scene rolls over the file itself: {error}")
     ra_um = 1e6 * float(np.abs(heights - heights.mean()).mean())
     sentence = "In a scene, this rolls over the file itself, with an Ra of"

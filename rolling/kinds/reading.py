@@ -35,7 +35,7 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Any:
     Raises
     ------
     SceneError
-        File or overrides have faults; all are named, in the order of their lines.
+        File or overrides have mistakes; all are named, in the order of their lines.
 
     Examples
     --------

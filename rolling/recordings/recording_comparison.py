@@ -153,8 +153,8 @@ def _compare_pair(
     quantity = pair.recording.quantity
     bands = _common_bands(pair, spread, noise)
     if not np.isfinite(bands.run.level_db).any():
-        fault = pair.named("no third octave can be compared")
-        raise FolderError("; ".join([f"{path}: {fault}", *bands.left_out]))
+        problem = pair.named("no third octave can be compared")
+        raise FolderError("; ".join([f"{path}: {problem}", *bands.left_out]))
     loudest = int(np.nanargmax(bands.run.weighted(quantity.weighting)))
     octave = EDGES_HZ[max(loudest - 1, 0)], EDGES_HZ[min(loudest + 2, len(BAND_NAMES))]
     own = all_levels(pair.run, bands.run, octave)
@@ -262,11 +262,11 @@ def _common_bands(pair: RecordPair, spread: RunSpread, noise: Recording | None) 
     )
 
 
-def _left_out(fault: str, bands: NDArray[np.bool_]) -> list[str]:
-    """Name the bands that are left out for a fault; nothing if there are none."""
+def _left_out(problem: str, bands: NDArray[np.bool_]) -> list[str]:
+    """Name the bands that are left out for a problem; nothing if there are none."""
     if not bands.any():
         return []
-    return [f"{fault}, left out: {', '.join(np.array(BAND_NAMES)[bands])} Hz"]
+    return [f"{problem}, left out: {', '.join(np.array(BAND_NAMES)[bands])} Hz"]
 
 
 def _pair_table(

@@ -154,7 +154,7 @@ def _scene_of(folder: Path, is_plate: bool, missing: list[str]) -> Scene | None:
     try:
         data = parse(read_text(files[0]), str(files[0])).value
     except SceneError as error:
-        missing += error.faults
+        missing += error.mistakes
         return None
     lacking: dict[str, str] = {}
     if isinstance(data, Mapping):
@@ -163,7 +163,7 @@ def _scene_of(folder: Path, is_plate: bool, missing: list[str]) -> Scene | None:
     try:
         scene = read_as(files[0], Scene)
     except SceneError as error:
-        missing += [line for line in error.faults if not any(key in line for key in lacking)]
+        missing += [line for line in error.mistakes if not any(key in line for key in lacking)]
         return None
     if scene.sweep:
         missing.append(f"{files[0].name}: it has a sweep; a bench is one run, so take it out")

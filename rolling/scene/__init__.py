@@ -1,7 +1,7 @@
 """Scene: its sections, its quantities in SI, its file, and its messages.
 
 messages, models
-    faults in words; the model of a section, the keys that it knows, its faults by key
+    mistakes in words; the model of a section, the keys that it knows, its mistakes by key
 library
     scenes, materials and finishes by name
 track_length

@@ -11,16 +11,16 @@ from pydantic_core import PydanticCustomError
 from acoustics.numbers import rounded
 from rolling.bearing.geometry import BearingGeometry, assemble
 from rolling.bearing.kinematics import kinematics_of
-from rolling.bearing.limits import motion_faults
+from rolling.bearing.limits import broken_limits
 from rolling.bearing.model import BearingModel
 from rolling.bearing.static_load import least_axial_load, static_balance
 from rolling.bearing.waves import hertz_pressure
 from rolling.contact.track import MAX_NODES, MIN_NODES
 from rolling.scene import height_files
 from rolling.scene.bearing_lengths import angle_of, clearance_of, groove_distance
-from rolling.scene.height_grid import faults_at
+from rolling.scene.height_grid import mistakes_at
 from rolling.scene.laws import refuse_misplaced
-from rolling.scene.messages import Key, SceneError, fault, plain_number
+from rolling.scene.messages import Key, SceneError, mistake, plain_number
 from rolling.scene.surfaces import BallSurface
 from rolling.surface.ball_form import WAVE_NODES
 
@@ -105,33 +105,33 @@ def _distance(bearing: Bearing) -> float:
     )
 
 
-def faults_of_bearing(bearing: Bearing) -> Iterator[PydanticCustomError]:
+def mistakes_of_bearing(bearing: Bearing) -> Iterator[PydanticCustomError]:
     """Yield all that does not fit together in a bearing."""
-    assembly = [*_faults_of_balls(bearing), *_faults_of_rings(bearing)]
-    angle = [*_faults_of_angle(bearing)]
+    assembly = [*_mistakes_of_balls(bearing), *_mistakes_of_rings(bearing)]
+    angle = [*_mistakes_of_angle(bearing)]
     yield from assembly
     yield from angle
     if not bearing.axial_load_n and not bearing.radial_load_n:
-        yield fault(
+        yield mistake(
             "missing; give it, a radial_load_n, or both",
             at=".axial_load_n",
             needs=[".radial_load_n"],
         )
     elif not angle and bearing.pitch_diameter_mm > bearing.ball_diameter_mm:
-        load = [*_faults_of_load(bearing)]
+        load = [*_mistakes_of_load(bearing)]
         yield from load
         if not load:
-            yield from _faults_of_motion(bearing)
+            yield from _mistakes_of_motion(bearing)
     if bearing.surfaces.fault_ball >= bearing.balls:
-        yield fault(
+        yield mistake(
             f"got {bearing.surfaces.fault_ball}, allowed: 0 to {bearing.balls - 1}, the numbers of"
             " the balls",
             at=".surfaces.fault_ball",
         )
 
 
-def _faults_of_balls(bearing: Bearing) -> Iterator[PydanticCustomError]:
-    """Yield the fault of balls that overlap their neighbours on the pitch circle."""
+def _mistakes_of_balls(bearing: Bearing) -> Iterator[PydanticCustomError]:
+    """Yield the mistake of balls that overlap their neighbours on the pitch circle."""
     ball = bearing.ball_diameter_mm
     pitch = bearing.pitch_diameter_mm
     if pitch * math.sin(math.pi / bearing.balls) > ball:
@@ -140,56 +140,56 @@ def _faults_of_balls(bearing: Bearing) -> Iterator[PydanticCustomError]:
     if pitch > ball:
         most = math.ceil(math.pi / math.asin(ball / pitch)) - 1
     if most >= 3:
-        yield fault(
+        yield mistake(
             f"got {bearing.balls}, allowed: at most {most} balls of {ball:g} mm on a pitch circle"
             f" of {pitch:g} mm, where more overlap",
             at=".balls",
         )
         return
     smallest = ball / math.sin(math.pi / bearing.balls)
-    yield fault(
+    yield mistake(
         f"got {plain_number(pitch)}, allowed: above {_above(smallest)} for {bearing.balls} balls of"
         f" {ball:g} mm, which overlap on a smaller circle",
         at=".pitch_diameter_mm",
     )
 
 
-def _faults_of_rings(bearing: Bearing) -> Iterator[PydanticCustomError]:
-    """Yield the faults of rings without a wall behind their grooves."""
+def _mistakes_of_rings(bearing: Bearing) -> Iterator[PydanticCustomError]:
+    """Yield the mistakes of rings without a wall behind their grooves."""
     inner = bearing.pitch_diameter_mm - bearing.ball_diameter_mm
     outer = bearing.pitch_diameter_mm + bearing.ball_diameter_mm
     bore = bearing.bore_mm
     outside = bearing.outside_diameter_mm
     width = bearing.width_mm
     if bore is not None and bore >= inner > 0:
-        yield fault(
+        yield mistake(
             f"got {plain_number(bore)}, allowed: below {_below(inner)}, the pitch diameter less a"
             " ball, where the inner groove is",
             at=".bore_mm",
         )
     if outside is not None and outside <= outer:
-        yield fault(
+        yield mistake(
             f"got {plain_number(outside)}, allowed: above {_above(outer)}, the pitch diameter and a"
             " ball, where the outer groove is",
             at=".outside_diameter_mm",
         )
     if width is not None and width < bearing.ball_diameter_mm:
-        yield fault(
+        yield mistake(
             f"got {plain_number(width)}, allowed: at least {_above(bearing.ball_diameter_mm)}, the"
             " diameter of a ball",
             at=".width_mm",
         )
 
 
-def _faults_of_angle(bearing: Bearing) -> Iterator[PydanticCustomError]:
-    """Yield the faults of contact angle and radial clearance."""
+def _mistakes_of_angle(bearing: Bearing) -> Iterator[PydanticCustomError]:
+    """Yield the mistakes of contact angle and radial clearance."""
     distance = _distance(bearing)
     angle_deg = bearing.contact_angle_deg
     clearance_um = bearing.radial_clearance_um
     if clearance_um is not None:
         most_um = 1e6 * clearance_of(math.radians(MAX_ANGLE_DEG), distance)
         if clearance_um > most_um:
-            yield fault(
+            yield mistake(
                 f"got {plain_number(clearance_um)}, allowed: at most {_below(most_um)} with these"
                 f" grooves, at which the contact angle is {MAX_ANGLE_DEG} degrees",
                 at=".radial_clearance_um",
@@ -200,7 +200,7 @@ def _faults_of_angle(bearing: Bearing) -> Iterator[PydanticCustomError]:
         derived = math.degrees(angle_of(1e-6 * clearance_um, distance))
         if abs(derived - angle_deg) > SAME_ANGLE_DEG:
             fitting_um = 1e6 * clearance_of(math.radians(angle_deg), distance)
-            yield fault(
+            yield mistake(
                 f"got {plain_number(angle_deg)} beside radial_clearance_um"
                 f" {plain_number(clearance_um)}, which gives {rounded(derived, 4)}; allowed: one of"
                 f" them, or {rounded(fitting_um, 4)} um beside this angle",
@@ -210,28 +210,28 @@ def _faults_of_angle(bearing: Bearing) -> Iterator[PydanticCustomError]:
     if not bearing.axial_load_n:
         return
     if angle_deg is None and clearance_um is None:
-        yield fault(
+        yield mistake(
             "missing; an axial load needs it or a radial_clearance_um",
             at=".contact_angle_deg",
             needs=[".radial_clearance_um"],
         )
     elif not free_angle(bearing):
         key = ".contact_angle_deg" if angle_deg is not None else ".radial_clearance_um"
-        yield fault(
+        yield mistake(
             "got 0, allowed with an axial load: above 0, because balls at an angle of 0 bear no"
             " axial load",
             at=key,
         )
 
 
-def _faults_of_load(bearing: Bearing) -> Iterator[PydanticCustomError]:
-    """Yield the faults of loads that have no balance, or are beyond the static capacity."""
+def _mistakes_of_load(bearing: Bearing) -> Iterator[PydanticCustomError]:
+    """Yield the mistakes of loads that have no balance, or are beyond the static capacity."""
     axial = bearing.axial_load_n
     radial = bearing.radial_load_n
     geometry = geometry_of(bearing)
     least = least_axial_load(geometry, radial) if axial else 0.0
     if axial and axial <= least:
-        yield fault(
+        yield mistake(
             f"got {plain_number(radial)}, allowed beside axial_load_n {plain_number(axial)} at a"
             f" contact angle of {rounded(math.degrees(geometry.contact_angle), 3)} degrees: below"
             f" {_below(radial * axial / least)}; or an axial load above {_above(least)}, or none",
@@ -250,7 +250,7 @@ def _faults_of_load(bearing: Bearing) -> Iterator[PydanticCustomError]:
         beside = f" beside radial_load_n {_below(share * radial)}"
     elif radial:
         beside = " beside axial_load_n 0"
-    yield fault(
+    yield mistake(
         f"got {plain_number(load)}, allowed: at most {_below(share * load)}{beside}: the largest"
         f" Hertz pressure would be {rounded(1e-9 * pressure, 3)} GPa, and the static capacity ends"
         f" at {STATIC_GPA} GPa",
@@ -259,8 +259,8 @@ def _faults_of_load(bearing: Bearing) -> Iterator[PydanticCustomError]:
     )
 
 
-def _faults_of_motion(bearing: Bearing) -> Iterator[PydanticCustomError]:
-    """Yield the faults of a ring or of balls that time steps cannot follow."""
+def _mistakes_of_motion(bearing: Bearing) -> Iterator[PydanticCustomError]:
+    """Yield the mistakes of a ring or of balls that time steps cannot follow."""
     geometry = geometry_of(bearing)
     radius = 5e-4 * bearing.ball_diameter_mm
     model = BearingModel(
@@ -273,8 +273,8 @@ def _faults_of_motion(bearing: Bearing) -> Iterator[PydanticCustomError]:
         gap_m=gap_of(bearing),
         ball_inertia=bearing.ball_inertia,
     )
-    for entry in motion_faults(model):
-        yield fault(entry.text, at=f".{entry.key}")
+    for entry in broken_limits(model):
+        yield mistake(entry.text, at=f".{entry.key}")
 
 
 def largest_pressure(bearing: Bearing, geometry: BearingGeometry, share: float = 1.0) -> float:
@@ -326,10 +326,10 @@ def _above(limit: float) -> str:
 # ---- surfaces
 
 
-def faults_of_surfaces(
+def mistakes_of_surfaces(
     bearing: Bearing, numerics: BearingNumerics
 ) -> Iterator[PydanticCustomError]:
-    """Yield the faults of surfaces that do not fit their circumference in nodes."""
+    """Yield the mistakes of surfaces that do not fit their circumference in nodes."""
     pitch = bearing.pitch_diameter_mm
     projected = bearing.ball_diameter_mm * math.cos(geometry_of(bearing).contact_angle)
     diameters = {
@@ -340,7 +340,7 @@ def faults_of_surfaces(
     for name, diameter in diameters.items():
         surface = getattr(bearing.surfaces, name)
         if surface is not None:
-            yield from _faults_of_surface(
+            yield from _mistakes_of_surface(
                 surface=surface,
                 length_um=1e3 * math.pi * diameter,
                 width_um=1e3 * bearing.ball_diameter_mm,
@@ -349,12 +349,12 @@ def faults_of_surfaces(
             )
 
 
-def _faults_of_surface(
+def _mistakes_of_surface(
     surface: BallSurface, length_um: float, width_um: float, spacing_um: float, at: Key
 ) -> Iterator[PydanticCustomError]:
-    """Yield the faults of one surface; faults of a place lie within the diameter of a ball."""
+    """Yield the mistakes of one surface; faults of a place lie within the diameter of a ball."""
     if not MIN_NODES <= length_um / spacing_um < MAX_NODES:
-        yield fault(
+        yield mistake(
             f"got a circumference of {rounded(length_um, 4)} um, allowed: {MIN_NODES} to"
             f" {rounded(MAX_NODES)} nodes of {spacing_um:g} um",
             at=at,
@@ -363,7 +363,7 @@ def _faults_of_surface(
     highest = max(surface.waviness or {0: 0.0})
     most = round(length_um / spacing_um) // WAVE_NODES
     if highest > most:
-        yield fault(
+        yield mistake(
             f"got the order {highest}, allowed: up to {most}, waves of at least {WAVE_NODES} nodes",
             at=(*at, "waviness"),
         )
@@ -384,13 +384,13 @@ def refuse_height_files(scene: BearingQuantities) -> None:
         surface = getattr(scene.bearing.surfaces, body)
         key = f"{name}.path"
         try:
-            with faults_at(path, surface.path, key):
+            with mistakes_at(path, surface.path, key):
                 rows, _ = height_files.nodes(path)
             nodes = round(1e6 * scene.circumferences[body] / surface.spacing_um)
             if rows == nodes:
                 continue
             spacing_um = 1e6 * scene.circumferences[body] / rows
-            raise fault(
+            raise mistake(
                 f"{surface.path}: got {rows} nodes around, allowed: {nodes} nodes of"
                 f" {surface.spacing_um:g} um; {rows} nodes are a turn with a spacing_um of"
                 f" {rounded(spacing_um, 8)}"

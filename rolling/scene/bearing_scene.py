@@ -29,7 +29,7 @@ from rolling.scene.bearing_sections import (
     HousingPlate,
     Ring,
 )
-from rolling.scene.messages import faults_together
+from rolling.scene.messages import mistakes_together
 from rolling.scene.surfaces import BallHeightFile
 from rolling.scene.swept import DEFAULT_NAME, PATTERN, SceneName, SweptScene
 
@@ -312,9 +312,9 @@ class BearingScene(BearingQuantities):
     def _check_surfaces(cls, numerics: BearingNumerics, info: ValidationInfo) -> BearingNumerics:
         bearing = info.data.get("bearing")
         if bearing is not None:
-            faults = list(bearing_rules.faults_of_surfaces(bearing, numerics))
-            if faults:
-                raise faults_together(faults)
+            mistakes = list(bearing_rules.mistakes_of_surfaces(bearing, numerics))
+            if mistakes:
+                raise mistakes_together(mistakes)
         return numerics
 
     def __copy__(self) -> Self:

@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from rolling.scene import bearing_rules, library, rules
-from rolling.scene.messages import fault, faults_together
+from rolling.scene.messages import mistake, mistakes_together
 from rolling.scene.models import Section
 from rolling.scene.sections import DENSITY, YOUNG, Material, Plate, Tolerance
 from rolling.scene.surfaces import BallHeightFile, BallSurface, GaussianBall, SmoothBall
@@ -149,9 +149,9 @@ class Bearing(Section):
     @model_validator(mode="after")
     def _can_be_assembled(self) -> Self:
         """Refuse all that does not fit together in one message."""
-        faults = list(bearing_rules.faults_of_bearing(self))
-        if faults:
-            raise faults_together(faults)
+        mistakes = list(bearing_rules.mistakes_of_bearing(self))
+        if mistakes:
+            raise mistakes_together(mistakes)
         return self
 
 
@@ -199,7 +199,7 @@ class HousingPlate(Plate):
         """Refuse a plate without edges or of too many modes, and keys that go with a sphere."""
         for key in ("length_mm", "width_mm", "density_kg_m3"):
             if getattr(self, key) is None:
-                raise fault("missing; the plate of a housing has edges and a mass", at=f".{key}")
+                raise mistake("missing; the plate of a housing has edges and a mass", at=f".{key}")
         for key in (
             "plasticity",
             "yield_strength_gpa",
@@ -212,7 +212,7 @@ class HousingPlate(Plate):
             words = "only goes with a sphere that rolls on the plate"
             if key == "contact_loss_factor":
                 words += "; that of the balls is bearing.contact_loss_factor"
-            raise fault(words, at=f".{key}")
+            raise mistake(words, at=f".{key}")
         rules.refuse_modes(self, at="")
         return self
 

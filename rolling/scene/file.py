@@ -12,7 +12,7 @@ from ruamel.yaml.comments import CommentedSeq
 from acoustics.arrays import instance
 from acoustics.numbers import micrometres, rounded_up
 from rolling.scene import library
-from rolling.scene.messages import Fault, Key, SceneError, key_of, quoted
+from rolling.scene.messages import Key, Mistake, SceneError, key_of, quoted
 from rolling.scene.models import all_keys, unknown_name
 from rolling.scene.scene import Scene
 from rolling.scene.sections import VIBRATING_PLATE, WEIGHT, Rolling, Sound, Sphere
@@ -29,7 +29,7 @@ SET = "--set"  # place of the overrides in messages
 
 
 def read_as(path: Path | str, model: type[AnyScene], overrides: Sequence[str] = ()) -> AnyScene:
-    """Read a scene file of a kind; raise SceneError with all faults of file and overrides."""
+    """Read a scene file of a kind; raise SceneError with all mistakes of file and overrides."""
     instance("path", path, str, Path)
     if isinstance(overrides, Mapping) or not all(isinstance(word, str) for word in overrides):
         raise TypeError(
@@ -56,7 +56,7 @@ def loads(
     folder: Path = Path(),
     model: type[SweptScene] = Scene,
 ) -> Any:
-    """Read a scene of a kind from text; raise SceneError with all faults of text and overrides.
+    """Read a scene of a kind from text; raise SceneError with all mistakes of text and overrides.
 
     Parameters
     ----------
@@ -74,8 +74,8 @@ def loads(
     try:
         parsed = parse(text, where)
     except SceneError as error:  # no YAML, so that only the overrides are left to judge
-        wrong = _with_overrides({}, {}, overrides, model).faults
-        raise SceneError([*error.faults, *(entry.line for entry in wrong)]) from error
+        wrong = _with_overrides({}, {}, overrides, model).mistakes
+        raise SceneError([*error.mistakes, *(entry.line for entry in wrong)]) from error
     data = parsed.value
     if data is None:
         needed = ", ".join(name for name, key in model.model_fields.items() if key.is_required())
@@ -86,7 +86,7 @@ def loads(
     places = {key: f"{where}:{line}" for key, line in parsed.lines.items()}
     _refuse_other_kind(data, places, model)
     changed = _with_overrides(data, places, overrides, model)
-    return model.from_dict(changed.data, folder, places, [*parsed.faults, *changed.faults])
+    return model.from_dict(changed.data, folder, places, [*parsed.mistakes, *changed.mistakes])
 
 
 def _refuse_other_kind(
@@ -126,10 +126,10 @@ def _flowing(value: Any) -> Any:
 
 
 class _Changed(NamedTuple):
-    """Plain values with overrides, and the faults of the overrides that were left out."""
+    """Plain values with overrides, and the mistakes of the overrides that were left out."""
 
     data: dict[str, Any]
-    faults: list[Fault]
+    mistakes: list[Mistake]
 
 
 def _with_overrides(
@@ -139,31 +139,31 @@ def _with_overrides(
     model: type[SweptScene],
 ) -> _Changed:
     """Return plain values with overrides, which `places` then names as their place."""
-    faults = []
+    mistakes = []
     for override in sorted(overrides, key=_order_of_override):
         name, equals, text = override.partition("=")
         name = name.strip()
         if not equals or not name:
             words = f"got {quoted(override)}, allowed: key=value, as in rolling.load_n=50"
-            faults.append(Fault((), words, SET))
+            mistakes.append(Mistake((), words, SET))
             continue
         if name not in all_keys(model):
-            faults.append(Fault(key_of(name), unknown_name(name, model), SET))
+            mistakes.append(Mistake(key_of(name), unknown_name(name, model), SET))
             continue
         try:
             parsed = parse(text, f"{SET}: {name}")
         except SceneError as error:
-            faults += [Fault((), line.removeprefix(f"{SET}: "), SET) for line in error.faults]
+            mistakes += [Mistake((), line.removeprefix(f"{SET}: "), SET) for line in error.mistakes]
             continue
-        faults += [
-            Fault((*key_of(name), *entry.key), entry.message, SET) for entry in parsed.faults
+        mistakes += [
+            Mistake((*key_of(name), *entry.key), entry.message, SET) for entry in parsed.mistakes
         ]
         data = with_value(data, name, parsed.value)
         key = key_of(name)
         for inner in [other for other in places if other[: len(key)] == key]:
             del places[inner]
         places[key] = SET
-    return _Changed(data, faults)
+    return _Changed(data, mistakes)
 
 
 def _order_of_override(override: str) -> int:
@@ -180,7 +180,7 @@ def with_overrides(scene: AnyScene, overrides: Sequence[str]) -> AnyScene:
     """
     places: dict[Key, str] = {(): "stored scene"}
     changed = _with_overrides(scene.to_dict(), places, overrides, type(scene))
-    return type(scene).from_dict(changed.data, scene.folder, places, changed.faults)
+    return type(scene).from_dict(changed.data, scene.folder, places, changed.mistakes)
 
 
 # ---- new sound from a stored run
@@ -208,14 +208,14 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
     solved = {*all_keys(Scene)} - {*free, "sound"}
     names = [override.partition("=")[0].strip() for override in overrides]
     needed = f"needs a new run; without solving again allowed: {', '.join(free)}"
-    faults = [Fault(key_of(name), needed, SET) for name in names if name in solved]
+    mistakes = [Mistake(key_of(name), needed, SET) for name in names if name in solved]
     places: dict[Key, str] = {(): "stored scene"}
     changed = _with_overrides(scene.to_dict(), places, overrides, Scene)
-    faults += changed.faults
+    mistakes += changed.mistakes
     data = changed.data
-    if scene.rolling.duration_s is not None and not faults:
+    if scene.rolling.duration_s is not None and not mistakes:
         data["rolling"]["duration_s"] = _time_of_same_track(scene, data)
-    resounded = Scene.from_dict(data, scene.folder, places, faults)
+    resounded = Scene.from_dict(data, scene.folder, places, mistakes)
     if scene.numerics.step_nodes != "auto":
         return resounded
     return _with_steps_of(scene, resounded)

@@ -24,7 +24,7 @@ from acoustics.numbers import rounded
 from rolling.contact.track import MAX_NODES, MIN_NODES, Track
 from rolling.scene import height_files
 from rolling.scene.height_files import MAX_BYTES, TRIPLES, UNITS, HeightFormatError, is_instrument
-from rolling.scene.messages import fault, first_line, plain_number, quoted, shortened
+from rolling.scene.messages import first_line, mistake, plain_number, quoted, shortened
 from rolling.scene.surfaces import HeightFile, refuse_width
 from rolling.surface.period_grid import SAME, HeightGrid, Pair, is_other
 
@@ -307,9 +307,9 @@ def is_turned(shape: Pair, surface: HeightFile) -> bool:
 def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
     """Derive the nodes of the period of a height file from its shape, its spacing and the keys.
 
-    Raise a fault where the file has no heights or does not go with the keys of the surface.
+    Raise a mistake where the file has no heights or does not go with the keys of the surface.
     """
-    with faults_at(path, surface.path, "surface.path"):
+    with mistakes_at(path, surface.path, "surface.path"):
         shape, own_steps = _shape_and_steps(path, surface)
     if is_turned(shape, surface):
         shape = shape[1], shape[0]
@@ -337,7 +337,7 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
         across = _period(resampled[1], spacing, surface)
     nodes = along.nodes, across.nodes
     if not MIN_NODES <= min(nodes) <= max(nodes) < MAX_NODES:
-        raise fault(
+        raise mistake(
             f"{surface.path}: got {nodes[0]} x {nodes[1]} nodes, allowed: at least {MIN_NODES} each"
             f" way and less than {rounded(MAX_NODES)}",
             at="surface.path",
@@ -354,13 +354,13 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
 def _refuse_profile(surface: HeightFile, lines: int) -> None:
     """Refuse a profile of one line without a width, and other files with one."""
     if lines == 1 and surface.width_um is None:
-        raise fault(
+        raise mistake(
             f"missing; {surface.path} is a profile of one line, which is laid across the track over"
             " that width",
             at="surface.width_um",
         )
     if lines > 1 and surface.width_um is not None:
-        raise fault(
+        raise mistake(
             f"only goes with a profile of one line, but {surface.path} has {lines} lines side by"
             " side",
             at="surface.width_um",
@@ -381,7 +381,7 @@ def _resampled(
             counts.append(int(min((count - 1) * step / spacing, _MOST) + SAME) + 1)
     along, across = counts
     if (along, across) != shape and 8 * along * across > MAX_BYTES:
-        raise fault(
+        raise mistake(
             f"got {rounded(spacing * 1e6, 4)}, which makes {along} x {across} nodes of"
             f" {surface.path}, allowed: less than {rounded(MAX_BYTES / 8)} nodes",
             at="surface.spacing_um",
@@ -422,7 +422,7 @@ def _overlap(surface: HeightFile, count: int, spacing: float) -> int:
     overlap = round(min(surface.overlap_um * 1e-6 / spacing, _MOST))
     most = int(MAX_OVERLAP * count)
     if not 1 <= overlap <= most:
-        raise fault(
+        raise mistake(
             f"got {plain_number(surface.overlap_um)}, allowed: {rounded(spacing * 1e6, 4)} to"
             f" {rounded(most * spacing * 1e6, 4)}, half of a side",
             at="surface.overlap_um",
@@ -435,7 +435,7 @@ def _refuse_filters(surface: HeightFile, side_um: float) -> None:
     for key in ("s_filter_um", "l_filter_um"):
         cutoff = getattr(surface, key)
         if cutoff is not None and cutoff > side_um * (1 + SAME):
-            raise fault(
+            raise mistake(
                 f"got {plain_number(cutoff)}, allowed: up to {rounded(side_um, 4)}, the shorter"
                 f" side of {surface.path}",
                 at=f"surface.{key}",
@@ -443,15 +443,15 @@ def _refuse_filters(surface: HeightFile, side_um: float) -> None:
 
 
 def refuse_turn(path: Path, name: str, track: Track) -> None:
-    """Raise a fault for a height file that holds no turn of the sphere over the width.
+    """Raise a mistake for a height file that holds no turn of the sphere over the width.
 
     `name` is the path as the scene has it.
     """
-    with faults_at(path, name, "sphere.surface.path"):
+    with mistakes_at(path, name, "sphere.surface.path"):
         rows, columns = height_files.nodes(path)
     if rows != track.turn_nodes or columns not in (1, track.n_across):
         radius = rounded(rows * track.spacing * 1e3 / (2 * math.pi), 8)
-        raise fault(
+        raise mistake(
             f"{name}: got {rows} x {columns} nodes, allowed: {track.turn_nodes} nodes around the"
             f" sphere x 1 or {track.n_across} across; {rows} nodes are a turn of sphere.radius_mm"
             f" {radius}",
@@ -460,11 +460,11 @@ def refuse_turn(path: Path, name: str, track: Track) -> None:
 
 
 @contextmanager
-def faults_at(path: Path, name: str, at: str) -> Iterator[None]:
-    """Raise a fault at a key where a file holds no heights; `name` is its path in the scene."""
+def mistakes_at(path: Path, name: str, at: str) -> Iterator[None]:
+    """Raise a mistake at a key where a file holds no heights; `name` is its path in the scene."""
     try:
         yield
     except height_files.HeightFormatError as error:
         missing = isinstance(error.__cause__, FileNotFoundError)
         place = f" (looked in {path.parent.absolute()})" if missing else ""
-        raise fault(f"{error.of(shortened(name))}{place}", at=at) from error
+        raise mistake(f"{error.of(shortened(name))}{place}", at=at) from error

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from acoustics.numbers import rounded
-from rolling.scene.messages import Key, fault, plain_number
+from rolling.scene.messages import Key, mistake, plain_number
 from rolling.scene.models import Section
 from rolling.surface.height_law import (
     GAUSSIAN_MOMENTS,
@@ -58,8 +58,8 @@ class Distribution(Section):
         return self
 
     def not_allowed(self, key: str, allowed: str, value: float) -> Exception:
-        """Make the fault of a value of a key of this section."""
-        return fault(f"got {plain_number(value)}, allowed: {allowed}", at=f".{key}")
+        """Make the mistake of a value of a key of this section."""
+        return mistake(f"got {plain_number(value)}, allowed: {allowed}", at=f".{key}")
 
     @property
     def law(self) -> Self:
@@ -114,7 +114,7 @@ class Roughness(Distribution):
     @model_validator(mode="after")
     def _has_lay(self) -> Self:
         if self.lay_deg is not None and self.correlation_length_across_um is None:
-            raise fault(
+            raise mistake(
                 f"got {plain_number(self.lay_deg)}, allowed: none without"
                 " correlation_length_across_um, because it turns two lengths",
                 at=".lay_deg",
@@ -231,7 +231,7 @@ class SelfAffineLaw(Distribution):
         given = [key for key, size in sizes.items() if size is not None]
         if len(given) != 1:
             got = f"got {' and '.join(given)}" if given else "missing"
-            raise fault(
+            raise mistake(
                 f"{got}, allowed: exactly one of {', '.join(sizes)}",
                 at="surface.rq_um",
                 needs=[f".{key}" for key in sizes],
@@ -348,13 +348,13 @@ class SurfaceFault(Section):
     def _one_place(self) -> Self:
         has_place = self.at_mm is not None
         if (self.count is None) != has_place or (self.seed is None) != has_place:
-            raise fault("a fault needs either at_mm, or count and seed")
+            raise mistake("a fault needs either at_mm, or count and seed")
         if self.kind == "scratch" and self.length_um is None:
-            raise fault("length_um: missing; a scratch has a length")
+            raise mistake("length_um: missing; a scratch has a length")
         if self.kind != "scratch" and self.length_um is not None:
-            raise fault("length_um: only a scratch has a length")
+            raise mistake("length_um: only a scratch has a length")
         if self.kind != "scratch" and self.angle_deg is not None:
-            raise fault("angle_deg: only a scratch has an angle")
+            raise mistake("angle_deg: only a scratch has an angle")
         return self
 
     @property
@@ -405,13 +405,13 @@ class SurfaceKind(Section):
 def refuse_misplaced(
     faults: Sequence[SurfaceFault], length_um: float, width_um: float, spacing_um: float, at: Key
 ) -> None:
-    """Raise a fault for the first that lies beyond its surface, or that no node or surface holds.
+    """Raise a mistake for the first that lies beyond its surface, or that no node or surface holds.
 
     `at` is the key of the list.
     """
     for number, listed in enumerate(faults):
         if listed.size_um < spacing_um:
-            raise fault(
+            raise mistake(
                 f"got {plain_number(listed.size_um)}, allowed: at least a node of {spacing_um:g}"
                 " um",
                 at=(*at, number, "size_um"),
@@ -423,14 +423,14 @@ def refuse_misplaced(
             size = listed.length_um
         longest = length_um if listed.crosses else min(length_um, width_um)
         if size > longest:
-            raise fault(
+            raise mistake(
                 f"got {plain_number(size)}, allowed: at most {rounded(longest, 6)}, the size of the"
                 " surface in um",
                 at=(*at, number, key),
             )
         x, y = listed.at_mm or (0.0, 0.0)
         if not 0 <= x * 1e3 < length_um or abs(y) * 2e3 > width_um:
-            raise fault(
+            raise mistake(
                 f"got [{plain_number(x)}, {plain_number(y)}], which is beyond the surface, allowed:"
                 f" x from 0 to {rounded(length_um * 1e-3, 6)} mm, y within"
                 f" {rounded(width_um * 5e-4, 6)} mm of the middle line",

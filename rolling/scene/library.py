@@ -19,7 +19,7 @@ from pydantic import Field
 from ruamel.yaml import YAML
 
 from acoustics.numbers import rounded
-from rolling.scene.messages import SceneError, fault, nearest, quoted
+from rolling.scene.messages import SceneError, mistake, nearest, quoted
 
 # In an installed package the scenes stand inside of it, in a checkout beside it.
 _PLACES = (Path(__file__).parents[1] / "scenarios", Path(__file__).parents[2] / "scenarios")
@@ -237,7 +237,7 @@ def _names_in(section: str, values: Any) -> list[tuple[Name, str]]:
 
 
 def fill_in(section: str, values: Any) -> Any:
-    """Fill in the values that the names in a section give; raise a fault for an unknown name."""
+    """Fill in the values that the names in a section give; raise a mistake for an unknown name."""
     if not isinstance(values, Mapping):
         return values
     for by_name in NAMES[section]:
@@ -247,7 +247,7 @@ def fill_in(section: str, values: Any) -> Any:
             words = _unknown_name(given, known)
             if by_name.instead:
                 words += f"; {by_name.instead}"
-            raise fault(words, at=f"{section}.{by_name.key}")
+            raise mistake(words, at=f"{section}.{by_name.key}")
     return with_named_values(section, values)
 
 

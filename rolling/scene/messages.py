@@ -1,6 +1,6 @@
-"""Messages about scenes: their error, the faults that rules raise, and values in words.
+"""Messages about scenes: their error, the mistakes that rules raise, and values in words.
 
-A fault names the key, the value, the allowed values, and the nearest name or value where there is
+A mistake names the key, the value, the allowed values, and the nearest name or value where there is
 one. The rule that finds it writes the sentence.
 """
 
@@ -23,7 +23,7 @@ from rolling.terminal.notebook import short_traceback
 # place of a value: ("rolling", "load_n"), ("sweep", "rolling.load_n", 0)
 Key = tuple[str | int, ...]
 
-MAX_FAULTS = 20  # maximum number of faults that are listed
+MAX_MISTAKES = 20  # maximum number of mistakes that are listed
 _LONGEST = 60  # letters of a value in a message
 
 
@@ -36,13 +36,13 @@ TABLES = table("rolling.scene", "tables")
 
 
 class SceneError(Exception):
-    """Faults of a scene.
+    """Mistakes of a scene.
 
     Attributes
     ----------
-    faults : list of str
-        One line for each fault: file and line (or --set, or scene), key, the value and the allowed
-        values.
+    mistakes : list of str
+        One line for each mistake: file and line (or --set, or scene), key, the value and the
+        allowed values.
 
     Examples
     --------
@@ -54,24 +54,24 @@ class SceneError(Exception):
 
     _render_traceback_ = short_traceback
 
-    def __init__(self, faults: Sequence[str]) -> None:
-        self.faults = [printable(writable(fault)) for fault in faults]
-        super().__init__("\n".join(self.faults))
+    def __init__(self, mistakes: Sequence[str]) -> None:
+        self.mistakes = [printable(writable(mistake)) for mistake in mistakes]
+        super().__init__("\n".join(self.mistakes))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return SceneError, (self.faults,)
+        return SceneError, (self.mistakes,)
 
 
-# ---- faults
+# ---- mistakes
 
 
-class Fault(NamedTuple):
-    """Fault of a scene.
+class Mistake(NamedTuple):
+    """Mistake of a scene.
 
     key : tuple. Key of the faulty value; () for a text without one.
     message : str. What is wrong, and what is allowed.
     place : str. File and line, where they are not those of the key.
-    meant : tuple. Key that a misspelt one stands for; () for other faults.
+    meant : tuple. Key that a misspelt one stands for; () for other mistakes.
     needs : tuple of tuple. Keys without which the rule is broken.
     """
 
@@ -89,44 +89,44 @@ class Fault(NamedTuple):
         return f"{self.place}: {shortened(dotted(self.key))}: {self.message}"
 
 
-def fault(message: str, at: str | Key = (), needs: Sequence[str] = ()) -> PydanticCustomError:
-    """Make a fault for pydantic to collect, at the validated key or at another key of the scene.
+def mistake(message: str, at: str | Key = (), needs: Sequence[str] = ()) -> PydanticCustomError:
+    """Make a mistake for pydantic to collect, at the validated key or at another key of the scene.
 
     A key that begins with a dot is one of the section that is validated. `needs` are the keys
     without which the rule is broken: where one of them is missing because it is faulty itself, the
-    fault follows from its fault and is not listed.
+    mistake follows from its mistake and is not listed.
     """
     key = key_of(at) if isinstance(at, str) else at
     context = {"message": writable(message), "at": key, "needs": [key_of(name) for name in needs]}
-    return PydanticCustomError("fault", "{message}", context)
+    return PydanticCustomError("mistake", "{message}", context)
 
 
-def faults_together(faults: Sequence[PydanticCustomError]) -> PydanticCustomError:
-    """Join faults of one value, at least one, for pydantic to collect."""
-    contexts = [single.context or {} for single in faults]
-    return PydanticCustomError("faults", "several faults", {"faults": contexts})
+def mistakes_together(mistakes: Sequence[PydanticCustomError]) -> PydanticCustomError:
+    """Join mistakes of one value, at least one, for pydantic to collect."""
+    contexts = [single.context or {} for single in mistakes]
+    return PydanticCustomError("mistakes", "several mistakes", {"mistakes": contexts})
 
 
-def first_faults(lines: Sequence[str], where: str, more: int | None = 0) -> list[str]:
-    """Return the first lines of a list of faults, and how many more there are.
+def first_mistakes(lines: Sequence[str], where: str, more: int | None = 0) -> list[str]:
+    """Return the first lines of a list of mistakes, and how many more there are.
 
-    `more` faults have no line, because words take long for many; None: their number is unknown.
+    `more` mistakes have no line, because words take long for many; None: their number is unknown.
     """
     different = list(dict.fromkeys(lines))
-    listed = different[:MAX_FAULTS]
+    listed = different[:MAX_MISTAKES]
     if more is None:
-        listed.append(f"{where}: further faults are not listed")
+        listed.append(f"{where}: further mistakes are not listed")
         return listed
-    more += max(0, len(different) - MAX_FAULTS)
+    more += max(0, len(different) - MAX_MISTAKES)
     if more == 1:
-        listed.append(f"{where}: 1 more fault is not listed")
+        listed.append(f"{where}: 1 more mistake is not listed")
     elif more > 1:
-        listed.append(f"{where}: {more:,} more faults are not listed")
+        listed.append(f"{where}: {more:,} more mistakes are not listed")
     return listed
 
 
 def order_of_place(place: str) -> float:
-    """Return the rank of the place of a fault: its line in a file, and --set after all lines."""
+    """Return the rank of the place of a mistake: its line in a file, and --set after all lines."""
     line = place.rpartition(":")[2]
     return int(line) if line.isdecimal() else math.inf
 

@@ -1,4 +1,4 @@
-"""The model of a section, the keys that sections know, and the faults of pydantic by their keys.
+"""The model of a section, the keys that sections know, and the mistakes of pydantic by their keys.
 
 Sections are built in Python as `Sphere(radius_mm=5)`; a value that is not allowed then raises
 SceneError with the same message as in a scene file. `root` is the model of a whole scene or of one
@@ -31,16 +31,16 @@ from acoustics.numbers import rounded
 from rolling.scene import library
 from rolling.scene.messages import (
     MATERIALS,
-    MAX_FAULTS,
+    MAX_MISTAKES,
     TABLES,
-    Fault,
     Key,
+    Mistake,
     SceneError,
     dotted,
-    fault,
-    first_faults,
+    first_mistakes,
     implausible,
     is_number,
+    mistake,
     nearest,
     nearest_name,
     plain_values,
@@ -55,7 +55,7 @@ _MAX_SHOWN = 5  # values of a list in an example
 
 
 class Section(BaseModel):
-    """Section of a scene, frozen and strict: text is no number, and unknown keys are faults."""
+    """Section of a scene, frozen and strict: text is no number, and unknown keys are mistakes."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
     SECTION: ClassVar[str] = ""  # its name in a scene; by default that of the class
@@ -63,29 +63,29 @@ class Section(BaseModel):
     NAMED: ClassVar[str] = ""  # section of `library.NAMES` whose name gives values
 
     def __init__(self, *by_name_only: Any, **values: Any) -> None:
-        """Take values that are given in Python; raise SceneError with all their faults by key."""
+        """Take values that are given in Python; raise SceneError with all their mistakes by key."""
         if by_name_only:
             name = type(self).__name__
             raise TypeError(f"{name} takes keys by name only, as in {name}(key=value)")
         self._fill_from(plain_values(values))
 
     # Pydantic makes the sections inside of a scene itself, not by this method, and so collects all
-    # of their faults.
+    # of their mistakes.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
     def _fill_from(self, values: Mapping[str, Any]) -> None:
-        """Take plain values; raise SceneError with all their faults by key."""
+        """Take plain values; raise SceneError with all their mistakes by key."""
         judged = fill(self, values)
-        if not judged.faults:
+        if not judged.mistakes:
             return
         section = self.SECTION or type(self).__name__.lower()
         lines = []
-        for entry in judged.faults:
+        for entry in judged.mistakes:
             name = dotted(entry.key)
             if not name.startswith((f"{section}.", f"{section}[")):
                 name = f"{section}.{name}".removesuffix(".")
             lines.append(f"scene: {shortened(name)}: {entry.message}")
-        raise SceneError(first_faults(lines, "scene", judged.more))
+        raise SceneError(first_mistakes(lines, "scene", judged.more))
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Refuse a change, because a scene may have been judged and shared already."""
@@ -144,7 +144,7 @@ class Section(BaseModel):
         for number in np.ravel(value):
             if number and not _SMALLEST <= abs(number) <= 1 / _SMALLEST:
                 sizes = f"a size from {rounded(_SMALLEST)} to {rounded(1 / _SMALLEST)}"
-                raise fault(f"got {quoted(float(number))}, allowed: {sizes}")
+                raise mistake(f"got {quoted(float(number))}, allowed: {sizes}")
         return value
 
 
@@ -224,32 +224,32 @@ def _keys_that_end_in(name: str, root: type[BaseModel]) -> list[str]:
     return [key for key in fitting if key.count(".") == fitting[0].count(".")]
 
 
-# ---- all faults of plain values
+# ---- all mistakes of plain values
 
 
 class Judged(NamedTuple):
-    """Faults of plain values.
+    """Mistakes of plain values.
 
-    faults : list of Fault. Faults that do not follow from one another.
-    more : int. Number of faults that are not listed.
+    mistakes : list of Mistake. Mistakes that do not follow from one another.
+    more : int. Number of mistakes that are not listed.
     rest : mapping. Plain values without the faulty ones.
-    causes : list of Key. Keys whose values are missing because of a fault.
+    causes : list of Key. Keys whose values are missing because of a mistake.
     is_filled : bool. Whether the model has the values.
     """
 
-    faults: list[Fault]
+    mistakes: list[Mistake]
     more: int
     rest: Mapping[str, Any]
     causes: list[Key]
     is_filled: bool
 
 
-def fill(model: BaseModel, values: Mapping[str, Any], known: Sequence[Fault] = ()) -> Judged:
-    """Validate plain values into a model that has none yet, and return all faults of the values.
+def fill(model: BaseModel, values: Mapping[str, Any], known: Sequence[Mistake] = ()) -> Judged:
+    """Validate plain values into a model that has none yet, and return all mistakes of the values.
 
     Pydantic judges a rule only where the values that it joins are valid. So rules are judged again
-    without the faulty values. `known` are faults of the text, whose values are missing. The model
-    has its values only where these make it without a fault.
+    without the faulty values. `known` are mistakes of the text, whose values are missing. The model
+    has its values only where these make it without a mistake.
     """
     root = type(model)
     causes = missing_by(known, values)
@@ -257,41 +257,41 @@ def fill(model: BaseModel, values: Mapping[str, Any], known: Sequence[Fault] = (
         root.__pydantic_validator__.validate_python(values, self_instance=model)
         return Judged([], 0, values, causes, is_filled=True)
     except ValidationError as error:
-        first, more = faults_of(error, values, root)
+        first, more = mistakes_of(error, values, root)
     # What the values lack by their text or by misspelt keys, no rule may call missing.
     misspelt = [entry for entry in first if entry.meant]
     rest = values
     for entry in independent(first, [*causes, *missing_by(misspelt, values)]):
         rest = _without(rest, entry.key, root)
-    further: list[Fault] = []
+    further: list[Mistake] = []
     if not more:
-        further, more = _faults_of_rest(rest, root)
-    # A section of a wrong kind has its misspelt keys among the further faults.
+        further, more = _mistakes_of_rest(rest, root)
+    # A section of a wrong kind has its misspelt keys among the further mistakes.
     misspelt += [entry for entry in further if entry.meant]
     causes += missing_by(misspelt, values)
-    faults = independent(first, causes)
-    causes += [entry.key for entry in faults]
-    faults += independent(further, [*causes, *missing_by(faults, rest)])
-    causes += [entry.key for entry in faults]
-    return Judged(faults, more, rest, causes, is_filled=False)
+    mistakes = independent(first, causes)
+    causes += [entry.key for entry in mistakes]
+    mistakes += independent(further, [*causes, *missing_by(mistakes, rest)])
+    causes += [entry.key for entry in mistakes]
+    return Judged(mistakes, more, rest, causes, is_filled=False)
 
 
-def _faults_of_rest(rest: Mapping[str, Any], root: type[BaseModel]) -> Listed:
-    """Return the faults of values without those that are known to be faulty."""
+def _mistakes_of_rest(rest: Mapping[str, Any], root: type[BaseModel]) -> Listed:
+    """Return the mistakes of values without those that are known to be faulty."""
     try:
         root.model_validate(rest)
     except ValidationError as error:
-        return faults_of(error, rest, root)
+        return mistakes_of(error, rest, root)
     return Listed([], 0)
 
 
-def missing_by(faults: Sequence[Fault], values: Mapping[str, Any]) -> list[Key]:
-    """Return the keys that have no value because of faults: meant ones, and those of faulty names.
+def missing_by(mistakes: Sequence[Mistake], values: Mapping[str, Any]) -> list[Key]:
+    """Return the keys that have no value because of mistakes: meant ones, those of faulty names.
 
     A faulty material or finish does not give its values.
     """
     keys: list[Key] = []
-    for entry in faults:
+    for entry in mistakes:
         key = entry.meant or entry.key
         keys.append(key)
         for by_name in library.NAMES.get(str(key[0]), ()) if key else ():
@@ -300,13 +300,13 @@ def missing_by(faults: Sequence[Fault], values: Mapping[str, Any]) -> list[Key]:
     return [key for key in keys if key and _value_at(values, key) is None]
 
 
-def independent(faults: Sequence[Fault], causes: Sequence[Key]) -> list[Fault]:
-    """Return the faults that are not at, in or around a cause, and whose rule needs none."""
+def independent(mistakes: Sequence[Mistake], causes: Sequence[Key]) -> list[Mistake]:
+    """Return the mistakes that are not at, in or around a cause, and whose rule needs none."""
 
     def follows(key: Key) -> bool:
         return any(key[: len(cause)] == cause[: len(key)] for cause in causes)
 
-    return [entry for entry in faults if not any(map(follows, [entry.key, *entry.needs]))]
+    return [entry for entry in mistakes if not any(map(follows, [entry.key, *entry.needs]))]
 
 
 def _without(values: Any, key: Key, root: type[BaseModel]) -> Any:
@@ -353,74 +353,74 @@ def _changed(values: Any, key: Key, other: Any) -> Any:
     return values
 
 
-# ---- faults by their keys
+# ---- mistakes by their keys
 
 
 class Listed(NamedTuple):
-    """First faults of plain values, and how many more there are."""
+    """First mistakes of plain values, and how many more there are."""
 
-    faults: list[Fault]
+    mistakes: list[Mistake]
     more: int
 
 
-def faults_of(error: ValidationError, data: Mapping[str, Any], root: type[BaseModel]) -> Listed:
-    """Return the first faults that pydantic found, in the words of a scene, and how many more."""
+def mistakes_of(error: ValidationError, data: Mapping[str, Any], root: type[BaseModel]) -> Listed:
+    """Return the first mistakes that pydantic found, in the words of a scene, and how many more."""
     listed = error.errors(include_url=False)
-    faults: list[Fault] = []
+    mistakes: list[Mistake] = []
     for number, single in enumerate(listed):
-        if len(faults) >= MAX_FAULTS:
-            return Listed(faults, len(listed) - number)
+        if len(mistakes) >= MAX_MISTAKES:
+            return Listed(mistakes, len(listed) - number)
         key = locate(single["loc"], root).key
-        if single["type"] == "faults":
-            faults += [_fault_of_rule(rule, key) for rule in single["ctx"]["faults"]]
-        elif single["type"] == "fault":
-            faults.append(_with_sweep(_fault_of_rule(single["ctx"], key), data, root))
+        if single["type"] == "mistakes":
+            mistakes += [_mistake_of_rule(rule, key) for rule in single["ctx"]["mistakes"]]
+        elif single["type"] == "mistake":
+            mistakes.append(_with_sweep(_mistake_of_rule(single["ctx"], key), data, root))
         else:
-            faults.append(_with_sweep(_fault_of(single, data, root), data, root))
-    return Listed(faults, 0)
+            mistakes.append(_with_sweep(_mistake_of(single, data, root), data, root))
+    return Listed(mistakes, 0)
 
 
-def _fault_of_rule(context: Mapping[str, Any], key: Key) -> Fault:
-    """Return the fault that a rule raised where pydantic validated a key."""
+def _mistake_of_rule(context: Mapping[str, Any], key: Key) -> Mistake:
+    """Return the mistake that a rule raised where pydantic validated a key."""
     needs = tuple(_absolute(needed, key) for needed in context["needs"])
-    return Fault(_absolute(context["at"], key), context["message"], needs=needs)
+    return Mistake(_absolute(context["at"], key), context["message"], needs=needs)
 
 
-def _fault_of(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> Fault:
-    """Return key and message of a single fault of pydantic."""
+def _mistake_of(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> Mistake:
+    """Return key and message of a single mistake of pydantic."""
     kind = error["type"]
     context = error.get("ctx", {})
     located = locate(error["loc"], root)
     key = located.key
     if kind.startswith("union_tag"):
-        return _fault_of_kind(located, data)
+        return _mistake_of_kind(located, data)
     if kind == "missing":
         text = ""
         if located.model is not None:
             text = located.model.descriptions().get(str(key[-1]), "")  # type: ignore[attr-defined]
-        return Fault(key, f"missing; {text}" if text else "missing")
+        return Mistake(key, f"missing; {text}" if text else "missing")
     if kind == "extra_forbidden":
         return _unknown_key(located, data, root)
     value = error["input"]
     if kind in ("greater_than_equal", "less_than_equal") and key[-1] in MATERIALS:
-        return Fault(key, implausible(value, MATERIALS[str(key[-1])]))
+        return Mistake(key, implausible(value, MATERIALS[str(key[-1])]))
     words = re.sub(r"^\w+ should (be )?|'", "", error["msg"])
     message = f"got {quoted(value)}, allowed: {TABLES['kinds'].get(kind, words)}"
     choices = re.findall(r"'([^']*)'", context.get("expected", ""))
     if choices and isinstance(value, str):
         message += nearest(value, choices)
-    return Fault(key, message)
+    return Mistake(key, message)
 
 
 def _absolute(at: Key, key: Key) -> Key:
-    """Return the key of a fault, which may be the validated key or a key of its section."""
+    """Return the key of a mistake, which may be the validated key or a key of its section."""
     if not at:
         return key
     return (*key, *at[1:]) if at[0] == "" else at
 
 
-def _with_sweep(entry: Fault, data: Mapping[str, Any], root: type[BaseModel]) -> Fault:
-    """Return the fault of a list where one value is allowed with the way to sweep its values."""
+def _with_sweep(entry: Mistake, data: Mapping[str, Any], root: type[BaseModel]) -> Mistake:
+    """Return the mistake of a list where one value is allowed with the way to sweep its values."""
     name = dotted(entry.key)
     listed = _value_at(data, entry.key)
     is_list = isinstance(listed, list | tuple) and len(listed) > 0
@@ -466,23 +466,23 @@ def locate(place: Key, root: type[BaseModel]) -> Located:
     return located
 
 
-def _fault_of_kind(located: Located, data: Mapping[str, Any]) -> Fault:
-    """Return the fault of a section whose kind is missing or unknown."""
+def _mistake_of_kind(located: Located, data: Mapping[str, Any]) -> Mistake:
+    """Return the mistake of a section whose kind is missing or unknown."""
     field = located.field
     assert field is not None  # as a section of several kinds has a field
     key = (*located.key, str(field.discriminator))
     choices = [_kind_of(model, field) for model in _models(field)]
     value = _value_at(data, key)
     if value is None:
-        return Fault(key, f"missing, allowed: {', '.join(choices)}")
+        return Mistake(key, f"missing, allowed: {', '.join(choices)}")
     message = f"got {quoted(value)}, allowed: {', '.join(choices)}"
     if isinstance(value, str):
         message += nearest(value, choices)
-    return Fault(key, message)
+    return Mistake(key, message)
 
 
-def _unknown_key(located: Located, data: Mapping[str, Any], root: type[BaseModel]) -> Fault:
-    """Return the fault of a key that a section does not have, with the nearest and all its keys."""
+def _unknown_key(located: Located, data: Mapping[str, Any], root: type[BaseModel]) -> Mistake:
+    """Return the mistake of a key that a section lacks, with the nearest and all its keys."""
     key = located.key
     name = str(key[-1])
     siblings = list(located.model.model_fields) if located.model else []
@@ -498,7 +498,7 @@ def _unknown_key(located: Located, data: Mapping[str, Any], root: type[BaseModel
         like += "; a decimal point stands in place of a comma"
     message = f"unknown key{of_kind}{like}, allowed: {', '.join(siblings)}"
     near = nearest_name(name, siblings)
-    return Fault(key, message, meant=(*key[:-1], near) if near else ())
+    return Mistake(key, message, meant=(*key[:-1], near) if near else ())
 
 
 # ---- annotations of fields

@@ -8,7 +8,7 @@ from typing import Any
 from acoustics.numbers import rounded
 from rolling.contact.track import ROUNDING
 from rolling.scene import values_in_si
-from rolling.scene.messages import fault, plain_number, quoted
+from rolling.scene.messages import mistake, plain_number, quoted
 from rolling.scene.sections import (
     WEIGHT,
     Dynamics,
@@ -25,7 +25,7 @@ EDGE_RADII = 10  # contact radii from the contact to the nearest edge of the pla
 MAX_MODES = 20_000  # of a plate with edges; a second of sound takes them half a minute
 MAX_COMPUTED_MODES = 3000  # of a plate with free or clamped edges, which take half a minute
 
-# Sections of a scene that are valid so far, by name; one that has faults is missing.
+# Sections of a scene that are valid so far, by name; one that has mistakes is missing.
 Sections = Mapping[str, Any]
 
 
@@ -33,7 +33,7 @@ def refuse_rolling(rolling: Rolling, sections: Sections) -> None:
     """Refuse a track without a length, a missing load, and a contact too near an edge."""
     has_length = rolling.duration_s or rolling.distance_mm or rolling.resistance
     if not has_length and isinstance(sections.get("surface"), MadeSurface):
-        raise fault(
+        raise mistake(
             "missing; give it or a rolling.distance_mm",
             at="rolling.duration_s",
             needs=["rolling.distance_mm", "rolling.resistance"],
@@ -46,16 +46,16 @@ def refuse_rolling(rolling: Rolling, sections: Sections) -> None:
             words = "missing; give it, or sphere.density_kg_m3 for the weight of the sphere"
             if "load_n" in rolling.model_fields_set:
                 words = "got weight, which needs sphere.density_kg_m3"
-            raise fault(words, at="rolling.load_n", needs=["sphere.density_kg_m3"])
+            raise mistake(words, at="rolling.load_n", needs=["sphere.density_kg_m3"])
         if rolling.resistance is not None:
-            raise fault(
+            raise mistake(
                 "missing; rolling.resistance needs the mass of the sphere",
                 at="sphere.density_kg_m3",
             )
     rest = values_in_si.motion_of(sphere, rolling).rest_time
     duration = rolling.duration_s
     if rolling.resistance and duration and duration > rest * (1 + ROUNDING):
-        raise fault(
+        raise mistake(
             f"the sphere comes to rest after {rounded(rest, 6)} s, rolling.duration_s is"
             f" {plain_number(duration)}: give it more speed, or leave out the duration",
             at="rolling.duration_s",
@@ -77,7 +77,7 @@ def _refuse_edges(rolling: Rolling, sphere: Sphere, plate: Plate) -> None:
         if edge < least:
             if getattr(plate, key) is None:  # the default point, so the plate is too narrow
                 key = "length_mm" if plate.edges_mm[0] < plate.edges_mm[1] else "width_mm"
-            raise fault(
+            raise mistake(
                 f"the contact is {rounded(edge)} mm from an edge, allowed: at least"
                 f" {rounded(least, 3)}, ten contact radii",
                 at=f"plate.{key}",
@@ -89,13 +89,13 @@ def refuse_modes(plate: Plate, at: str) -> None:
     """Refuse a plate with edges, at a key, that has more modes than can be moved."""
     modes = values_in_si.plate_modes(plate)
     if modes > MAX_MODES:
-        raise fault(
+        raise mistake(
             f"the plate has some {rounded(modes)} modes in hearing, allowed: {MAX_MODES}; choose a"
             " smaller or thicker plate, or leave out its edges where a sphere rolls on it",
             at=f"{at}.length_mm",
         )
     if modes > MAX_COMPUTED_MODES and set(plate.edge_pair) != {"simply_supported"}:
-        raise fault(
+        raise mistake(
             f"the plate has some {rounded(modes)} modes in hearing, allowed: {MAX_COMPUTED_MODES}"
             " with free or clamped edges, whose modes are computed one by one; choose a smaller or"
             " thicker plate, or simply_supported edges",
@@ -112,7 +112,9 @@ def refuse_numerics(numerics: Numerics, sections: Sections) -> None:
         return
     if sphere.surface is not None:
         if surface.spacing_um is None:
-            raise fault("missing; the surface of the sphere has the same", at="surface.spacing_um")
+            raise mistake(
+                "missing; the surface of the sphere has the same", at="surface.spacing_um"
+            )
         refuse_ball(sphere.surface, sphere.radius_mm, surface.spacing_um)
     if rolling is not None and not isinstance(surface, HeightFile):
         given = numerics.step_nodes
@@ -129,7 +131,7 @@ def refuse_memory(numerics: Numerics, sections: Sections) -> None:
         return
     if plate.plasticity != "permanent":
         if rolling is not None and (rolling.passes or 1) > 1:
-            raise fault(
+            raise mistake(
                 f"got {rolling.passes}, which needs plate.plasticity: permanent: without memory all"
                 " passes are equal",
                 at="rolling.passes",
@@ -137,24 +139,24 @@ def refuse_memory(numerics: Numerics, sections: Sections) -> None:
             )
         return
     if sphere is not None and sphere.surface is not None:
-        raise fault(
+        raise mistake(
             'got "permanent", which only goes with a smooth sphere: each turn of a rough sphere'
             " meets other places of the plate",
             at="plate.plasticity",
         )
     permanent = "allowed with plate.plasticity: permanent"
     if numerics.edges != "sharp":
-        raise fault(
+        raise mistake(
             f'got {quoted(numerics.edges)}, {permanent}: "sharp"; nodes sink as a whole',
             at="numerics.edges",
         )
     if numerics.subcells not in (1, "auto"):
-        raise fault(
+        raise mistake(
             f"got {numerics.subcells}, {permanent}: 1; nodes sink as a whole",
             at="numerics.subcells",
         )
     if numerics.error_estimate:
-        raise fault(
+        raise mistake(
             f"got true, {permanent}: false; its grids have no earlier passes",
             at="numerics.error_estimate",
         )
@@ -168,14 +170,14 @@ def refuse_dynamics(dynamics: Dynamics | None, sections: Sections) -> None:
         _refuse_without_dynamics(sections.get("plate"), is_dropped)
         return
     if dynamics.release and is_dropped:
-        raise fault(
+        raise mistake(
             "got true, which a sphere with rolling.drop_mm has not: nothing is released in flight",
             at="dynamics.release",
         )
     for name in ("sphere", "plate"):
         body = sections.get(name)
         if body is not None and body.density_kg_m3 is None:
-            raise fault(
+            raise mistake(
                 f"missing; dynamics needs the mass of the {name}", at=f"{name}.density_kg_m3"
             )
 
@@ -183,19 +185,19 @@ def refuse_dynamics(dynamics: Dynamics | None, sections: Sections) -> None:
 def _refuse_without_dynamics(plate: Plate | None, is_dropped: bool) -> None:
     """Refuse keys that need dynamics."""
     if is_dropped:
-        raise fault(
+        raise mistake(
             "only goes with dynamics; `dynamics: {}` takes its defaults",
             at="rolling.drop_mm",
             needs=["dynamics"],
         )
     if plate is not None and plate.thickness_mm is not None:
-        raise fault(
+        raise mistake(
             "only goes with dynamics: without that section the plate does not bend",
             at="plate.thickness_mm",
             needs=["dynamics"],
         )
     if plate is not None and plate.contact_loss_factor is not None:
-        raise fault(
+        raise mistake(
             "only goes with dynamics: without that section nothing vibrates",
             at="plate.contact_loss_factor",
             needs=["dynamics"],
@@ -206,7 +208,7 @@ def with_source(sound: Sound, sections: Sections) -> Sound:
     """Return the sound with its source; refuse a source that the scene has not."""
     sphere = sections.get("sphere")
     if sphere is not None and sound.distance_m <= sphere.radius_mm * 1e-3:
-        raise fault(
+        raise mistake(
             f"got {plain_number(sound.distance_m)}, allowed: more than"
             f" {rounded(sphere.radius_mm * 1e-3, 6)}, the sphere's radius in m: the listener"
             " stands outside the sphere",
@@ -219,7 +221,7 @@ def with_source(sound: Sound, sections: Sections) -> Sound:
             sound = sound.model_copy(update={"source": source})
             refuse_free_factors(sound)
         elif sound.source == "vibration" and not has_dynamics:
-            raise fault(
+            raise mistake(
                 'got "vibration", which needs the section dynamics; `dynamics: {}` takes its'
                 " defaults",
                 at="sound.source",
@@ -227,7 +229,7 @@ def with_source(sound: Sound, sections: Sections) -> Sound:
             )
     rolling = sections.get("rolling")
     if sound.source == "release" and rolling is not None and rolling.drop_mm is not None:
-        raise fault(
+        raise mistake(
             'got "release", which a sphere with rolling.drop_mm has not: nothing is released in'
             " flight",
             at="sound.source",
@@ -242,7 +244,7 @@ def refuse_listeners(sound: Sound, sections: Sections) -> None:
     if sound.listener_mm is None or sphere is None or plate is None:
         return
     if plate.edges_mm is None:
-        raise fault(
+        raise mistake(
             "only goes with plate.length_mm and plate.width_mm: an infinite plate is heard on the"
             " axis, at distance_m",
             at="sound.listener_mm",
@@ -257,7 +259,7 @@ def refuse_listeners(sound: Sound, sections: Sections) -> None:
         share = min(max(along / square, 0.0), 1.0) if square else 0.0
         nearest = x + share * (to_x - x), y + share * (to_y - y), sphere.radius_mm
         if math.dist(at, nearest) <= sphere.radius_mm:
-            raise fault(
+            raise mistake(
                 f"got {quoted(list(at))}, inside the sphere, allowed: more than its radius from the"
                 " middle of the sphere",
                 at="sound.listener_mm",

@@ -159,7 +159,7 @@ class Scene(values_in_si.SceneQuantities):
         Raises
         ------
         SceneError
-            A run has faults; those of the first such run are named.
+            A run has mistakes; those of the first such run are named.
         """
         runs = super().runs()
         if all(isinstance(run.numerics.step_nodes, float) for _, run in runs):

@@ -23,7 +23,7 @@ from acoustics.loss_factors import LossFactor
 from acoustics.numbers import rounded
 from rolling.contact.track import Motion
 from rolling.scene import library, messages
-from rolling.scene.messages import MATERIALS, fault, is_number, numbers, plain_number, quoted
+from rolling.scene.messages import MATERIALS, is_number, mistake, numbers, plain_number, quoted
 from rolling.scene.models import Section
 from rolling.scene.surfaces import BallSurface
 from rolling.scene.transducers import MAX_CHANNELS, SoundChannel, refuse_equal_names
@@ -47,8 +47,8 @@ def number_or(
         if is_number(value) and value > above and least <= value <= most:
             return float(value)
         if is_number(value) and sizes is not None:
-            raise fault(messages.implausible(value, sizes))
-        raise fault(f"got {quoted(value)}, allowed: {allowed}")
+            raise mistake(messages.implausible(value, sizes))
+        raise mistake(f"got {quoted(value)}, allowed: {allowed}")
 
     kinds = [{"type": "number", **limits}, {"type": "string", "const": word}]
     return BeforeValidator(word_or_number), WithJsonSchema({"anyOf": kinds})
@@ -69,7 +69,7 @@ def _refuse_half(section: Section, keys: tuple[str, str], rule: str) -> None:
     """Refuse one key of a pair without the other."""
     for missing, given in (keys, keys[::-1]):
         if getattr(section, missing) is None and getattr(section, given) is not None:
-            raise fault(f"missing beside {given}; {rule}", at=f".{missing}")
+            raise mistake(f"missing beside {given}; {rule}", at=f".{missing}")
 
 
 class Sphere(Section):
@@ -118,7 +118,7 @@ class Sphere(Section):
             if not 1 / MAX_OBLONG <= ratio <= MAX_OBLONG:
                 least = plain_number(self.radius_mm / MAX_OBLONG)
                 most = plain_number(self.radius_mm * MAX_OBLONG)
-                raise fault(
+                raise mistake(
                     f"got {plain_number(self.radius_across_mm)}, allowed: {least} to {most},"
                     " a millionth of radius_mm to a million times it",
                     at="sphere.radius_across_mm",
@@ -135,7 +135,7 @@ def _point(value: Any) -> Any:
     """Return a point on the plate as a tuple."""
     point = numbers(value, 2)
     if point is None:
-        raise fault(f"got {quoted(value)}, allowed: [x, y], two numbers in mm from a corner")
+        raise mistake(f"got {quoted(value)}, allowed: [x, y], two numbers in mm from a corner")
     return point
 
 
@@ -152,7 +152,7 @@ def _edges(value: Any) -> Any:
     if isinstance(value, dict) and set(value) == set(EDGE_PAIRS):
         return {pair: _edge_kind(value[pair], f"plate.edges.{pair}") for pair in EDGE_PAIRS}
     kinds = ", ".join(EDGE_KINDS)
-    raise fault(
+    raise mistake(
         f"got {quoted(value)}, allowed: one of {kinds}, or opposite pairs such as"
         " {length: free, width: clamped}"
     )
@@ -166,7 +166,7 @@ def _edge_kind(value: Any, at: str) -> str:
     nearest = get_close_matches(str(value), EDGE_KINDS, 1)
     if nearest:
         words += f"; did you mean {nearest[0]}?"
-    raise fault(words, at=at)
+    raise mistake(words, at=at)
 
 
 _EDGE_KIND = {"type": "string", "enum": list(EDGE_KINDS)}
@@ -196,9 +196,9 @@ def _loss_factor(value: Any) -> Any:
     pairs = [numbers(pair, 2) for pair in listed]
     valid = [pair for pair in pairs if pair is not None and pair[0] > 0 and 0 < pair[1] <= 1]
     if len(valid) < 2 or len(valid) < len(pairs):
-        raise fault(f"got {quoted(value)}, allowed: {LOSS}", at="plate.loss_factor")
+        raise mistake(f"got {quoted(value)}, allowed: {LOSS}", at="plate.loss_factor")
     if any(later[0] <= earlier[0] for earlier, later in pairwise(valid)):
-        raise fault(
+        raise mistake(
             f"got {quoted(value)}, allowed: pairs of rising frequency", at="plate.loss_factor"
         )
     return tuple(valid)
@@ -347,7 +347,7 @@ class Plate(Section):
     def _check_yielding(self) -> Self:
         """Refuse a hardness beside a yield strength, a hardness above E/5, and memory without."""
         if self.yield_strength_gpa is not None and self.hardness_gpa is not None:
-            raise fault(
+            raise mistake(
                 f"not beside hardness_gpa, which is {library.YIELDS} times as much",
                 at="plate.yield_strength_gpa",
             )
@@ -357,7 +357,7 @@ class Plate(Section):
             share = HARDEST * library.YIELDS
             self._refuse_hard("yield_strength_gpa", self.yield_strength_gpa, "fifteenth", share)
         if self.plasticity == "permanent" and math.isinf(self.cap_gpa):
-            raise fault(
+            raise mistake(
                 "missing; plasticity: permanent needs it, an elastic plate keeps its surface",
                 at="plate.hardness_gpa",
                 needs=["plate.yield_strength_gpa"],
@@ -366,7 +366,7 @@ class Plate(Section):
 
     def _refuse_hard(self, key: str, got: float, part: str, share: float) -> NoReturn:
         """Refuse a hardness or yield strength above a share of Young's modulus."""
-        raise fault(
+        raise mistake(
             f"got {plain_number(got)}, allowed: below a {part} of youngs_modulus_gpa,"
             f" {rounded(self.youngs_modulus_gpa / share, 4)}; without a hardness the plate is"
             " purely elastic",
@@ -377,13 +377,13 @@ class Plate(Section):
     def _check_edges(self) -> Self:
         """Refuse half a rectangle, and keys of a contact point without edges."""
         if self.loss_factor is not None and self.thickness_mm is None:
-            raise fault(
+            raise mistake(
                 "only goes with thickness_mm: a half-space has no bending waves",
                 at="plate.loss_factor",
                 needs=["plate.thickness_mm"],
             )
         if self.damping is not None and self.material is None:
-            raise fault(
+            raise mistake(
                 "only goes with material, which gives a loss factor; without one, give loss_factor",
                 at="plate.damping",
                 needs=["plate.material"],
@@ -393,14 +393,14 @@ class Plate(Section):
             rule = "a plate with edges needs both, an infinite plate neither"
             _refuse_half(self, ("length_mm", "width_mm"), rule)
             if self.edges is not None:
-                raise fault(
+                raise mistake(
                     "only goes with length_mm and width_mm: an infinite plate has no edges",
                     at="plate.edges",
                     needs=sides,
                 )
             for key in ("contact_mm", "contact_path", "contact_end_mm"):
                 if getattr(self, key) is not None:
-                    raise fault(
+                    raise mistake(
                         "only goes with length_mm and width_mm: a point on an infinite plate is"
                         " like any other",
                         at=f"plate.{key}",
@@ -408,15 +408,15 @@ class Plate(Section):
                     )
             return self
         if self.thickness_mm is None:
-            raise fault("missing; a plate with edges bends", at="plate.thickness_mm")
+            raise mistake("missing; a plate with edges bends", at="plate.thickness_mm")
         if self.loss_factor is None:
-            raise fault(
+            raise mistake(
                 "missing; a plate with edges has modes, which decay", at="plate.loss_factor"
             )
         for key, point in self.contact_ends_mm.items():
             for axis, place, edge in zip("xy", point, self.edges_mm, strict=True):
                 if not 0 < place < edge:
-                    raise fault(
+                    raise mistake(
                         f"got {quoted(list(point))}, allowed: a point within the edges, {axis}"
                         f" above 0 and below {plain_number(edge)}",
                         at=f"plate.{key}",
@@ -424,15 +424,15 @@ class Plate(Section):
         end = self.contact_end_mm
         moves = self.contact_path == "to-and-fro"
         if moves and end is None:
-            raise fault("missing; contact_path: to-and-fro needs it", at="plate.contact_end_mm")
+            raise mistake("missing; contact_path: to-and-fro needs it", at="plate.contact_end_mm")
         if end is not None and not moves:
-            raise fault(
+            raise mistake(
                 "only goes with contact_path: to-and-fro",
                 at="plate.contact_end_mm",
                 needs=["plate.contact_path"],
             )
         if end is not None and end == self.contact_ends_mm["contact_mm"]:
-            raise fault(
+            raise mistake(
                 f"got {quoted(list(end))}, the point contact_mm, allowed: another point",
                 at="plate.contact_end_mm",
             )
@@ -455,11 +455,11 @@ def _speed(value: Any) -> Any:
     pairs = [numbers(pair, 2) for pair in listed]
     valid = [pair for pair in pairs if pair is not None]
     if len(valid) < 2 or len(valid) < len(pairs):
-        raise fault(f"got {quoted(value)}, allowed: {SPEED}", at="rolling.speed_m_s")
+        raise mistake(f"got {quoted(value)}, allowed: {SPEED}", at="rolling.speed_m_s")
     try:
         Motion.of(valid)
     except ValueError as error:
-        raise fault(f"got {quoted(value)}: {error}", at="rolling.speed_m_s") from error
+        raise mistake(f"got {quoted(value)}: {error}", at="rolling.speed_m_s") from error
     return tuple(valid)
 
 
@@ -524,9 +524,9 @@ class Rolling(Section):
     @model_validator(mode="after")
     def _check_length(self) -> Self:
         if self.duration_s is not None and self.distance_mm is not None:
-            raise fault("given beside duration_s, allowed: one of them", at="rolling.distance_mm")
+            raise mistake("given beside duration_s, allowed: one of them", at="rolling.distance_mm")
         if self.resistance is not None and isinstance(self.speed_m_s, tuple):
-            raise fault(
+            raise mistake(
                 "only goes with one speed_m_s, at which the sphere starts, not with pairs",
                 at="rolling.resistance",
             )
@@ -551,7 +551,7 @@ def _step_nodes(value: float | str) -> float | str:
         return value
     closest = min(STEP_NODES, key=lambda allowed: abs(math.log(value / allowed)))
     if abs(value / closest - 1) > 1e-5:
-        raise fault(
+        raise mistake(
             f"got {plain_number(value)}, allowed: {STEPS}; nearest: {plain_number(closest)}",
             at="numerics.step_nodes",
         )
@@ -642,7 +642,7 @@ class Recovery(Section):
 def _odd(value: int) -> int:
     """Refuse an even number of loads."""
     if value % 2 == 0:
-        raise fault(f"got {value}, allowed: an odd whole number from 3 to 15")
+        raise mistake(f"got {value}, allowed: an odd whole number from 3 to 15")
     return value
 
 
@@ -683,11 +683,11 @@ def _listeners(value: Any) -> Any:
     listeners = [numbers(place, 3) for place in places]
     valid = [place for place in listeners if place is not None]
     if not valid or len(valid) < len(listeners):
-        raise fault(f"got {quoted(value)}, allowed: {_PLACES}")
+        raise mistake(f"got {quoted(value)}, allowed: {_PLACES}")
     if len(valid) > MAX_LISTENERS:
-        raise fault(f"got {len(valid)} places, allowed: {_PLACES}")
+        raise mistake(f"got {len(valid)} places, allowed: {_PLACES}")
     if any(height == 0 for _, _, height in valid):
-        raise fault(f"got {quoted(value)}, allowed: z above 0, on the ball's side, or below 0")
+        raise mistake(f"got {quoted(value)}, allowed: z above 0, on the ball's side, or below 0")
     return tuple(valid)
 
 
@@ -706,23 +706,23 @@ _ROOM = "levels in dB by nominal mid frequency of third octaves, as in {63: 25, 
 def _room(value: Any) -> Any:
     """Return the third octaves of a room by the names of their bands, lowest first."""
     if not isinstance(value, dict) or not value:
-        raise fault(f"got {quoted(value)}, allowed: {_ROOM}")
+        raise mistake(f"got {quoted(value)}, allowed: {_ROOM}")
     levels: dict[str, float] = {}
     for key, level in value.items():
         try:
             frequency_hz = float(key)
         except (TypeError, ValueError):
-            raise fault(f"got the frequency {quoted(key)}, allowed: {_ROOM}") from None
+            raise mistake(f"got the frequency {quoted(key)}, allowed: {_ROOM}") from None
         name = f"{frequency_hz:g}"
         if name not in BAND_NAMES:
             closest = nearest_nominal(frequency_hz)
-            raise fault(
+            raise mistake(
                 f"got the frequency {quoted(key)}, allowed: nominal mid frequencies of third "
                 f"octaves from 20 to 20000 Hz; nearest: {closest:g}"
             )
         if not (is_number(level) and MIN_ROOM_DB <= level <= MAX_ROOM_DB):
             words = f"a level from {MIN_ROOM_DB:g} to {MAX_ROOM_DB:g} dB re 20 uPa"
-            raise fault(f"{name} Hz: got {quoted(level)}, allowed: {words}")
+            raise mistake(f"{name} Hz: got {quoted(level)}, allowed: {words}")
         levels[name] = float(level)
     return {name: levels[name] for name in BAND_NAMES if name in levels}
 
@@ -741,7 +741,7 @@ def _channels(value: Any) -> Any:
     if is_list and 1 <= len(value) <= MAX_CHANNELS:
         return list(value)
     got = f"{len(value)} channels" if is_list else quoted(value)
-    raise fault(
+    raise mistake(
         f"got {got}, allowed: a list of 1 to {MAX_CHANNELS} channels, as in"
         " [{of: plate, quantity: acceleration, x_mm: 30, y_mm: 40}]"
     )
@@ -823,7 +823,7 @@ def refuse_free_factors(sound: Sound) -> None:
         return
     words = "which only goes with source: release; the pressure of the vibration has no free factor"
     if sound.q != 1:
-        raise fault(f"got {plain_number(sound.q)}, {words}", at="sound.q", needs=["sound.source"])
+        raise mistake(f"got {plain_number(sound.q)}, {words}", at="sound.q", needs=["sound.source"])
     if sound.gain_pa_per_w_m2 is not None:
         gain = plain_number(sound.gain_pa_per_w_m2)
-        raise fault(f"got {gain}, {words}", at="sound.gain_pa_per_w_m2", needs=["sound.source"])
+        raise mistake(f"got {gain}, {words}", at="sound.gain_pa_per_w_m2", needs=["sound.source"])

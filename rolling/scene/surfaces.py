@@ -16,7 +16,7 @@ from rolling.contact.track import MAX_NODES, MIN_NODES
 from rolling.scene import library
 from rolling.scene.height_files import TRIPLES, is_instrument
 from rolling.scene.laws import Roughness, SelfAffineLaw, SurfaceFault, SurfaceKind
-from rolling.scene.messages import TABLES, fault, is_number, plain_number, quoted
+from rolling.scene.messages import TABLES, is_number, mistake, plain_number, quoted
 from rolling.scene.models import Section
 from rolling.surface.ball_form import WAVE_NODES, BallForm
 from rolling.surface.instrument import InstrumentLimits
@@ -50,16 +50,16 @@ class MadeSurface(SurfaceKind):
 
 
 def refuse_width(width_um: float, spacing_um: float) -> None:
-    """Raise a fault for a width that is no whole number of nodes, too small or too large."""
+    """Raise a mistake for a width that is no whole number of nodes, too small or too large."""
     nodes = width_um / spacing_um
     if not nodes < MAX_NODES:
-        raise fault(
+        raise mistake(
             f"got {plain_number(width_um)}, allowed: less than {rounded(MAX_NODES)} nodes",
             at="surface.width_um",
         )
     if round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
         nearest = max(MIN_NODES, round(nodes)) * spacing_um
-        raise fault(
+        raise mistake(
             f"got {plain_number(width_um)}, allowed: a whole number of nodes of {spacing_um:g} um,"
             f" at least {MIN_NODES}; nearest: {nearest:.10g}",
             at="surface.width_um",
@@ -183,7 +183,7 @@ class Instrument(Section):
     def _says_something(self) -> Self:
         if self.tip_radius_um is None and self.sampling_um is None and self.noise_nm is None:
             words = "at least one of tip_radius_um, sampling_um and noise_nm"
-            raise fault(f"got nothing, allowed: {words}", at=self.SECTION)
+            raise mistake(f"got nothing, allowed: {words}", at=self.SECTION)
         return self
 
 
@@ -267,38 +267,38 @@ class HeightFile(SurfaceKind):
         ending = Path(self.path).suffix.lower()
         if not is_instrument(self.path):
             if self.spacing_um is None:
-                raise fault(
+                raise mistake(
                     "missing; files of arrays and of rows of text do not hold their spacing",
                     at="surface.spacing_um",
                 )
             if self.channel is not None:
-                raise fault(
+                raise mistake(
                     f"only goes with a file of an instrument, not {ending}", at="surface.channel"
                 )
         elif ending != TRIPLES and self.height_unit != "m":
-            raise fault(
+            raise mistake(
                 f"got {quoted(self.height_unit)}, but a {ending} file holds its own units",
                 at="surface.height_unit",
             )
         if self.xy_unit is not None and ending != TRIPLES:
-            raise fault(
+            raise mistake(
                 f"only goes with a {TRIPLES} file, not {ending or 'one without an ending'}",
                 at="surface.xy_unit",
             )
         if self.outliers is not None and self.unmeasured != "fill":
-            raise fault(
+            raise mistake(
                 "only goes with surface.unmeasured fill, because outliers count as unmeasured",
                 at="surface.outliers",
                 needs=["surface.unmeasured"],
             )
         if self.overlap_um is not None and self.made_periodic != "blend":
-            raise fault(
+            raise mistake(
                 "only goes with surface.periodic blend",
                 at="surface.overlap_um",
                 needs=["surface.periodic"],
             )
         if self.s_filter_um and self.l_filter_um and self.s_filter_um >= self.l_filter_um:
-            raise fault(
+            raise mistake(
                 f"got {plain_number(self.s_filter_um)}, allowed: less than"
                 f" {plain_number(self.l_filter_um)}, the L-filter",
                 at="surface.s_filter_um",
@@ -343,24 +343,24 @@ def _grade(value: Any) -> Any:
     if digits:
         closest = min(GRADES, key=lambda name: abs(int(name[1:]) - int(digits)))
         words += f"; nearest: {closest}"
-    raise fault(words)
+    raise mistake(words)
 
 
 def _orders(value: Any) -> Any:
     """Return the amplitudes of the waves of a circumference by their whole orders."""
     if not isinstance(value, dict) or not value:
         form = "amplitudes in um by order, as in {3: 0.05, 7: 0.02}"
-        raise fault(f"got {quoted(value)}, allowed: {form}")
+        raise mistake(f"got {quoted(value)}, allowed: {form}")
     orders: dict[int, float] = {}
     for name, amplitude in value.items():
         text = str(name).strip()
         if not (text.isdecimal() and len(text) < 10 and int(text) >= 2):
             rule = "order 1 moves the centre of a sphere that stays round"
             words = "whole orders from 2 on, waves around the circumference"
-            raise fault(f"got the order {quoted(name)}, allowed: {words}; {rule}")
+            raise mistake(f"got the order {quoted(name)}, allowed: {words}; {rule}")
         if not (is_number(amplitude) and 0 < amplitude <= LARGEST_UM):
             words = f"an amplitude > 0 and <= {LARGEST_UM:g} um"
-            raise fault(f"order {text}: got {quoted(amplitude)}, allowed: {words}")
+            raise mistake(f"order {text}: got {quoted(amplitude)}, allowed: {words}")
         orders[int(text)] = float(amplitude)
     return orders
 
@@ -531,10 +531,10 @@ def turn_nodes(radius_mm: float, spacing_um: float) -> int:
 
 
 def refuse_ball(surface: BallSurface, radius_mm: float, spacing_um: float) -> None:
-    """Raise a fault for a surface of a sphere that does not fit its circumference in nodes."""
+    """Raise a mistake for a surface of a sphere that does not fit its circumference in nodes."""
     circumference = 2e3 * math.pi * radius_mm
     if not MIN_NODES <= circumference / spacing_um < MAX_NODES:
-        raise fault(
+        raise mistake(
             f"got a circumference of {rounded(circumference, 4)} um, allowed: {MIN_NODES} to"
             f" {rounded(MAX_NODES)} nodes of {spacing_um:g} um around the sphere",
             at="sphere.surface",
@@ -542,12 +542,12 @@ def refuse_ball(surface: BallSurface, radius_mm: float, spacing_um: float) -> No
     highest = max(surface.waviness or {0: 0.0})
     most = turn_nodes(radius_mm, spacing_um) // WAVE_NODES
     if highest > most:
-        raise fault(
+        raise mistake(
             f"got the order {highest}, allowed: up to {most}, waves of at least {WAVE_NODES} nodes",
             at="sphere.surface.waviness",
         )
     if isinstance(surface, BallHeightFile) and surface.spacing_um != spacing_um:
-        raise fault(
+        raise mistake(
             f"got {plain_number(surface.spacing_um)}, allowed: {plain_number(spacing_um)}, the"
             " spacing of the plate's surface",
             at="sphere.surface.spacing_um",

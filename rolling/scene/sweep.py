@@ -17,12 +17,12 @@ from pydantic_core import PydanticCustomError
 
 from rolling.scene import library
 from rolling.scene.messages import (
-    MAX_FAULTS,
+    MAX_MISTAKES,
     Key,
-    fault,
-    faults_together,
     is_number,
     key_of,
+    mistake,
+    mistakes_together,
     nearest,
     plain_number,
     quoted,
@@ -77,7 +77,7 @@ def _digest(text: str) -> str:
 
 
 def check_lists(sweep: Any, root: type[BaseModel]) -> dict[str, Any]:
-    """Return a sweep with its lists as tuples; raise all faults of its keys and lists.
+    """Return a sweep with its lists as tuples; raise all mistakes of its keys and lists.
 
     `root` is the model of the scene.
 
@@ -85,40 +85,40 @@ def check_lists(sweep: Any, root: type[BaseModel]) -> dict[str, Any]:
     is not swept.
     """
     if not isinstance(sweep, Mapping):
-        raise fault(
+        raise mistake(
             f"got {quoted(sweep)}, allowed: lists of numbers by dotted key, as in rolling.load_n:"
             " [5, 20]",
             at="sweep",
         )
     known = sweepable_keys(root)
-    faults: list[PydanticCustomError] = []
+    mistakes: list[PydanticCustomError] = []
     for name, listed in sweep.items():
         if name not in known:
             like = nearest(name, known) if isinstance(name, str) else ""
-            faults.append(fault(f"unknown key{like}", at=("sweep", str(name))))
+            mistakes.append(mistake(f"unknown key{like}", at=("sweep", str(name))))
         elif listed is not None and (not isinstance(listed, list | tuple | dict) or not listed):
-            faults.append(_no_list(name, listed))
-    if faults:
-        raise faults_together(faults[:MAX_FAULTS])
+            mistakes.append(_no_list(name, listed))
+    if mistakes:
+        raise mistakes_together(mistakes[:MAX_MISTAKES])
     sweep = {name: listed for name, listed in sweep.items() if listed is not None}
     runs = math.prod(map(len, sweep.values()))
     if runs > MAX_RUNS:  # refused before any value is looked at
-        raise fault(f"got {runs} runs, allowed: at most {MAX_RUNS}", at="sweep")
+        raise mistake(f"got {runs} runs, allowed: at most {MAX_RUNS}", at="sweep")
     checked: dict[str, Any] = {}
     for name, listed in sweep.items():
         if isinstance(listed, dict):
-            faults += _faults_of_labels(name, listed)
+            mistakes += _mistakes_of_labels(name, listed)
             checked[name] = dict(listed)
         else:
-            faults += _faults_of_list(name, listed)
+            mistakes += _mistakes_of_list(name, listed)
             checked[name] = tuple(listed)
-    if faults:
-        raise faults_together(faults[:MAX_FAULTS])
+    if mistakes:
+        raise mistakes_together(mistakes[:MAX_MISTAKES])
     return checked
 
 
 def _no_list(name: str, value: Any) -> PydanticCustomError:
-    """Return the fault of a swept key that has no list of values, with an example."""
+    """Return the mistake of a swept key that has no list of values, with an example."""
     words = (
         f"got {quoted(value)}, allowed: a list of at least one number or name, or values by label,"
         " as in {first: ..., second: ...}"
@@ -128,16 +128,16 @@ def _no_list(name: str, value: Any) -> PydanticCustomError:
     elif isinstance(value, str) and value:
         short = shortened(value)
         words += f"; write [{short}, ...] for several runs, or {name}={short} without a sweep"
-    return fault(words, at=("sweep", name))
+    return mistake(words, at=("sweep", name))
 
 
-def _faults_of_labels(name: str, listed: Mapping[Any, Any]) -> Iterator[PydanticCustomError]:
-    """Yield the faults of the labels of a key."""
+def _mistakes_of_labels(name: str, listed: Mapping[Any, Any]) -> Iterator[PydanticCustomError]:
+    """Yield the mistakes of the labels of a key."""
     at: Key = ("sweep", name)
     seen: dict[str, Value] = {}
     for label in listed:
         if not isinstance(label, str) or not 0 < len(label) <= LONGEST_LABEL:
-            yield fault(
+            yield mistake(
                 f"got {quoted(label)} as a label, allowed: text of 1 to {LONGEST_LABEL} letters",
                 at=at,
             )
@@ -145,13 +145,13 @@ def _faults_of_labels(name: str, listed: Mapping[Any, Any]) -> Iterator[Pydantic
             yield from _repetition(label, seen, at)
 
 
-def _faults_of_list(name: str, listed: Sequence[Any]) -> Iterator[PydanticCustomError]:
-    """Yield the faults of the numbers or names of a key."""
+def _mistakes_of_list(name: str, listed: Sequence[Any]) -> Iterator[PydanticCustomError]:
+    """Yield the mistakes of the numbers or names of a key."""
     seen: dict[str, Value] = {}
     for i, value in enumerate(listed):
         at: Key = ("sweep", name, i)
         if not is_number(value) and not (isinstance(value, str) and value):
-            yield fault(
+            yield mistake(
                 f"got {quoted(value)}, allowed: a number or a name; any other value has a label, as"
                 f" in {name}: {{first: {quoted(value)}}}",
                 at=at,
@@ -161,14 +161,14 @@ def _faults_of_list(name: str, listed: Sequence[Any]) -> Iterator[PydanticCustom
 
 
 def _repetition(value: Value, seen: dict[str, Value], at: Key) -> Iterator[PydanticCustomError]:
-    """Yield the fault of a value that stands twice, or has the folder of another one somewhere."""
+    """Yield the mistake of a value that stands twice, or has the folder of another one."""
     form = _written(value).casefold()  # because some file systems do not tell the case of letters
     if form not in seen:
         seen[form] = value
     elif seen[form] == value:
-        yield fault(f"got {quoted(value)} twice, allowed: different values", at=at)
+        yield mistake(f"got {quoted(value)} twice, allowed: different values", at=at)
     else:
-        yield fault(
+        yield mistake(
             f"got {quoted(value)} beside {quoted(seen[form])}, allowed: texts that differ in more"
             " than upper and lower case",
             at=at,

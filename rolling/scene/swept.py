@@ -2,8 +2,8 @@
 
 `Scene` and `BearingScene` are such scenes. They are built from sections in Python, or from the
 plain values of a scene file, which `file` reads and writes. A scene is frozen, and `with_` gives a
-changed copy. It is refused with all its faults, those of the runs of its sweep included, before any
-run is solved.
+changed copy. It is refused with all its mistakes, those of the runs of its sweep included, before
+any run is solved.
 """
 
 from __future__ import annotations
@@ -28,23 +28,23 @@ from pydantic_core import PydanticCustomError
 from rolling.scene import library
 from rolling.scene import sweep as sweeps
 from rolling.scene.messages import (
-    MAX_FAULTS,
-    Fault,
+    MAX_MISTAKES,
     Key,
+    Mistake,
     SceneError,
-    fault,
-    first_faults,
+    first_mistakes,
     key_of,
+    mistake,
     order_of_place,
     plain_values,
     quoted,
 )
 from rolling.scene.models import (
     Section,
-    faults_of,
     fill,
     full_key,
     independent,
+    mistakes_of,
 )
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def _name(value: Any) -> Any:
     """Refuse a name that some file system may not take."""
     if isinstance(value, str) and re.fullmatch(PATTERN, value):
         return value
-    raise fault(f"got {quoted(value)}, allowed: {NAME}")
+    raise mistake(f"got {quoted(value)}, allowed: {NAME}")
 
 
 SceneName = Annotated[str, BeforeValidator(_name)]
@@ -172,7 +172,7 @@ class SweptScene(Section):
         data: Mapping[str, Any],
         folder: Path = Path(),
         places: Mapping[Key, str] = MappingProxyType({(): "scene"}),
-        known: Sequence[Fault] = (),
+        known: Sequence[Mistake] = (),
     ) -> Self:
         """Build a scene from plain values as `to_dict` gives them.
 
@@ -186,13 +186,13 @@ class SweptScene(Section):
             Folder that the relative paths of height files start from.
         places : mapping
             File and line of each key, for messages; the key () is needed.
-        known : sequence of Fault
-            Faults of the text that the data come from.
+        known : sequence of Mistake
+            Mistakes of the text that the data come from.
 
         Raises
         ------
         SceneError
-            The text, the data, or runs of the sweep have faults; all are named, in the order of
+            The text, the data, or runs of the sweep have mistakes; all are named, in the order of
             their lines, unless they are too many.
         """
         scene = cls.__new__(cls)
@@ -204,23 +204,23 @@ class SweptScene(Section):
         values: Mapping[str, Any],
         folder: Path,
         places: Mapping[Key, str],
-        known: Sequence[Fault],
+        known: Sequence[Mistake],
     ) -> None:
-        """Take plain values; raise SceneError with their faults and those of all runs."""
+        """Take plain values; raise SceneError with their mistakes and those of all runs."""
         judged = fill(self, values, known)
-        faults = [*known, *judged.faults]
+        mistakes = [*known, *judged.mistakes]
         if values.get("name") is None:
-            faults += independent([Fault(("name",), f"missing; {NAME}")], judged.causes)
+            mistakes += independent([Mistake(("name",), f"missing; {NAME}")], judged.causes)
         if judged.is_filled:
             self._folder = folder
             self._places = dict(places)
             of_runs, _ = self._judged_runs()
         else:
-            of_runs = self._faults_of_swept_values(judged.rest)
-        faults += independent(of_runs, judged.causes)
-        if faults:
+            of_runs = self._mistakes_of_swept_values(judged.rest)
+        mistakes += independent(of_runs, judged.causes)
+        if mistakes:
             raise _scene_error(
-                faults, places, more=None if len(of_runs) > MAX_FAULTS else judged.more
+                mistakes, places, more=None if len(of_runs) > MAX_MISTAKES else judged.more
             )
 
     def to_dict(self) -> dict[str, Any]:
@@ -250,7 +250,7 @@ class SweptScene(Section):
         Raises
         ------
         SceneError
-            A key is unknown or ambiguous, or the changed scene has faults.
+            A key is unknown or ambiguous, or the changed scene has mistakes.
 
         Examples
         --------
@@ -261,20 +261,20 @@ class SweptScene(Section):
             example = "{'rolling.load_n': 5}, or load_n=5"
             raise TypeError(f"changes: got {changes!r}, allowed: values by key, as in {example}")
         by_key: dict[str, Any] = {}
-        faults = []
+        mistakes = []
         for name, value in [*(changes or {}).items(), *keys.items()]:
             try:
                 key = full_key(name, type(self))
             except SceneError as error:
-                faults += error.faults
+                mistakes += error.mistakes
                 continue
             if key in by_key:
-                faults.append(f"scene: {key}: given twice")
+                mistakes.append(f"scene: {key}: given twice")
             by_key[key] = plain_values(value)
         if isinstance(by_key.get("sweep"), dict):
             by_key["sweep"] = self._with_full_keys(by_key["sweep"])
-        if faults:
-            raise SceneError(faults)
+        if mistakes:
+            raise SceneError(mistakes)
         data = self._data_to_change(by_key)
         for key in sorted(by_key, key=library.order_of_change):
             data = sweeps.with_value(data, key, by_key[key])
@@ -302,11 +302,11 @@ class SweptScene(Section):
         Raises
         ------
         SceneError
-            A run has faults; those of the first such run are named.
+            A run has mistakes; those of the first such run are named.
         """
-        faults, runs = self._judged_runs()
-        if faults:
-            raise _scene_error(faults, self._places, None if len(faults) > MAX_FAULTS else 0)
+        mistakes, runs = self._judged_runs()
+        if mistakes:
+            raise _scene_error(mistakes, self._places, None if len(mistakes) > MAX_MISTAKES else 0)
         return runs
 
     def _data_of_runs(self) -> dict[str, Any]:
@@ -315,34 +315,36 @@ class SweptScene(Section):
         del data["sweep"]
         return data
 
-    def _judged_runs(self) -> tuple[list[Fault], list[SweepRun[Self]]]:
-        """Return the faults of the runs, each once at its swept value, and the runs without any.
+    def _judged_runs(self) -> tuple[list[Mistake], list[SweepRun[Self]]]:
+        """Return the mistakes of the runs, each once at its swept value, and the runs without any.
 
-        After more than MAX_FAULTS the other runs are not judged.
+        After more than MAX_MISTAKES the other runs are not judged.
         """
         if not self.sweep:
             return [], [SweepRun({}, self)]
         data = self._data_of_runs()
         places = {key: at for key, at in self._places.items() if key[:1] != ("sweep",)}
         runs: list[SweepRun[Self]] = []
-        faults: dict[Fault, Fault] = {}  # with the first of its runs, by the fault without it
+        mistakes: dict[
+            Mistake, Mistake
+        ] = {}  # with the first of its runs, by the mistake without it
         for values, forms in sweeps.product(self.sweep):
             run_data = sweeps.with_values(data, forms)
             try:
                 scene = type(self).model_validate(run_data)
             except ValidationError as error:
-                for entry in faults_of(error, run_data, type(self))[0]:
-                    faults.setdefault(entry, self._in_sweep(entry, values))
-                if len(faults) > MAX_FAULTS:
+                for entry in mistakes_of(error, run_data, type(self))[0]:
+                    mistakes.setdefault(entry, self._in_sweep(entry, values))
+                if len(mistakes) > MAX_MISTAKES:
                     break
                 continue
             scene._folder = self._folder
             scene._places = places
             runs.append(SweepRun(values, scene))
-        return list(dict.fromkeys(faults.values())), runs
+        return list(dict.fromkeys(mistakes.values())), runs
 
-    def _in_sweep(self, entry: Fault, values: Mapping[str, sweeps.Value]) -> Fault:
-        """Return a fault of a run at the place of its swept value, or with the name of the run."""
+    def _in_sweep(self, entry: Mistake, values: Mapping[str, sweeps.Value]) -> Mistake:
+        """Return a mistake of a run at its swept value, or with the name of the run."""
         place = sweeps.place_in_sweep(entry.key, values, self.sweep)
         if place is not None:
             return entry._replace(key=place)
@@ -350,25 +352,25 @@ class SweptScene(Section):
         return entry._replace(message=f"{entry.message} (in the run {run} of the sweep)")
 
     @classmethod
-    def _faults_of_swept_values(cls, values: Mapping[str, Any]) -> list[Fault]:
-        """Return faults of swept values, each judged alone beside sections that make no scene."""
+    def _mistakes_of_swept_values(cls, values: Mapping[str, Any]) -> list[Mistake]:
+        """Return mistakes of swept values, each judged alone beside sections that make no scene."""
         try:
             sweep = sweeps.check_lists(values.get("sweep") or {}, cls)
-        except PydanticCustomError:  # faults that are listed already
+        except PydanticCustomError:  # mistakes that are listed already
             return []
         data = {name: section for name, section in values.items() if name != "sweep"}
-        faults: list[Fault] = []
+        mistakes: list[Mistake] = []
         for name, listed in sweep.items():
-            for value, form in sweeps.choices(listed)[: MAX_FAULTS + 1]:
+            for value, form in sweeps.choices(listed)[: MAX_MISTAKES + 1]:
                 run_data = sweeps.with_values(data, {name: form})
                 try:
                     cls.model_validate(run_data)
                 except ValidationError as error:
-                    for entry in faults_of(error, run_data, cls)[0]:
+                    for entry in mistakes_of(error, run_data, cls)[0]:
                         place = sweeps.place_in_sweep(entry.key, {name: value}, sweep)
                         if place is not None:
-                            faults.append(entry._replace(key=place))
-        return faults
+                            mistakes.append(entry._replace(key=place))
+        return mistakes
 
     def place(self, name: str) -> str:
         """Return file and line (or --set) of a dotted key, for messages."""
@@ -419,9 +421,11 @@ def _place_of(key: Key, places: Mapping[Key, str]) -> str:
 
 
 def _scene_error(
-    faults: Sequence[Fault], places: Mapping[Key, str], more: int | None
+    mistakes: Sequence[Mistake], places: Mapping[Key, str], more: int | None
 ) -> SceneError:
-    """Make the error of a scene from its faults in the order of their lines, and more of them."""
-    placed = [entry._replace(place=entry.place or _place_of(entry.key, places)) for entry in faults]
+    """Make the error of a scene from its mistakes in the order of their lines, and more of them."""
+    placed = [
+        entry._replace(place=entry.place or _place_of(entry.key, places)) for entry in mistakes
+    ]
     placed.sort(key=lambda entry: order_of_place(entry.place))
-    return SceneError(first_faults([entry.line for entry in placed], places[()], more))
+    return SceneError(first_mistakes([entry.line for entry in placed], places[()], more))

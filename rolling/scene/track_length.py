@@ -1,6 +1,6 @@
 """Track of a scene: whole nodes and whole steps of the length that its keys ask for.
 
-A length that no track has raises a fault at the key that asks for it.
+A length that no track has raises a mistake at the key that asks for it.
 """
 
 import math
@@ -11,7 +11,7 @@ from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import rounded
 from rolling.contact.track import MARGIN_WIDTHS, MAX_NODES, MIN_NODES, ROUNDING, Motion, Track
-from rolling.scene.messages import fault, plain_number
+from rolling.scene.messages import mistake, plain_number
 
 
 class WantedDistance(NamedTuple):
@@ -25,10 +25,10 @@ class WantedDistance(NamedTuple):
 def wanted_distance(
     duration_s: float | None, distance_mm: float | None, resistance: float | None, motion: Motion
 ) -> WantedDistance | None:
-    """Return the distance of a scene; raise a fault where the sphere comes to rest before it."""
+    """Return the distance of a scene; raise a mistake where the sphere comes to rest before it."""
     if distance_mm is not None:
         if distance_mm * 1e-3 > motion.final_distance * (1 + ROUNDING):
-            raise fault(
+            raise mistake(
                 f"the sphere comes to rest after {rounded(motion.final_distance * 1e3, 6)} mm,"
                 f" rolling.distance_mm is {plain_number(distance_mm)}: give it more speed",
                 at="rolling.speed_m_s",
@@ -53,7 +53,7 @@ def made_track(
     """Make the track over a generated surface, rounded so that it closes on itself.
 
     Under a sphere with a surface it closes after whole turns only; otherwise its surface is longer.
-    A distance that is too short or too long raises a fault.
+    A distance that is too short or too long raises a mistake.
     """
     step = _fraction(step_nodes)
     # The track is counted in the larger of step and node; the smaller then fits in whole numbers.
@@ -61,7 +61,7 @@ def made_track(
     unit = unit_nodes * spacing
     step_length = spacing * float(step)
     if not wanted.distance / min(unit, step_length) < MAX_NODES:
-        raise fault(
+        raise mistake(
             f"got {plain_number(wanted.value)}, which is more than {rounded(MAX_NODES)} nodes or"
             " steps",
             at=wanted.key,
@@ -93,16 +93,16 @@ def made_track(
 def _too_short(
     wanted: WantedDistance, motion: Motion, nodes: int, length: float
 ) -> PydanticCustomError:
-    """Make the fault of a track that is shorter than some nodes of a length [m] together."""
+    """Make the mistake of a track that is shorter than some nodes of a length [m] together."""
     shortest = f"the shortest track is {nodes} nodes, {rounded(length * 1e6, 4)} um"
     if length > motion.final_distance * (1 + ROUNDING):
-        return fault(
+        return mistake(
             f"the sphere comes to rest after {rounded(motion.final_distance * 1e6, 4)} um,"
             f" {shortest}: give it more speed",
             at="rolling.speed_m_s",
         )
     least = motion.duration(length) if wanted.key == "rolling.duration_s" else length * 1e3
-    return fault(
+    return mistake(
         f"got {plain_number(wanted.value)}, in which the sphere rolls"
         f" {rounded(wanted.distance * 1e6, 4)} um; {shortest}: at least {rounded(least, 4)}",
         at=wanted.key,
@@ -120,7 +120,7 @@ def file_track(
     """Make the track over the heights of a file of some nodes, by default once round it.
 
     Under a sphere with a surface it closes after whole turns of both only. A sphere that rests too
-    early raises a fault.
+    early raises a mistake.
     """
     plate_nodes, n_across = nodes
     step = _fraction(step_nodes)
@@ -128,7 +128,7 @@ def file_track(
     if wanted is None:
         lap = plate_nodes * spacing
         if motion.final_distance * (1 + ROUNDING) < lap:
-            raise fault(
+            raise mistake(
                 f"the sphere comes to rest after {rounded(motion.final_distance, 4)} m, once round"
                 f" the height file is {rounded(lap, 4)} m: give it more speed or set"
                 " rolling.duration_s",
@@ -136,7 +136,7 @@ def file_track(
             )
         wanted = WantedDistance(lap, value=lap, key="rolling.duration_s")
     if not wanted.distance / step_length < MAX_NODES:
-        raise fault(
+        raise mistake(
             f"the sphere rolls {rounded(wanted.distance, 4)} m, more than {rounded(MAX_NODES)}"
             " steps",
             at=wanted.key,

@@ -4,7 +4,7 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from rolling.scene.messages import fault, plain_number, quoted
+from rolling.scene.messages import mistake, plain_number, quoted
 from rolling.scene.models import Section
 
 MAX_CHANNELS = 16
@@ -54,7 +54,7 @@ class SoundChannel(Section):
             return quantity
         allowed = FORCES if of == "contact" else MOTIONS
         if quantity not in allowed:
-            raise fault(f"got {quoted(quantity)}, allowed with of: {of}: {', '.join(allowed)}")
+            raise mistake(f"got {quoted(quantity)}, allowed with of: {of}: {', '.join(allowed)}")
         return quantity
 
     @field_validator("x_mm")
@@ -62,17 +62,17 @@ class SoundChannel(Section):
     def _check_x(cls, place: float | None, info: ValidationInfo) -> float | None:
         """Refuse a place of ball or contact."""
         if place is not None and info.data.get("of") not in (None, "plate"):
-            raise fault(f"got {plain_number(place)}, which only goes with of: plate")
+            raise mistake(f"got {plain_number(place)}, which only goes with of: plate")
         return place
 
     @model_validator(mode="after")
     def _check_place(self) -> Self:
         """Refuse one coordinate without the other, and one of ball or contact."""
         if self.y_mm is not None and self.of != "plate":
-            raise fault("y_mm: only goes with of: plate")
+            raise mistake("y_mm: only goes with of: plate")
         if (self.x_mm is None) != (self.y_mm is None):
             missing = "x_mm" if self.x_mm is None else "y_mm"
-            raise fault(f"{missing}: missing; a place has both x_mm and y_mm")
+            raise mistake(f"{missing}: missing; a place has both x_mm and y_mm")
         return self
 
     @property
@@ -104,7 +104,7 @@ def refuse_equal_names(channels: list[SoundChannel]) -> None:
     first: dict[str, int] = {}
     for number, channel in enumerate(channels):
         if channel.label in first:
-            raise fault(
+            raise mistake(
                 f"got {quoted(channel.label)} twice, as channels {first[channel.label] + 1} and"
                 f" {number + 1}, allowed: different channels, each with a name of its own",
                 at=("sound", "channels", number),
@@ -119,7 +119,7 @@ def refuse_channels(channels: list[SoundChannel], sections: Any) -> None:
     plate = sections.get("plate")
     rolling = sections.get("rolling")
     if "dynamics" in sections and sections["dynamics"] is None:
-        raise fault(
+        raise mistake(
             "only goes with dynamics, which moves ball and plate; `dynamics: {}` takes its"
             " defaults",
             at="sound.channels",
@@ -129,7 +129,7 @@ def refuse_channels(channels: list[SoundChannel], sections: Any) -> None:
         at = ("sound", "channels", number)
         falls = rolling is not None and rolling.drop_mm is not None
         if channel.of == "ball" and channel.quantity != "acceleration" and falls:
-            raise fault(
+            raise mistake(
                 f"got {quoted(channel.quantity)}, allowed with rolling.drop_mm: acceleration; a"
                 " ball that falls has no rest",
                 at=(*at, "quantity"),
@@ -137,7 +137,7 @@ def refuse_channels(channels: list[SoundChannel], sections: Any) -> None:
         if channel.of != "plate" or plate is None:
             continue
         if plate.thickness_mm is None:
-            raise fault(
+            raise mistake(
                 'got "plate", which needs plate.thickness_mm: a half-space has no bending waves,'
                 " and its motion away from the contact is not computed; allowed without it: ball,"
                 " contact",
@@ -150,7 +150,7 @@ def refuse_channels(channels: list[SoundChannel], sections: Any) -> None:
             ("x_mm", "y_mm"), channel.place_mm, plate.edges_mm, strict=True
         ):
             if not 0 <= place <= edge:
-                raise fault(
+                raise mistake(
                     f"got {plain_number(place)}, outside the plate, allowed: from 0 to"
                     f" {plain_number(edge)}",
                     at=(*at, key),

@@ -342,7 +342,7 @@ def track_of(
 ) -> Track:
     """Return the track over a surface in steps of some nodes.
 
-    A wrong length or a misplaced single fault raises a fault.
+    A wrong length or a misplaced single fault raises a mistake.
     """
     motion = motion_of(sphere, rolling)
     wanted = wanted_distance(rolling.duration_s, rolling.distance_mm, rolling.resistance, motion)

@@ -12,7 +12,7 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from rolling.scene import library
 from rolling.scene.height_files import reason_of
-from rolling.scene.messages import Fault, Key, SceneError, first_line, quoted, shortened
+from rolling.scene.messages import Key, Mistake, SceneError, first_line, quoted, shortened
 from rolling.terminal.whole_files import read_regular
 
 MAX_BYTES = 1_000_000  # maximum size of a file
@@ -48,14 +48,14 @@ def read_text(path: Path) -> str:
 class Parsed(NamedTuple):
     """Content of a YAML text.
 
-    value : Any. Plain values; a value with a fault is left out.
+    value : Any. Plain values; a value with a mistake is left out.
     lines : dict. Line of every key.
-    faults : list of Fault. Keys that stand twice and values that are not plain, with their lines.
+    mistakes : list of Mistake. Keys that stand twice and values that are not plain, with lines.
     """
 
     value: Any
     lines: dict[Key, int]
-    faults: list[Fault]
+    mistakes: list[Mistake]
 
 
 def parse(text: str, where: str) -> Parsed:
@@ -83,7 +83,7 @@ def parse(text: str, where: str) -> Parsed:
         return Parsed(None, {}, [])
     walk = _Walk(yaml, where)
     value = walk.value(root, ())
-    return Parsed(value, walk.lines, walk.faults)
+    return Parsed(value, walk.lines, walk.mistakes)
 
 
 def _not_yaml(error: YAMLError, text: str, where: str) -> str:
@@ -116,7 +116,7 @@ class _Walk:
         self._where = where
         self._merges = 0
         self.lines: dict[Key, int] = {(): 1}
-        self.faults: list[Fault] = []
+        self.mistakes: list[Mistake] = []
 
     def value(self, node: Node, key: Key) -> Any:
         """Return the plain value of a node, None for any other; raise SceneError beyond a limit."""
@@ -166,12 +166,12 @@ class _Walk:
             name = name_node.value
             if not isinstance(name_node, ScalarNode):
                 words = "got a list or section as a key, allowed: the name of a key"
-                self.faults.append(Fault((), words, f"{self._where}:{line}"))
+                self.mistakes.append(Mistake((), words, f"{self._where}:{line}"))
             elif str(name_node.tag) == f"{_TAG}merge":
                 merged += item.value if isinstance(item, SequenceNode) else [item]
             elif name in items:
                 words = f"given twice, first in line {items[name].line}"
-                self.faults.append(Fault((*key, name), words, f"{self._where}:{line}"))
+                self.mistakes.append(Mistake((*key, name), words, f"{self._where}:{line}"))
             else:
                 items[name] = _Item(item, line)
         for section in merged:
@@ -185,9 +185,9 @@ class _Walk:
         return items
 
     def _note(self, key: Key, words: str) -> None:
-        """Note the fault of a key, whose value is left out."""
-        self.faults.append(Fault(key, words, f"{self._where}:{self.lines[key]}"))
+        """Note the mistake of a key, whose value is left out."""
+        self.mistakes.append(Mistake(key, words, f"{self._where}:{self.lines[key]}"))
 
     def _error(self, key: Key, words: str) -> SceneError:
         """Make the error of a key beyond which nothing is read."""
-        return SceneError([Fault(key, words, f"{self._where}:{self.lines[key]}").line])
+        return SceneError([Mistake(key, words, f"{self._where}:{self.lines[key]}").line])

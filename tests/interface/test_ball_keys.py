@@ -42,8 +42,8 @@ BALL = "sphere.surface"
 def test_a_wrong_key_has_one_message(override: str, message: str) -> None:
     with pytest.raises(SceneError) as caught:
         loads(SMALL_BALL, [override])
-    assert any(message in fault for fault in caught.value.faults), caught.value.faults
-    assert all(fault.startswith("--set: ") or "s:" in fault for fault in caught.value.faults)
+    assert any(message in fault for fault in caught.value.mistakes), caught.value.mistakes
+    assert all(fault.startswith("--set: ") or "s:" in fault for fault in caught.value.mistakes)
 
 
 def test_scenes_of_balls_survive_files_and_python() -> None:

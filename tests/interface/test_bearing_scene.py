@@ -41,7 +41,7 @@ SIDES = "length_mm: 1000, width_mm: 700"
 def faults(*overrides: str, text: str = TEXT) -> list[str]:
     with pytest.raises(SceneError) as error:
         loads_bearing(text, overrides, "b.yaml")
-    return error.value.faults
+    return error.value.mistakes
 
 
 def bearing(*overrides: str) -> rolling.BearingScene:

@@ -85,14 +85,14 @@ PATH = [*EDGES, "plate.contact_path=to-and-fro", "plate.contact_mm=[9, 9]"]
 def test_keys_that_do_not_go_together_are_refused(changes: list[str], key: str) -> None:
     with pytest.raises(SceneError) as caught:
         scene(*changes)
-    (fault,) = caught.value.faults
+    (fault,) = caught.value.mistakes
     assert fault.split(": ")[1] == key
 
 
 def test_every_key_that_needs_dynamics_is_named() -> None:
     with pytest.raises(SceneError) as caught:
         scene("dynamics=")
-    named = [fault.split(": ")[1] for fault in caught.value.faults]
+    named = [fault.split(": ")[1] for fault in caught.value.mistakes]
     assert named == ["plate.thickness_mm", "sound.source"]
 
 

@@ -63,7 +63,7 @@ def test_a_track_beyond_the_rest_of_the_sphere_is_refused(changes: list[str], nu
 def test_keys_that_do_not_go_together_are_one_fault(changes: list[str]) -> None:
     with pytest.raises(SceneError) as caught:
         scene(*changes)
-    assert len(caught.value.faults) == 1
+    assert len(caught.value.mistakes) == 1
 
 
 def test_the_load_is_the_weight() -> None:

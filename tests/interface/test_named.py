@@ -165,7 +165,7 @@ def test_a_sweep_over_names_has_the_values_and_labels_of_each() -> None:
 def test_a_wrong_name_is_one_message(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(SceneError) as error:
         scene(**changes)
-    assert message in error.value.faults[0] and len(error.value.faults) == 1
+    assert message in error.value.mistakes[0] and len(error.value.mistakes) == 1
 
 
 def test_editors_accept_a_name_in_place_of_its_values() -> None:

@@ -210,7 +210,7 @@ def test_resound_refusals() -> None:
     with pytest.raises(SceneError) as error:
         resound(loads(PLAIN), ["rolling.load_n=5", "sound.q=0", "sound.z=1"])
     allowed = ", ".join(RESOUND_KEYS)
-    unsolved, wrong, unknown = sorted(error.value.faults)
+    unsolved, wrong, unknown = sorted(error.value.mistakes)
     assert unsolved == (
         f"--set: rolling.load_n: needs a new run; without solving again allowed: {allowed}"
     )

@@ -224,4 +224,4 @@ def test_keys_of_another_kind_of_surface() -> None:
 
 def test_errors_pass_between_processes() -> None:
     error = SceneError(["a", "b"])
-    assert pickle.loads(pickle.dumps(error)).faults == ["a", "b"]
+    assert pickle.loads(pickle.dumps(error)).mistakes == ["a", "b"]

@@ -33,7 +33,7 @@ def built(**keys: Any) -> Scene:
 def faults(build: Callable[[], object]) -> list[str]:
     with pytest.raises(SceneError) as error:
         build()
-    return error.value.faults
+    return error.value.mistakes
 
 
 # ---- building
@@ -210,5 +210,5 @@ def test_odd_values_and_keys_from_python_are_refused_in_words(
 ) -> None:
     with pytest.raises(SceneError) as error:
         Scene.from_dict(built().to_dict() | changes)
-    assert any(message in fault for fault in error.value.faults), error.value.faults
+    assert any(message in fault for fault in error.value.mistakes), error.value.mistakes
     str(error.value).encode("utf-8")

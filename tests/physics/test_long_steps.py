@@ -100,7 +100,7 @@ def test_steps_beyond_four_radii_are_refused_with_the_longest_step() -> None:
     swept = loads(SCENE, ["numerics.step_nodes=41", "sweep.rolling.load_n=[0.5, 5]"])
     with pytest.raises(SceneError, match=r"step_nodes: got 41.*load_n=0\.5") as error:
         resolution.refuse_long_steps(swept)
-    assert len(error.value.faults) == 1
+    assert len(error.value.mistakes) == 1
     with pytest.raises(SceneError, match=r"surface\.spacing_um, 0\.101"):
         resolution.refuse_long_steps(loads(SCENE, ["rolling.load_n=1e-9"]))
 
@@ -111,7 +111,7 @@ def test_a_radius_in_metres_is_told_as_such(radius: float, millimetres: str) -> 
     words = ["rolling.load_n=weight", "sphere.density_kg_m3=7850", f"sphere.radius_mm={radius}"]
     with pytest.raises(SceneError, match=r"sphere\.radius_mm: got 0\.0") as error:
         resolution.refuse_long_steps(loads(SCENE, words))
-    (text,) = error.value.faults
+    (text,) = error.value.mistakes
     assert "step_nodes" not in text
     assert f"likely a radius in metres: write {millimetres}" in text
     (doubt,) = [

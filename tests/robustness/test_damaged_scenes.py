@@ -68,7 +68,7 @@ def assert_named(number: int) -> None:
     text, names = damaged(number)
     with pytest.raises(SceneError) as error:
         file.loads(text, where="s.yaml", folder=SCENES[0].parent)
-    faults = error.value.faults
+    faults = error.value.mistakes
     assert len(set(faults)) == len(faults)
     for name in names:
         assert any(f": {name}" in fault for fault in faults), (number, name, faults)

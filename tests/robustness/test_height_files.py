@@ -46,7 +46,7 @@ def fault(folder: Path, name: str, *overrides: str) -> str:
     """Return the one fault of a scene with a height file, which track and surface agree on."""
     with pytest.raises(SceneError) as error:
         findings.check_scene(scene(folder, name, *overrides), solve=False)
-    (text,) = error.value.faults
+    (text,) = error.value.mistakes
     assert "pickle" not in text and "\n" not in text
     return text
 

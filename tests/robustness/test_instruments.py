@@ -179,7 +179,7 @@ def refused(path: Path, *overrides: str) -> str:
     """Return the one sentence that refuses a scene with a file."""
     with pytest.raises(SceneError) as error:
         scene_surface.heights(file.loads(TEXT % path.name, overrides, folder=path.parent))
-    (text,) = error.value.faults
+    (text,) = error.value.mistakes
     assert "\n" not in text and len(text) < 400 and "surface." in text
     return text
 
@@ -331,7 +331,7 @@ rc.read_scene("quickstart").check(solve=False)
 names = "x3pio", "sdfio", "SurfaceTopography"
 assert not [name for name in names if name in sys.modules]
 sys.modules.update(dict.fromkeys(names))
-from rolling.heights import measured
+from rolling.in_si import measured
 for name in ("h.x3p", "h.sur"):
     try:
         measured.read(Path({str(tmp_path)!r}) / name)

@@ -114,7 +114,7 @@ def assert_read_or_refused(kind: str, numbers: range, checked: bool) -> None:
                 str(check_bearing(scene))
             outcomes.add("read")
         except SceneError as error:
-            assert error.faults and all(len(fault) < 2000 for fault in error.faults)
+            assert error.mistakes and all(len(fault) < 2000 for fault in error.mistakes)
             outcomes.add("refused")
         except Exception as error:
             raise AssertionError(f"the {kind} of number {number}") from error
@@ -129,4 +129,4 @@ def test_mutated_bearings_are_read_or_refused_in_words(kind: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", CASES)
 def test_many_mutated_bearings_are_checked_or_refused_in_words(kind: str) -> None:
-    assert_read_or_refused(kind, range(100, 220), checked=True)
+    assert_read_or_refused(kind, range(100, 160), checked=True)

@@ -25,8 +25,7 @@ SECONDS = 1.0  # of processor time, up to which a case is quick on any machine
 SECONDS_OF_MODES = 10.0  # the same for plates whose modes have no closed form, some 1,000 of them
 WORKS = 20  # maximum processor time of a case, over that of `work`; the slowest takes 12
 # cases of each kind; tests/support/mutations.py runs any number
-SHORT = 100
-LONG = 300
+NUMBERS = range(200)
 
 
 def processor_time(work: Callable[[], object]) -> float:
@@ -70,16 +69,10 @@ def assert_read_or_refused(kind: str, numbers: range, folder: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", CASES)
-def test_mutations_are_checked_or_refused_in_words_and_quickly(kind: str, tmp_path: Path) -> None:
-    assert_read_or_refused(kind, range(SHORT), tmp_path)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", CASES)
 def test_many_mutations_are_checked_or_refused_in_words_and_quickly(
     kind: str, tmp_path: Path
 ) -> None:
-    assert_read_or_refused(kind, range(SHORT, SHORT + LONG), tmp_path)
+    assert_read_or_refused(kind, NUMBERS, tmp_path)
 
 
 @pytest.mark.slow

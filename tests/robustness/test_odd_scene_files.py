@@ -132,12 +132,12 @@ def test_number_of_runs_is_limited_before_any_of_them_is_made(monkeypatch) -> No
     assert faults(text) == ["s.yaml:19: sweep: got 10002 runs, allowed: at most 10000"]
 
 
-def test_the_first_faults_of_many_are_named() -> None:
+def test_the_first_mistakes_of_many_are_named() -> None:
     keys = "".join(f"key{k}: 1\n" for k in range(2000))
     named = faults(PLAIN + keys)
-    assert len(named) == 21 and named[20] == "s.yaml:1: 1,980 more faults are not listed"
+    assert len(named) == 21 and named[20] == "s.yaml:1: 1,980 more mistakes are not listed"
     named = faults(swept(2000, "-{}"))
-    assert len(named) == 21 and named[20] == "s.yaml:1: further faults are not listed"
+    assert len(named) == 21 and named[20] == "s.yaml:1: further mistakes are not listed"
     assert named[0] == (
         "s.yaml:19: sweep.rolling.load_n[0]: got -1, allowed: greater than 0, or weight"
     )
@@ -167,7 +167,7 @@ LONG_DECIMAL = "1" + "0" * 5000
 def test_keys_and_numbers_that_no_scene_has_are_refused_in_words(line: str, message: str) -> None:
     with pytest.raises(SceneError) as error:
         scene_file.loads(f"name: odd\n{line}\n", where="s.yaml")
-    about = [text for text in error.value.faults if message in text]
+    about = [text for text in error.value.mistakes if message in text]
     assert len(about) == 1 and about[0].startswith("s.yaml:2: ")
 
 

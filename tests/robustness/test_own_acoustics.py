@@ -69,4 +69,4 @@ def test_another_acoustics_is_an_import_error_in_python(tmp_path: Path) -> None:
 
 
 def test_our_own_acoustics_is_recognised() -> None:
-    assert _own_acoustics.fault() is None
+    assert _own_acoustics.foreign_package() is None

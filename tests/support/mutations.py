@@ -308,7 +308,7 @@ def outcome(make: Callable[[], Scene]) -> str:
             warnings.simplefilter("error")
             str(findings.check_scene(make(), solve=False))
     except SceneError as error:
-        assert error.faults and all(fault.strip() for fault in error.faults)
+        assert error.mistakes and all(fault.strip() for fault in error.mistakes)
         assert len(str(error)) < 100_000
         assert "pickle" not in str(error) and "set_int_max_str" not in str(error)
         return "refused"

@@ -94,5 +94,5 @@ SMALL: dict[str, Any] = {
 def faults(text: str, *overrides: str) -> list[str]:
     with pytest.raises(SceneError) as error:
         loads(text, overrides, "s.yaml")
-    assert str(error.value) == "\n".join(error.value.faults)
-    return error.value.faults
+    assert str(error.value) == "\n".join(error.value.mistakes)
+    return error.value.mistakes
