@@ -150,9 +150,10 @@ def _run(given: argparse.Namespace) -> int:
     scene = _read_scene(given)
     with progress.step(LOADING):
         from rolling.commands.run import run_scene
+        from rolling.run.folder import default_folder
     failures = run_scene(
         scene,
-        given.out,
+        given.out or default_folder(scene),
         start_from=given.start_from,
         part=given.part,
         workers=given.workers,

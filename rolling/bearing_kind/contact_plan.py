@@ -28,7 +28,7 @@ from rolling.bearing_kind.rough_contacts import (
     overlap_reach,
     rough_contact,
 )
-from rolling.check import resolution
+from rolling.check import long_steps, resolution
 from rolling.scene import height_files
 from rolling.scene.bearing_rules import refuse_height_files
 from rolling.scene.bearing_scene import BearingScene
@@ -136,7 +136,7 @@ def _refuse_long_steps(scene: BearingScene, plan: ContactPlan) -> None:
     allowed_um: dict[str, float] = {}
     step_um: dict[str, float] = {}
     for march in (march for stage in plan.stages for march in stage):
-        longest = resolution.MAX_RADII * resolution.contact_radius(march)
+        longest = long_steps.MAX_RADII * resolution.contact_radius(march)
         if march.step <= longest:
             continue
         key = "numerics.spacing_um"
@@ -149,7 +149,7 @@ def _refuse_long_steps(scene: BearingScene, plan: ContactPlan) -> None:
     for key, longest_um in allowed_um.items():
         lines.append(
             f"{scene.place(key)}: {key}: steps of {rounded(step_um[key], 4)} um are longer than"
-            f" {resolution.MAX_RADII:g} semi-axes of a contact at the least load; allowed: at most"
+            f" {long_steps.MAX_RADII:g} semi-axes of a contact at the least load; allowed: at most"
             f" {rounded_down(longest_um)}"
         )
     if lines:

@@ -12,7 +12,8 @@ from pathlib import Path
 
 from rolling.bearing_kind.contact_plan import ContactPlan
 from rolling.bearing_kind.joined_tracks import points_of_turn
-from rolling.check import cost, refusals
+from rolling.check import cost, memory_and_disk, refusals
+from rolling.check.run_size import run_size
 from rolling.numbers.doubt import Doubt
 from rolling.scene.bearing_scene import BearingScene
 
@@ -57,7 +58,8 @@ def excess(
     """
     marches = [march for stage in plan.stages for march in stage]
     if marches:
-        parts = cost.memory(marches, workers or cost.cores())
+        sizes = [run_size(march) for march in marches]
+        parts = memory_and_disk.memory(sizes, workers or cost.cores())
         del parts["record"]  # no sound is made of a contact
         yield from refusals.lacking_memory(parts, ADVICE, " of the contacts")
     yield from refusals.lacking_memory(motion_memory(scene, plan), ADVICE)
@@ -70,7 +72,7 @@ def motion_memory(scene: BearingScene, plan: ContactPlan) -> dict[str, float]:
     return {
         "record": (SAMPLE + SAMPLE_BALL * scene.bearing.balls) * _samples(scene),
         "tracks": TRACK_POINT * _track_points(plan),
-        "program": cost.ALONE,
+        "program": memory_and_disk.ALONE,
     }
 
 
@@ -78,7 +80,7 @@ def motion_disk(scene: BearingScene, plan: ContactPlan) -> float:
     """Estimate the size [bytes] of the files of a run."""
     per_sample = SAMPLE_FILE + SAMPLE_BALL_FILE * scene.bearing.balls
     tracks = TRACK_POINT_FILE * _track_points(plan)
-    return cost.RUN_FILES + per_sample * _samples(scene) + tracks
+    return memory_and_disk.RUN_FILES + per_sample * _samples(scene) + tracks
 
 
 def _track_points(plan: ContactPlan) -> int:
@@ -90,4 +92,4 @@ def _track_points(plan: ContactPlan) -> int:
 
 def _samples(scene: BearingScene) -> int:
     """Return the number of samples of the motion of a ring."""
-    return math.ceil(scene.moved * cost.SAMPLE_RATE)
+    return math.ceil(scene.moved * memory_and_disk.SAMPLE_RATE)

@@ -7,6 +7,8 @@
   model, and of it with dynamics; a short lap; the level itself
 - `force_estimate`: contact force from the statistics of the surface
 - `probe` solves a few positions
-- `cost`, `error_cost`, `forecast`: expected time, window, memory and disk
-- `refusals`: scenes that cannot be run here
+- `run_size`: the numbers of a run that its memory, its files and its steps are judged by
+- `memory_and_disk`: bytes that runs take, from their sizes
+- `cost`, `error_cost`, `forecast`: expected time and window
+- `long_steps`, `refusals`: scenes that cannot be run here
 """

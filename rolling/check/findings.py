@@ -32,6 +32,9 @@ from rolling.check import (
     vibration_limits,
 )
 from rolling.check.finding import Finding
+from rolling.check.long_steps import refuse_long_steps
+from rolling.check.memory_and_disk import SAMPLE_RATE, disk, memory
+from rolling.check.run_size import run_size
 from rolling.in_si import scene_surface
 from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.numbers.doubt import Doubt, Severity
@@ -204,7 +207,7 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     3
     """
     refusals.refuse_unavailable(scene)
-    resolution.refuse_long_steps(scene)
+    refuse_long_steps(scene)
     runs = scene.runs()
     scenes = [run.scene for run in runs]
     refusals.refuse_large_files(scenes)
@@ -226,12 +229,13 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     if len(runs) == 1:
         of_all = (("time of the whole run", whole),)
         return Findings(rows, doubts, of_all, seconds=seconds, quantities=quantities)
+    sizes = [run_size(run) for run in scenes]
     of_every = (
         ("expected time of all", f"{whole}, {len(runs)} runs"),
-        ("memory of all", refusals.memory_text(cost.memory(scenes, cost.cores()))),
-        ("disk of all", f"about {byte_size(cost.disk(scenes))}"),
+        ("memory of all", refusals.memory_text(memory(sizes, cost.cores()))),
+        ("disk of all", f"about {byte_size(disk(sizes))}"),
     )
-    excess = refusals.excess(scenes, cost.cores(), refusals.OUTPUTS, of=" of all")
+    excess = refusals.excess(sizes, cost.cores(), refusals.OUTPUTS, of=" of all")
     return Findings(rows, doubts, of_every, tuple(excess), seconds, quantities)
 
 
@@ -298,7 +302,7 @@ def check_run(scene: Scene, solved: Probe | None = None) -> RunCheck:
         *level_doubts.of_grid(scene),
     ]
     is_narrow = any(x.key == "window" for x in rows_and_doubts if isinstance(x, Doubt))
-    if not is_narrow and not refusals.excess([scene], 1, None):
+    if not is_narrow and not refusals.excess([run_size(scene)], 1, None):
         rows_and_doubts += narrow_surface.rules(scene)
     if solved is not None:
         rows_and_doubts += solved.findings(scene)
@@ -310,7 +314,7 @@ def check_run(scene: Scene, solved: Probe | None = None) -> RunCheck:
 
 def scene_rules(scene: Scene) -> Iterator[Finding | Doubt]:
     """Yield rows and doubts of one run from its scene, in the order of the table."""
-    fits = not refusals.excess([scene], 1, None)
+    fits = not refusals.excess([run_size(scene)], 1, None)
     yield from _track(scene)
     yield from _march(scene)
     yield from _memory(scene)
@@ -340,7 +344,7 @@ def _track(scene: Scene) -> Iterator[Finding]:
     yield Finding("surface", "surface", f"{sides}, {track.n_along} x {track.n_across} nodes")
     yield Finding("distance", "distance rolled", f"{si(track.distance, 'm')}{closed}")
     yield Finding("duration", "duration", si(duration, "s"))
-    yield Finding("samples", "sound samples", f"{round(duration * cost.SAMPLE_RATE)}")
+    yield Finding("samples", "sound samples", f"{round(duration * SAMPLE_RATE)}")
     if scene.sound.room_db is not None:
         yield Finding("room", "room noise", f"{_room_laeq_db(scene.sound.room_db):.0f} dB(A)")
 
@@ -435,9 +439,10 @@ def _window(scene: Scene, rq: float) -> Iterator[Finding | Doubt]:
 def _memory(scene: Scene) -> Iterator[Finding | Doubt]:
     """State memory and disk, and tell where the run does not fit."""
     workers = cost.cores()
-    yield Finding("memory", "memory", refusals.memory_text(cost.memory([scene], workers)))
-    yield Finding("disk", "disk", f"about {byte_size(cost.disk([scene]))}")
-    yield from refusals.excess([scene], workers, refusals.OUTPUTS)
+    sizes = [run_size(scene)]
+    yield Finding("memory", "memory", refusals.memory_text(memory(sizes, workers)))
+    yield Finding("disk", "disk", f"about {byte_size(disk(sizes))}")
+    yield from refusals.excess(sizes, workers, refusals.OUTPUTS)
 
 
 # ---- contact of a smooth sphere

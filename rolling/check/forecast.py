@@ -9,6 +9,8 @@ from collections.abc import Sequence
 
 from rolling.check import cost, error_cost
 from rolling.check.finding import Finding
+from rolling.check.memory_and_disk import SAMPLE_RATE
+from rolling.check.run_size import run_size
 from rolling.in_si.physics_of_scene import bodies_of, plate_of
 from rolling.scene.scene import Scene
 
@@ -67,7 +69,7 @@ def motion_seconds(scene: Scene) -> float:
         decay = bodies_of(scene).smooth_chain.own_decay_s
         moved += min(RUN_IN_DECAYS * decay, RUN_IN_LAPS * duration)
     moved = MOTIONS * moved + (scene.sound.listen_s or 0.0)
-    steps = moved * cost.motion_rate(scene)
+    steps = moved * run_size(scene).motion_rate_hz
     return steps * (TIME_STEP + MODE_STEP * modes) + MODE * modes
 
 
@@ -81,8 +83,7 @@ def beside_seconds(scenes: Sequence[Scene], cores: int) -> float:
     if len(scenes) > 1:
         alone += FIGURES
     shared = sum(
-        RUN + STEP * scene.track.steps + SAMPLE * scene.duration * cost.SAMPLE_RATE
-        for scene in scenes
+        RUN + STEP * scene.track.steps + SAMPLE * scene.duration * SAMPLE_RATE for scene in scenes
     )
     shared += sum(map(motion_seconds, scenes))
     if len(scenes) < cores:  # the others wait

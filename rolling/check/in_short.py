@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from acoustics.numbers import byte_size
-from rolling.check import cost, narrow_surface
+from rolling.check import cost, memory_and_disk, narrow_surface
 from rolling.check.findings import BESIDE_LEVELS, Findings, conclusion
+from rolling.check.run_size import run_size
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.scene import Scene
 from rolling.terminal.streams import folded
@@ -50,10 +51,10 @@ def _estimated(scene: Scene) -> str:
 
 def _cost(scene: Scene) -> str:
     """Write memory and disk of all runs."""
-    scenes = [run.scene for run in scene.runs()]
-    memory = byte_size(sum(cost.memory(scenes, cost.cores()).values()))
-    disk = byte_size(cost.disk(scenes))
-    runs = "1 run" if len(scenes) == 1 else f"{len(scenes)} runs"
+    sizes = [run_size(run.scene) for run in scene.runs()]
+    memory = byte_size(sum(memory_and_disk.memory(sizes, cost.cores()).values()))
+    disk = byte_size(memory_and_disk.disk(sizes))
+    runs = "1 run" if len(sizes) == 1 else f"{len(sizes)} runs"
     return f"{runs}: about {memory} of memory and {disk} of disk."
 
 

@@ -6,9 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from acoustics.numbers import byte_size
-from rolling.check import cost, forecast, refusals, resolution
+from rolling.check import cost, forecast, refusals
 from rolling.check.finding import Finding
 from rolling.check.findings import Findings, smooth_contact_rules
+from rolling.check.long_steps import refuse_long_steps
+from rolling.check.memory_and_disk import disk, memory
+from rolling.check.run_size import run_size
 from rolling.numbers.doubt import Doubt
 from rolling.scene.identity import contact_keys, digest
 from rolling.scene.messages import SceneError
@@ -35,8 +38,9 @@ def refuse_contacts(contacts: Sequence[Scene], workers: int, folder: Path | None
     alone = [*_by_identity(contacts).values()]
     refusals.refuse_large_files(alone)
     for contact in alone:
-        resolution.refuse_long_steps(contact)
-    lacking = refusals.excess(alone, workers or cost.cores(), folder) if alone else []
+        refuse_long_steps(contact)
+    sizes = [run_size(contact) for contact in alone]
+    lacking = refusals.excess(sizes, workers or cost.cores(), folder) if sizes else []
     if lacking:
         raise SceneError([need.line for need in lacking])
 
@@ -84,10 +88,11 @@ def _rules(contacts: Sequence[Scene]) -> Iterator[Finding | Doubt]:
         return
     seconds = sum(map(forecast.march_seconds, contacts))
     workers = cost.cores()
+    sizes = [run_size(contact) for contact in contacts]
     yield Finding("expected_time", "time of the marches", cost.computing(seconds), seconds)
-    yield Finding("memory", "memory", refusals.memory_text(cost.memory(contacts, workers)))
-    yield Finding("disk", "disk", f"about {byte_size(cost.disk(contacts))}")
-    yield from refusals.excess(contacts, workers, refusals.OUTPUTS)
+    yield Finding("memory", "memory", refusals.memory_text(memory(sizes, workers)))
+    yield Finding("disk", "disk", f"about {byte_size(disk(sizes))}")
+    yield from refusals.excess(sizes, workers, refusals.OUTPUTS)
     for contact in contacts:
         for doubt in smooth_contact_rules(contact):
             if isinstance(doubt, Doubt):

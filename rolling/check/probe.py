@@ -223,7 +223,7 @@ def _left_out(scenes: Sequence[Scene]) -> list[str]:
     made = set[object]()
     for scene in scenes:
         is_read = isinstance(scene.surface, HeightFile)
-        nodes = 0 if is_read else cost.surface_nodes(scene)
+        nodes = 0 if is_read else scene.track.surface_nodes
         solving = POSITIONS * (1 + COLD_STEPS + WARM_STEPS) * cost.step_ms(scene) * 1e-3
         reason = ""
         if nodes > MAX_NODES:

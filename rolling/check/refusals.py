@@ -3,15 +3,18 @@
 import math
 import os
 import shutil
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
 from acoustics.numbers import byte_size
-from rolling.check import cost, resolution
+from rolling.check import cost, long_steps
+from rolling.check.memory_and_disk import disk, memory
+from rolling.check.run_size import RunSize, run_size
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.messages import SceneError, plain_number
 from rolling.scene.scene import Scene
+from rolling.scene.sweep import run_name
 from rolling.terminal import addresses, system_errors
 
 OUTPUTS = Path("outputs")  # where runs are written unless another folder is given
@@ -58,34 +61,34 @@ def refuse(
         cannot be used.
     """
     refuse_unavailable(scene)
-    resolution.refuse_long_steps(scene)
-    runs = [run for _, run in scene.runs()]
-    for run in runs:
-        _refuse_interleaved(run)
-    needs = excess(runs, workers or cost.cores(), None)
+    sizes = {run_name(values): run_size(run) for values, run in scene.runs()}
+    written = [*sizes.values()]
+    if unsolved is not None:
+        written = [run_size(run) for run in unsolved]
+    long_steps.refuse_runs(scene, sizes)
+    _refuse_interleaved(scene, sizes.values())
+    needs = excess([*sizes.values()], workers or cost.cores(), None)
     if folder is not None:
-        written = runs if unsolved is None else unsolved
-        needs += lacking_disk(cost.disk(written), folder, ADVICE["record"])
+        needs += lacking_disk(disk(written), folder, ADVICE["record"])
     if needs:
         raise SceneError([need.line for need in needs])
 
 
-def _refuse_interleaved(scene: Scene) -> None:
+def _refuse_interleaved(scene: Scene, runs: Iterable[RunSize]) -> None:
     """Refuse steps that meet a height file at other nodes in each lap, on a plate with memory.
 
     A lap would roll over each place several times.
     """
-    track = scene.track
-    step = scene.step_nodes
-    if scene.is_permanent and track.solved_steps * step > track.n_along * (1 + 1e-9):
-        place = scene.place("numerics.step_nodes")
-        raise SceneError(
-            [
-                f"{place}: numerics.step_nodes: got {plain_number(step)}, allowed with "
-                f"plate.plasticity: permanent: a divisor of the {track.n_along} nodes of the "
-                "height file"
-            ]
-        )
+    for run in runs:
+        if run.kept_passes and run.solved_steps * run.step_nodes > run.n_along * (1 + 1e-9):
+            place = scene.place("numerics.step_nodes")
+            raise SceneError(
+                [
+                    f"{place}: numerics.step_nodes: got {plain_number(run.step_nodes)}, allowed"
+                    f" with plate.plasticity: permanent: a divisor of the {run.n_along} nodes of"
+                    " the height file"
+                ]
+            )
 
 
 def refuse_unavailable(scene: Scene) -> None:
@@ -100,15 +103,15 @@ def refuse_unavailable(scene: Scene) -> None:
         )
 
 
-def excess(scenes: Sequence[Scene], workers: int, folder: Path | None, of: str = "") -> list[Doubt]:
+def excess(runs: Sequence[RunSize], workers: int, folder: Path | None, of: str = "") -> list[Doubt]:
     """Return the doubts "memory" and "disk" where runs do not fit: need, limit and advice.
 
     Counts of nodes and steps decide, so that no surface is made and no height file is read. The
     words `of` name the runs.
     """
-    needs = lacking_memory(cost.memory(scenes, workers), ADVICE, of)
+    needs = lacking_memory(memory(runs, workers), ADVICE, of)
     if folder is not None:
-        needs += lacking_disk(cost.disk(scenes), folder, ADVICE["record"], of)
+        needs += lacking_disk(disk(runs), folder, ADVICE["record"], of)
     return needs
 
 
@@ -157,7 +160,7 @@ def lacking_disk(size: float, folder: Path, shorter: str, of: str = "") -> list[
 def refuse_large_files(scenes: Sequence[Scene]) -> None:
     """Refuse height files that memory does not hold; their headers tell it before they are read."""
     for scene in scenes:
-        needs = excess([scene], 1, None) if scene.height_paths else []
+        needs = excess([run_size(scene)], 1, None) if scene.height_paths else []
         if needs:
             section = next(iter(scene.height_paths))
             raise SceneError([f"{section}.path: {need.line}" for need in needs])
@@ -218,7 +221,7 @@ def refuse_few_addresses(scenes: Sequence[Scene]) -> None:
     taken = addresses.taken()
     if limit is None or taken is None:
         return
-    parts = cost.memory(scenes, workers=1)
+    parts = memory([run_size(scene) for scene in scenes], workers=1)
     del parts["program"]  # of which the largest part is loaded by now
     need = REST_OF_PROGRAM + sum(parts.values())
     if taken + need > limit:

@@ -11,18 +11,16 @@ from collections.abc import Iterator
 import numpy as np
 
 from acoustics import bands
-from acoustics.numbers import micrometres, rounded, rounded_down, rounded_up, si
+from acoustics.numbers import rounded, rounded_down, rounded_up, si
 from rolling.check.finding import Finding
+from rolling.contact.estimated_contact import contact_radius_m
 from rolling.contact.track import MIN_SHARE
 from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.numbers.doubt import Doubt, Severity, sized
 from rolling.numbers.quantity import SERIES
 from rolling.scene import grid_error
-from rolling.scene.messages import SceneError, plain_number
 from rolling.scene.scene import Scene
-from rolling.scene.sections import STEP_NODES
 from rolling.scene.surfaces import MadeSurface
-from rolling.scene.sweep import run_name
 
 KEY = "resolution"  # of the error of the release
 LEVEL_KEY = "grid"  # of what it leaves of the level
@@ -38,8 +36,6 @@ MAX_TRIED = 10_000  # numbers of nodes that a search for a spacing of few digits
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
 
 DOUBTFUL_RADII = 0.25  # step over contact radius, above which a scene gets a warning
-METRES_MM = 0.1  # [mm]; a smaller radius is no ball that rolls, and probably in metres
-MAX_RADII = 4.0  # step over contact radius, above which half of the release is lost
 
 # A smooth elastic sphere, marched at 32 nodes per radius, loses these shares of the release. Rough
 # and yielding contacts are wider than the radius and lose the same within 0.02, or less (twelve
@@ -145,11 +141,16 @@ def _finer_grid(scene: Scene, error: float) -> str:
 
 
 def finer(scene: Scene, at_most_um: float | None = None) -> str:
+    """Name what makes the grid of a scene finer, down to a spacing [um] where it is known."""
+    return finer_heights(isinstance(scene.surface, MadeSurface), at_most_um)
+
+
+def finer_heights(is_made: bool, at_most_um: float | None = None) -> str:
     """Name what makes a grid finer, down to a spacing [um] where it is known.
 
     Made heights have a key for it, and a file needs a finer measurement.
     """
-    if isinstance(scene.surface, MadeSurface):
+    if is_made:
         if at_most_um is None:
             return "a smaller surface.spacing_um"
         return f"a surface.spacing_um of at most {rounded_down(at_most_um)}"
@@ -246,76 +247,12 @@ def _grid_tone(scene: Scene) -> Iterator[Finding | Doubt]:
 
 def contact_radius(scene: Scene) -> float:
     """Return the larger of the elastic and the fully plastic reach [m] of a smooth contact."""
-    plastic = math.sqrt(scene.load / (math.pi * scene.hardness))
-    plastic *= math.sqrt(math.sqrt(scene.radius / scene.radius_across))
-    return max(smooth_contact_of(scene).semi_axes_m()[0], plastic)
+    return contact_radius_m(smooth_contact_of(scene), scene.hardness)
 
 
 def lost_release(radii: float) -> float:
     """Estimate the share of the mean release that steps of so many contact radii lose."""
     return float(np.interp(radii, _RADII, _LOST))
-
-
-def refuse_long_steps(scene: Scene) -> None:
-    """Raise SceneError for the runs of a scene with steps longer than `MAX_RADII` contact radii."""
-    mistakes = []
-    for values, run in scene.runs():
-        radius = contact_radius(run)
-        if run.step > MAX_RADII * radius:
-            which = f" (in the run {run_name(values)} of the sweep)" if values else ""
-            key = "numerics.step_nodes"
-            text = _mistake(run, radius)
-            unit = unit_of_radius(run)
-            if unit:
-                key = "sphere.radius_mm"
-                text = _mistake_of_radius(run, radius, unit)
-            mistakes.append(f"{scene.place(key)}: {key}: {text}{which}")
-    if mistakes:
-        raise SceneError(mistakes)
-
-
-def unit_of_radius(scene: Scene) -> str:
-    """Say that a radius is likely in metres, because it makes a sphere of micrometres; or nothing.
-
-    Steps, half-space and memory are at fault in its place.
-    """
-    radius_mm = scene.sphere.radius_mm
-    if radius_mm >= METRES_MM:
-        return ""
-    return (
-        f"this is a sphere of {si(2e-3 * radius_mm, 'm')}, and likely a radius in metres: write"
-        f" {plain_number(float(rounded(1e3 * radius_mm, 6)))}"
-    )
-
-
-def _mistake_of_radius(scene: Scene, radius: float, unit: str) -> str:
-    """Write that the contact of a sphere is too small for a step, and the likely unit."""
-    return (
-        f"got {plain_number(scene.sphere.radius_mm)}, whose contact has a radius of"
-        f" {rounded(radius * 1e6, 3)} um; allowed: a contact radius of at least"
-        f" {micrometres(scene.step / MAX_RADII)} um, a quarter of a step; {unit}"
-    )
-
-
-def _mistake(scene: Scene, radius: float) -> str:
-    """Write the length of the steps, the longest that are allowed, and the nearest number."""
-    longest = MAX_RADII * radius
-    fitting = [nodes for nodes in STEP_NODES if nodes * scene.spacing <= longest]
-    is_made = isinstance(scene.surface, MadeSurface)
-    if fitting and is_made:
-        advice = f"{max(fitting):g}, or {finer(scene)}"
-    elif fitting:
-        advice = f"{max(fitting):g}"
-    elif is_made:
-        advice = f"{finer(scene)}, {rounded(longest * 1e6, 3)} at steps of one node"
-    else:
-        advice = finer(scene, longest * 1e6)
-    return (
-        f"got {scene.step_nodes:g}, steps of {micrometres(scene.step)} um, "
-        f"{rounded(scene.step / radius, 3)} times the contact radius of "
-        f"{rounded(radius * 1e6, 3)} um; allowed: steps of at most {MAX_RADII:g} times the "
-        f"radius, {micrometres(longest)} um here; nearest: {advice}"
-    )
 
 
 def _step_length(scene: Scene) -> Iterator[Finding | Doubt]:

@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterator
 
 from acoustics.numbers import rounded, rounded_up, si
-from rolling.check import cost, resolution
+from rolling.check import cost, long_steps, resolution
 from rolling.check.finding import Finding
-from rolling.in_si.physics_of_scene import smooth_contact_of
+from rolling.in_si.physics_of_scene import bodies_of, smooth_contact_of
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene import library
 from rolling.scene.messages import plain_number
@@ -80,7 +80,7 @@ def _half_space(scene: Scene) -> Iterator[Finding | Doubt]:
     yield Finding("contact_radius", "contact radius / radius", rounded(share))
     if share > MAX_CONTACT:
         advice = "lower rolling.load_n or enlarge sphere.radius_mm"
-        unit = resolution.unit_of_radius(scene)
+        unit = long_steps.unit_of_radius(scene.sphere.radius_mm)
         if unit:
             got = f"sphere.radius_mm is {plain_number(scene.sphere.radius_mm)}"
             advice = f"{got}; {unit}"
@@ -131,7 +131,7 @@ def _bouncing(scene: Scene) -> Iterator[Finding | Doubt]:
 
     The maximum speed decides, where the record holds the frequency.
     """
-    frequency = cost.bounce_hz(scene)
+    frequency = bodies_of(scene).bounce_hz
     speed = scene.motion.fastest(scene.duration)
     yield Finding("resonance", "contact resonance", si(frequency, "Hz"))
     highest = min(resolution.HEARING[1], speed / (2 * scene.track.step))

@@ -84,7 +84,7 @@ def _force(scene: Scene) -> Iterator[Finding | Doubt]:
     value = f"about {extremes}, rms {rounded(ratio)} (from the statistics)"
     if scene.faults:
         value += "; faults are left out"
-    wave = scene.motion.fastest(scene.duration) / cost.bounce_hz(scene)
+    wave = scene.motion.fastest(scene.duration) / bodies_of(scene).bounce_hz
     if wave < 2 * smooth_contact_of(scene).semi_axes_m()[0]:
         value += "; short waves may multiply it"
     yield Finding(key, name, value)
@@ -110,7 +110,7 @@ def _waves(scene: Scene) -> Iterator[Finding | Doubt]:
     Shorter waves belong to the grid more than to the surface.
     """
     speed = scene.motion.fastest(scene.duration)
-    frequency = cost.bounce_hz(scene)
+    frequency = bodies_of(scene).bounce_hz
     wave = speed / frequency
     name = "waves that feed the resonance"
     length = 1e-6 * min((law.lengths_um[0] for law in scene.laws), default=0.0)
@@ -345,7 +345,7 @@ def _marches(scene: Scene) -> Iterator[Finding | Doubt]:
     if not scene.moves_release:
         return
     speed = scene.motion.slowest(scene.duration)
-    frequency = cost.bounce_hz(scene)
+    frequency = bodies_of(scene).bounce_hz
     steps = speed / (frequency * scene.step)
     name = "release under the moving load"
     value = f"one more march, {cost.computing(seconds)}, {rounded(steps)} steps in a period"

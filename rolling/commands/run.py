@@ -25,7 +25,7 @@ from rolling.terminal.whole_files import FolderError
 
 def run_scene(
     scene: Any,
-    out: Path | None = None,
+    folder: Path,
     *,
     start_from: Path | None = None,
     part: folders.Part | None = None,
@@ -39,7 +39,7 @@ def run_scene(
     Parameters
     ----------
     scene : scene of any kind. The scene.
-    out : Path. Run folder. Default: outputs/NAME-DIGITS, which the scene decides.
+    folder : Path. Run folder.
     start_from : Path. Another run folder, whose equal marches are taken. Default: none.
     part : pair. Number K and count N: every N-th march from march K on. Default: all.
     workers : int. Number of processes; 0: one per core. Default: 0.
@@ -57,7 +57,6 @@ def run_scene(
     OSError : a disk is full, or a cluster is gone; finished pieces are kept.
     KeyboardInterrupt : Ctrl-C or SIGTERM; finished pieces are kept.
     """
-    folder = out or folders.default_folder(scene)
     with Ending(folder) as ending:
         failures = solve_folder(
             scene,
@@ -90,7 +89,8 @@ def resound(
     ----------
     folder : Path. The run folder.
     overrides : sequence of str. Assignments such as "sound.distance_m=2".
-    out, workers, report : as in `run_scene`.
+    out : Path. Run folder of the new runs. Default: outputs/NAME-DIGITS, which the scene decides.
+    workers, report : as in `run_scene`.
 
     Returns
     -------

@@ -250,6 +250,11 @@ class Track:
         return min(self.steps, self.lap_steps)
 
     @property
+    def surface_nodes(self) -> int:
+        """Nodes of the surface, and of a turn of a sphere that has a surface."""
+        return (self.n_along + self.turn_nodes) * self.n_across
+
+    @property
     def distance(self) -> float:
         """Distance rolled [m]."""
         return self.steps * self.step

@@ -222,6 +222,15 @@ class BallOnPlate:
         )
 
     @property
+    def bounce_hz(self) -> float:
+        """Natural frequency [Hz] of the free ball on its contact, sqrt(2 E* a / m) / 2 pi.
+
+        The mass belongs to a free ball, and the stiffness 2 E* a to the smooth elastic contact with
+        the Hertz radius a, whether the plate yields or not.
+        """
+        return math.sqrt(self.contact.stiffness_n_m / self.mass_kg) / (2 * math.pi)
+
+    @property
     def smooth_chain(self) -> Chain:
         """Ball, contact and plate with the stiffness of a smooth contact."""
         return self.chain(self.contact.stiffness_n_m)

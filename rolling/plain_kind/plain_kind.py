@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from rolling.archive.archive_file import largest_size
 from rolling.archive.definition import Series, Variable
-from rolling.check import cost
+from rolling.check.memory_and_disk import disk
+from rolling.check.run_size import run_size
 from rolling.contact.processor_time import ProcessorTime
 from rolling.kinds.heard_sound import HeardSound
 from rolling.kinds.run_folder import LISTEN, RunFolder
@@ -140,7 +141,7 @@ class PlainKind(MarchesInFiles):
             label,
             variables=self.variables,
             identity=self._identity(place.scene),
-            most_bytes=largest_size(cost.disk(contacts)),
+            most_bytes=largest_size(disk([run_size(contact) for contact in contacts])),
         )
 
     def _identity(self, scene: Any) -> str:

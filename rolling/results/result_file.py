@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from rolling.archive.archive_file import largest_size, read_record, record_bytes, refusing
 from rolling.archive.hdf5_writer import to_xarray
-from rolling.check import cost
+from rolling.check.memory_and_disk import disk
+from rolling.check.run_size import run_size
 from rolling.marches.result import Result
 from rolling.results.result_arrays import DEFINITION, fill_result, fixed_lengths, record_of
 from rolling.results.solved_run import SolvedRun
@@ -40,7 +41,7 @@ def read_result(path: Path, scene: Scene) -> Result:
         path,
         [DEFINITION],
         lengths=fixed_lengths(scene, result),
-        most_bytes=largest_size(cost.disk([scene])),
+        most_bytes=largest_size(disk([run_size(scene)])),
         identity=result.identity,
     )
     with refusing(path, DEFINITION):

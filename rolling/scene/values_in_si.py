@@ -74,6 +74,11 @@ class SceneQuantities(SweptScene):
         return tuple(law for law in laws if law is not None)
 
     @property
+    def has_moments(self) -> bool:
+        """Whether some random heights of plate and sphere are not Gaussian."""
+        return not all(law.is_gaussian for law in self.laws)
+
+    @property
     def faults(self) -> list[SurfaceFault]:
         """Single faults of plate and sphere."""
         faults = list(self.surface.faults or ())

@@ -16,7 +16,7 @@ from acoustics.bands import BAND_NAMES
 from rolling import __version__
 from rolling.archive import hdf5_reader
 from rolling.archive.definition import ROOT, TEXT, GroupDefinition, Variable
-from rolling.check import resolution
+from rolling.check.long_steps import refuse_long_steps
 from rolling.contact.solver import ContactError
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.in_si.physics_of_scene import listener_of
@@ -259,7 +259,7 @@ def run_study(
     ContactError : as in `accuracy`.
     """
     values, scene = scene.runs()[0]
-    resolution.refuse_long_steps(scene)
+    refuse_long_steps(scene)
     identity = digest([scene_identity(scene), finest, duration_s])
     folder = out or Path("outputs") / f"{scene.name}-accuracy-{identity[:8]}"
     study = _stored(folder, identity)

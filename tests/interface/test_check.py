@@ -11,7 +11,7 @@ from scene_text import WIDE
 
 import rolling
 from acoustics import wav
-from rolling.check import cost, forecast, refusals
+from rolling.check import cost, forecast, memory_and_disk, refusals
 from rolling.check.cost import expected_step_ms, roughness
 from rolling.check.findings import check_scene
 from rolling.scene.file import loads
@@ -273,7 +273,7 @@ def test_a_large_surface_takes_its_time(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_the_sample_rate_is_that_of_the_files() -> None:
-    assert cost.SAMPLE_RATE == wav.SAMPLE_RATE_HZ
+    assert memory_and_disk.SAMPLE_RATE == wav.SAMPLE_RATE_HZ
 
 
 def file_scene(folder: Path, heights: np.ndarray, *overrides: str) -> Scene:

@@ -15,13 +15,16 @@ from large_scenes import FILE, LAPS, scene_of
 from scene_text import MADE, WIDE
 
 from acoustics.arrays import Array
-from rolling.check import cost, findings, resolution
+from rolling.check import findings, resolution
+from rolling.check.memory_and_disk import memory
+from rolling.check.run_size import run_size
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
 from rolling.in_si.contact_of_scene import rolling_contact
+from rolling.in_si.physics_of_scene import bodies_of
 from rolling.kinds.reading import read_scene
 from rolling.scene import grid_error
 from rolling.scene.file import loads
@@ -210,7 +213,7 @@ def test_the_number_of_the_automatic_tolerance_is_the_same_march() -> None:
 
 
 def bounce_hz(*overrides: str) -> float:
-    return cost.bounce_hz(loads(WIDE, overrides))
+    return bodies_of(loads(WIDE, overrides)).bounce_hz
 
 
 def test_frequency_by_hand() -> None:
@@ -277,7 +280,7 @@ def test_memory_is_the_measured_peak_within_a_factor_of_1_5(
     """The peaks are those of the memory of all processes of `rolling run` without shared pages."""
     np.save(tmp_path / "heights.npy", np.random.default_rng(1).standard_normal((64, 64)) * 2e-8)
     scene = read_scene(scene_of(tmp_path, surface, rest))
-    needed = sum(cost.memory([run for _, run in scene.runs()], workers).values())
+    needed = sum(memory([run_size(run) for _, run in scene.runs()], workers).values())
     assert measured_mb / 1.5 < needed / 1e6 < 1.5 * measured_mb
 
 

@@ -86,6 +86,14 @@ def test_no_function_of_a_room_of_physics_takes_a_scene(room: str) -> None:
     assert not taken, "\n".join(taken)
 
 
+def test_memory_and_disk_are_judged_by_sizes_alone() -> None:
+    tree = ast.parse((ROOT / "check" / "memory_and_disk.py").read_text(encoding="utf-8"))
+    assert not [*scenes_taken(tree)]
+    assert [name for name in imported(tree) if name.startswith("rolling.")] == [
+        "rolling.check.run_size.RunSize"
+    ]
+
+
 @pytest.mark.parametrize(
     ("code", "is_taken"),
     [

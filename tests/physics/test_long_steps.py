@@ -12,6 +12,7 @@ from scene_text import SCENES
 
 from acoustics import resampling
 from rolling.check import resolution
+from rolling.check.long_steps import refuse_long_steps
 from rolling.contact import closed_forms
 from rolling.kinds.reading import read_scene
 from rolling.scene.file import loads
@@ -94,15 +95,15 @@ def test_the_radius_is_the_larger_of_elastic_and_plastic() -> None:
 
 def test_steps_beyond_four_radii_are_refused_with_the_longest_step() -> None:
     """Four radii of 20.1 um are 40.2 nodes of 2 um; a sweep is refused by its shortest contact."""
-    resolution.refuse_long_steps(loads(SCENE, ["numerics.step_nodes=40"]))
+    refuse_long_steps(loads(SCENE, ["numerics.step_nodes=40"]))
     with pytest.raises(SceneError, match=r"step_nodes: got 41.*4\.08 times.*nearest: 40"):
-        resolution.refuse_long_steps(loads(SCENE, ["numerics.step_nodes=41"]))
+        refuse_long_steps(loads(SCENE, ["numerics.step_nodes=41"]))
     swept = loads(SCENE, ["numerics.step_nodes=41", "sweep.rolling.load_n=[0.5, 5]"])
     with pytest.raises(SceneError, match=r"step_nodes: got 41.*load_n=0\.5") as error:
-        resolution.refuse_long_steps(swept)
+        refuse_long_steps(swept)
     assert len(error.value.mistakes) == 1
     with pytest.raises(SceneError, match=r"surface\.spacing_um, 0\.101"):
-        resolution.refuse_long_steps(loads(SCENE, ["rolling.load_n=1e-9"]))
+        refuse_long_steps(loads(SCENE, ["rolling.load_n=1e-9"]))
 
 
 @pytest.mark.parametrize(("radius", "millimetres"), [(0.005, "5"), (0.0127, "12.7")])
@@ -110,7 +111,7 @@ def test_a_radius_in_metres_is_told_as_such(radius: float, millimetres: str) -> 
     """Not the steps are wrong, nor the load: both messages name the radius and its likely unit."""
     words = ["rolling.load_n=weight", "sphere.density_kg_m3=7850", f"sphere.radius_mm={radius}"]
     with pytest.raises(SceneError, match=r"sphere\.radius_mm: got 0\.0") as error:
-        resolution.refuse_long_steps(loads(SCENE, words))
+        refuse_long_steps(loads(SCENE, words))
     (text,) = error.value.mistakes
     assert "step_nodes" not in text
     assert f"likely a radius in metres: write {millimetres}" in text
@@ -122,7 +123,7 @@ def test_a_radius_in_metres_is_told_as_such(radius: float, millimetres: str) -> 
     assert f"sphere.radius_mm is {radius}" in doubt and f"write {millimetres}" in doubt
     small = loads(SCENE, ["sphere.radius_mm=0.1", "rolling.load_n=1e-9"])
     with pytest.raises(SceneError, match="step_nodes: got"):  # a small ball of a real bearing
-        resolution.refuse_long_steps(small)
+        refuse_long_steps(small)
 
 
 def test_warning_gives_the_expected_errors() -> None:
@@ -142,7 +143,7 @@ def test_scenes_of_the_repository_have_short_steps() -> None:
     for path in SCENES:
         scene = read_scene(path)
         if scene.height_path is None:
-            resolution.refuse_long_steps(scene)
+            refuse_long_steps(scene)
             assert all(
                 run.step <= resolution.DOUBTFUL_RADII * resolution.contact_radius(run)
                 for _, run in scene.runs()

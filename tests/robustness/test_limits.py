@@ -18,7 +18,9 @@ from scene_text import MADE, TEXT, TINY
 import rolling
 from rolling import cli
 from rolling.bearing_kind import bearing_simulation
-from rolling.check import cost, findings, refusals
+from rolling.check import findings, refusals
+from rolling.check.memory_and_disk import disk
+from rolling.check.run_size import run_size
 from rolling.kinds.reading import read_scene
 from rolling.run.executor import RunLoop
 from rolling.scene.file import loads
@@ -237,7 +239,7 @@ def test_a_disk_that_filled_half_way_is_to_be_freed_and_done_runs_need_none(
     assert cli.main(words) == 2
     said = " ".join(capsys.readouterr().err.split())
     assert "free some space, take a folder on another disk, or shorten rolling.duration_s" in said
-    one_run = 1.1 * cost.disk([loads(TINY)]) / refusals.SHARE
+    one_run = 1.1 * disk([run_size(loads(TINY))]) / refusals.SHARE
     monkeypatch.setattr(refusals, "free_disk", lambda folder: 1e12)
     assert cli.main([*words, "--part", "1/1"]) == 0
     next(out.glob("*distance*=2/summary.json")).unlink()
