@@ -21,12 +21,12 @@ def refuse_long_steps(scene: Scene) -> None:
 
 def refuse_runs(scene: Scene, runs: Mapping[str, RunSize]) -> None:
     """Raise SceneError for runs with long steps, by their names in the sweep of a scene."""
-    mistakes = [*_faults(runs)]
+    mistakes = [*_mistakes(runs)]
     if mistakes:
         raise SceneError([f"{scene.place(key)}: {key}: {text}" for key, text in mistakes])
 
 
-def _faults(runs: Mapping[str, RunSize]) -> Iterator[tuple[str, str]]:
+def _mistakes(runs: Mapping[str, RunSize]) -> Iterator[tuple[str, str]]:
     """Yield the key that makes steps too long, and what is wrong with it."""
     for name, run in runs.items():
         if run.step_m <= MAX_RADII * run.contact_radius_m:
