@@ -21,7 +21,7 @@ from rolling.figures.catalogue import single_picture
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.page_parts import PageParts
 from rolling.numbers.bearing_numbers import AXIAL_NAMES, AngleNumbers, BearingNumbers, VelocityLine
-from rolling.numbers.quantity import Quantity
+from rolling.numbers.quantity import Quantity, spread_text
 from rolling.report import maps
 from rolling.report.report_page import page_gains
 from rolling.terminal.streams import unbroken
@@ -143,7 +143,7 @@ def _cell(velocity: Quantity) -> tuple[str, str]:
     spread_db = velocity.uncertainty
     if velocity.value is None or spread_db is None or velocity.value < NOTHING_UM_S:
         return text, ""
-    return text, f"± {spread_db:.1f} dB" if spread_db >= 0.05 else "± < 0.1 dB"
+    return text, f"± {spread_text(spread_db)} dB"
 
 
 def _on_page(sentence: str) -> str:

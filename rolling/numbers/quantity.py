@@ -94,7 +94,7 @@ class Verdict(NamedTuple):
     def error(self) -> str:
         """Size of the error: `± 1.2 dB`, `> 0.3 dB` at least, or an empty text."""
         if self.worst.decibels:
-            return f"± {math.ceil(10 * self.worst.decibels) / 10:.1f} dB"
+            return f"± {spread_text(self.worst.decibels)} dB"
         if self.known_db:
             return f"> {self.known_db:.1f} dB"
         return ""
@@ -196,8 +196,7 @@ class Quantity:
             return f"none, because {self.reason}"
         words = f"{self.number} {self.unit}".rstrip()
         if self.uncertainty_unit and self.uncertainty is not None:
-            spread = math.ceil(10 * self.uncertainty) / 10
-            words += f" ± {spread:.1f} {self.uncertainty_unit}"
+            words += f" ± {spread_text(self.uncertainty)} {self.uncertainty_unit}"
         if self.measure == "LAE":
             words = f"LAE {words}"
         return f"{words}, {self.how}"
@@ -260,7 +259,7 @@ def uncertain(value: float, uncertainty: float | None) -> str:
     The uncertainty never prints as 0.0, because no level is known exactly. A value that rounds to
     -0.0 is written as 0.0.
     """
-    spread = "" if uncertainty is None else f" ± {math.ceil(uncertainty * 10) / 10:.1f}"
+    spread = "" if uncertainty is None else f" ± {spread_text(uncertainty)}"
     return f"{round(value, 1) + 0.0:.1f}{spread}"
 
 
@@ -314,6 +313,11 @@ def difference(
         uncertainty=math.hypot(low_spread, high_spread, *changes),
         left_out=shared,
     )
+
+
+def spread_text(uncertainty: float) -> str:
+    """Write an uncertainty in tenths, rounded up, so that it promises no more than is known."""
+    return f"{math.ceil(10 * uncertainty) / 10:.1f}"
 
 
 def mean(quantities: Sequence[Quantity]) -> float | None:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from rolling.kinds.registry import kind_of
 from rolling.numbers.doubt import Severity
-from rolling.numbers.quantity import ASSUMED, BOUND, Quantity, Verdict
+from rolling.numbers.quantity import ASSUMED, BOUND, Quantity, Verdict, spread_text
 from rolling.results import description, verdict
 from rolling.results.run_quantities import LAE
 from rolling.results.run_result import Run
@@ -22,7 +22,6 @@ WORDS = {  # of verdicts
     BOUND: "what one would hear lies below it; its numerical error stands beside it",
     ASSUMED: "a share q or a gain is assumed; its numerical error stands beside it",
 }
-LEAST_SPREAD = 0.05  # of another unit than the number, which is written with a tenth
 AT_LEAST = (">", "a part of the error has this size, and the rest is not known")
 
 
@@ -114,10 +113,7 @@ def _shown(quantity: Quantity, is_mixed: bool, leads: bool) -> ShownQuantity:
         return ShownQuantity(missing=quantity.reason, leads=leads)
     value, _, spread = quantity.number.partition(" ± ")
     if quantity.uncertainty_unit and quantity.uncertainty is not None:
-        size = f"{quantity.uncertainty:.1f}"
-        if quantity.uncertainty < LEAST_SPREAD:
-            size = "< 0.1"
-        spread = f"{size} {quantity.uncertainty_unit}"
+        spread = f"{spread_text(quantity.uncertainty)} {quantity.uncertainty_unit}"
     return ShownQuantity(
         value=value,
         spread=f"± {spread}" if spread else "",

@@ -142,8 +142,8 @@ def environment() -> dict[str, str]:
 
 def main(peers: list[str]) -> None:
     """Solve the contacts by each peer NAME=PYTHON and print the table."""
-    from rolling import validate
     from rolling.kinds.reading import read_scene
+    from rolling.studies import validate
 
     _, scene = next(iter(read_scene(validate.FOLDER / "rough-contact.yaml").runs()))
     gap, spacing = validate.rough_gap(scene, validate.COARSE)

@@ -22,6 +22,7 @@ from rolling.contact.track import Motion
 from rolling.numbers import ball_numbers
 from rolling.numbers.doubt import sized
 from rolling.numbers.fields import said_of
+from rolling.numbers.quantity import Quantity
 from rolling.report import film, leading_numbers, maps, page_sounds, text
 from rolling.report.assumed import assumptions
 from rolling.report.number_table import number_table
@@ -290,6 +291,21 @@ def test_a_bound_is_never_trusted(three) -> None:
     assert "Released power is numerically do not quote, ± 4.2 dB: the grid is coarse." in (
         leading_numbers.doubts([coarse])
     )
+
+
+@pytest.mark.parametrize(("uncertainty", "shown"), [(0.02, "0.1"), (0.1, "0.1"), (0.41, "0.5")])
+def test_an_uncertainty_has_one_form(
+    uncertainty: float, shown: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beside a number in another unit, and in its verdict: tenths, rounded up."""
+    (run,) = runs_of("lap")
+    doubt = sized("line", "a line is off", uncertainty)
+    quantity = Quantity(
+        "v", 81.0, unit="um/s", uncertainty=uncertainty, uncertainty_unit="dB", doubts=(doubt,)
+    )
+    monkeypatch.setattr(leading_numbers, "_quantities", lambda runs: {"v": [quantity]})
+    ((cell,),) = [column.cells for column in leading_numbers.shown_columns([run])]
+    assert cell.spread == cell.error == f"± {shown} dB"
 
 
 def test_an_assumed_share_has_a_word_of_its_own() -> None:
