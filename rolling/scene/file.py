@@ -22,7 +22,6 @@ from rolling.scene.swept import AnyScene, SweptScene
 from rolling.scene.values_in_si import motion_of
 from rolling.scene.yaml_text import parse, read_text
 
-OTHER_KINDS = ("sphere", "bearing")  # sections that tell what a scene is of
 SET = "--set"  # place of the overrides in messages
 
 # ---- reading, writing, overriding
@@ -95,11 +94,17 @@ def _refuse_other_kind(
     """Refuse a scene of another kind, by the section that tells what it is of."""
     if model.SECTION in data:
         return
-    for other in OTHER_KINDS:
-        if other in data and other != model.SECTION:
+    for other in sections_of_scenes(SweptScene):
+        if other in data:
             raise SceneError(
                 [f"{places[(other,)]}: {other}: allowed here: a scene with {model.SECTION}"]
             )
+
+
+def sections_of_scenes(base: type[SweptScene]) -> set[str]:
+    """Return the sections that tell what scenes are of, of all classes below one."""
+    sections = {base.SECTION} if "SECTION" in vars(base) else set()
+    return sections.union(*map(sections_of_scenes, base.__subclasses__()))
 
 
 def dump(scene: SweptScene) -> str:
