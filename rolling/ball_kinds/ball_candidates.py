@@ -175,7 +175,7 @@ def _incomparable(candidates: Sequence[BallCandidate]) -> Iterator[str]:
                     f"{scene.place(key)}: {key}: got {quoted(theirs)} for {other.label}, and"
                     f" {quoted(mine)} for {candidates[0].label}; a choice is made for one listener"
                 )
-        if (first.rolling.drop_mm is None) != (scene.rolling.drop_mm is None):
+        if first.is_one_event != scene.is_one_event:
             yield (
                 f"{scene.place('rolling.drop_mm')}: rolling.drop_mm: one of {other.label} and"
                 f" {candidates[0].label} falls and the other rolls; an event and a steady sound"

@@ -189,7 +189,7 @@ def hear(specimen: Specimen, result: Result) -> HeardBall:
         squares.append(np.mean([lines.total for lines in at_speeds]))
         bands.append(np.mean([lines.bands for lines in at_speeds], axis=0))
     highest = scene.motion.fastest(scene.duration) / (2 * scene.step)
-    if scene.rolling.drop_mm is not None:  # its time steps resolve an impact
+    if scene.is_one_event:  # its time steps resolve an impact
         highest = wav.SAMPLE_RATE_HZ / 2
     numbers = read_stored(specimen.folder).numbers
     of_bands = numbers.bands.vibration
@@ -222,7 +222,7 @@ def _errors(numbers: RunNumbers) -> dict[str, LevelError]:
 
 def _speed_ratios(scene: Scene) -> tuple[float, ...]:
     """Return the speeds over that of the scene; a fall and a ball that rolls out have their own."""
-    if scene.rolling.drop_mm is not None or scene.rolling.resistance is not None:
+    if scene.is_one_event or scene.rolling.resistance is not None:
         return (1.0,)
     return SPEED_RATIOS
 
@@ -260,7 +260,7 @@ def _weighted_lines(scene: Scene, law: ForceLaw, result: Result) -> _Lines:
     )
     frequency, square = audible_lines(pressures[0], wav.SAMPLE_RATE_HZ)
     weighted = square * 10.0 ** (a_weighting_db(frequency) / 10.0)
-    if scene.rolling.drop_mm is not None:  # the exposure in one second, as LAE
+    if scene.is_one_event:  # the exposure in one second, as LAE
         weighted = weighted * (len(pressures[0]) / wav.SAMPLE_RATE_HZ)
     return _Lines(
         total=float(weighted.sum()),

@@ -56,7 +56,7 @@ def chain_levels(specimens: Sequence[Specimen]) -> Array | None:
 
 def _chain_level(specimen: Specimen) -> float | None:
     """Return the level of a specimen [dB(A)], from its file if there is one."""
-    if specimen.scene.rolling.drop_mm is not None:
+    if not specimen.scene.keeps_its_load:
         return None
     path = specimen.folder / CHAIN
     level = _stored_level(path, loss_factors_of(specimen))

@@ -90,7 +90,7 @@ def _repeats(scene: Scene) -> bool:
         scene.sound.source == "vibration"
         and scene.track.closed
         and scene.motion.is_constant(scene.duration)
-        and scene.rolling.drop_mm is None
+        and not scene.is_one_event
         and len(scene.plate.contact_ends_mm) < 2
         and not scene.is_smooth
         and scene.track.lap_steps >= _FEWEST_STEPS

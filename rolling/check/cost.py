@@ -137,7 +137,7 @@ def shortest_period(scene: Scene) -> float:
 
 def fall_seconds(scene: Scene) -> tuple[int, float]:
     """Estimate number and time [s] of the marches for the impacts of a drop; none without one."""
-    if scene.rolling.drop_mm is None:
+    if scene.keeps_its_load:
         return 0, 0.0
     period = shortest_period(scene)
     loads = [load for sign in (-1, 1) for load in drop.loads(bodies_of(scene), sign)]

@@ -261,7 +261,7 @@ def _slowness(scene: Scene, of_run: Sequence[Finding]) -> float:
 
     The impacts of a drop are solved on far wider contacts, whose time it does not tell.
     """
-    if scene.rolling.drop_mm is not None:
+    if not scene.keeps_its_load:
         return 1.0
     expected = cost.expected_seconds(scene)
     measured = next((x.seconds for x in of_run if x.key == "expected_time"), 0.0)
@@ -274,7 +274,7 @@ def conclusion(scene: Scene, findings: Findings) -> str:
         return f"It does not run: {findings.refusal.text}."
     time = forecast.takes(findings.seconds)
     scenes = [run.scene for run in scene.runs()]
-    if all(part.is_smooth and part.rolling.drop_mm is None for part in scenes):
+    if all(part.is_silent for part in scenes):
         return f"It runs in {time}. A smooth surface is silent."
     leading = [coming.leading for coming in findings.quantities.values()]
     judged = [quantity.judged for quantity in leading if quantity.judged is not None]

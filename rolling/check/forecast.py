@@ -65,7 +65,7 @@ def motion_seconds(scene: Scene) -> float:
     plate = plate_of(scene.plate).with_edges
     modes = 0 if plate is None else plate.mode_count
     duration = moved = scene.duration
-    if scene.track.closed and scene.motion.is_constant(duration) and scene.rolling.drop_mm is None:
+    if scene.track.closed and scene.motion.is_constant(duration) and not scene.is_one_event:
         decay = bodies_of(scene).smooth_chain.own_decay_s
         moved += min(RUN_IN_DECAYS * decay, RUN_IN_LAPS * duration)
     moved = MOTIONS * moved + (scene.sound.listen_s or 0.0)

@@ -86,7 +86,7 @@ def forecasts(scene: Scene, doubts: Iterable[Doubt]) -> Forecasts:
         )
     elif scene.sound.source == "release":
         of_vibration.append(replace(resolution.grid_of_silent_vibration(), about=(VIBRATION,)))
-    if scene.is_smooth and scene.rolling.drop_mm is None:
+    if scene.is_silent:
         reason = "a smooth surface is silent"
         vibration = replace(vibration, coming=None, reason=reason)
     released = Quantity(RELEASED_POWER, None, unit="dB(A)", how="forecast", coming="upper bound")

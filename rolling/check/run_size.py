@@ -108,7 +108,7 @@ def run_size(scene: Scene) -> RunSize:
     duration = scene.duration
     fastest = scene.motion.fastest(duration)
     rate = max(TIME_STEPS * bodies.bounce_hz, fastest / scene.step)
-    if bodies.falls:
+    if not scene.keeps_its_load:
         rate = max(rate, IMPACT_STEPS / impact_s(bodies))
     across = overlap_across_m(contact, scene.hardness, 0.0)
     window = window_nodes(contact, scene.hardness, rq_m, spacing, step_nodes)

@@ -40,7 +40,7 @@ def rules(scene: Scene) -> Iterator[Finding | Doubt]:
     yield from _edges(scene)
     yield from _marches(scene)
     yield from _modes(scene)
-    if scene.rolling.drop_mm is not None:
+    if not scene.keeps_its_load:
         yield from _fall(scene)
 
 

@@ -182,7 +182,7 @@ def _curves_by_load(runs: Sequence[Run]) -> list[tuple[str, Lines]]:
 
 def _has_lines(run: Run) -> bool:
     """Tell whether the lines of the released power of a run have a meaning."""
-    return run.scene.rolling.drop_mm is None and run.sound.constant_speed
+    return run.scene.has_release and run.sound.constant_speed
 
 
 def _lines(run: Run) -> Lines:

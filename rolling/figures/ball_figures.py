@@ -44,8 +44,8 @@ def _has_ball_surface(run: Run) -> bool:
     return run.scene.sphere.surface is not None
 
 
-def _rolls(run: Run) -> bool:
-    return run.scene.rolling.drop_mm is None
+def _has_release(run: Run) -> bool:
+    return run.scene.has_release
 
 
 def _has_events(run: Run) -> bool:
@@ -96,7 +96,7 @@ FIGURES = {
     "release_power": FigureKind(
         sound_figures.release_power,
         sound_figures.release_power_table,
-        _rolls,
+        _has_release,
         shares_scales=True,
         is_single=True,
     ),

@@ -98,7 +98,7 @@ def sources(run: Run, ax: Axes | None = None) -> Axes:
         losses = f"loss factor {loss_text(run.scene.plate.loss_factor)}"
     facts = [distance, duration_text([run]), "sound power of one side of the plate", losses]
     title = "Vibration and sound powers"
-    if not _falls(run):
+    if run.scene.has_release:
         title = "Vibration, released power and sound powers"
     return finish(ax, f"{title}: {run.title}", facts)
 
@@ -140,7 +140,7 @@ def _sources(run: Run) -> list[_Source]:
     bands = run.numbers.bands
     release = f"released power, {_share_text(run)} [dB re 20 µPa]"
     rows = [("vibration", "vibration, sound pressure level [dB re 20 µPa]", bands.vibration)]
-    if not _falls(run):
+    if run.scene.has_release:
         rows.append(("released_power", release, bands.released_power_at_listener))
     rows += [
         ("plate_power", "sound power level of the plate [dB re 1 pW]", bands.plate_power),
@@ -149,11 +149,6 @@ def _sources(run: Run) -> list[_Source]:
     return [
         _Source(name, label, levels.by_name) for name, label, levels in rows if levels is not None
     ]
-
-
-def _falls(run: Run) -> bool:
-    """Tell whether the ball of a run falls."""
-    return run.scene.rolling.drop_mm is not None
 
 
 # ---- contact force
@@ -191,7 +186,7 @@ def contact_force(run: Run, ax: Axes | None = None) -> Axes:
     table = contact_force_table(run)
     factor = 1.0
     label = "contact force over load [-]"
-    if run.scene.rolling.drop_mm is not None:  # whose impacts are many times the load
+    if not run.scene.keeps_its_load:  # whose impacts are many times the load
         newton, prefix = unit_prefix(float(vibration.load * ratio.max()))
         factor = vibration.load / newton
         label = f"contact force [{prefix}N]"

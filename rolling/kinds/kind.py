@@ -83,6 +83,10 @@ class Kind(ABC):
 
     # ---- scenes
 
+    def of_scene(self, scene: Any) -> Kind:
+        """Return the kind of a scene: this one, or one of its name that tells more."""
+        return self
+
     @abstractmethod
     def refuse(
         self, scene: Any, workers: int, folder: Path | None, unsolved: Sequence[Any] | None = None

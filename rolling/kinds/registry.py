@@ -27,7 +27,7 @@ from rolling.scene.yaml_text import parse, read_text
 USUAL = "ball"
 SCENE_TYPES: Mapping[str, type[SweptScene]] = {USUAL: Scene, "bearing": BearingScene}
 MODULES = {
-    USUAL: "rolling.ball_kinds.rolling_ball",
+    USUAL: "rolling.ball_kinds.balls",
     "bearing": "rolling.bearing_kind.turning_bearing",
 }
 _added: dict[str, Kind] = {}
@@ -120,22 +120,26 @@ def kind_of(scene: Any) -> Kind:
     """
     for name, scene_type in scene_types().items():
         if isinstance(scene, scene_type):
-            return kind_named(name)
+            return kind_named(name).of_scene(scene)
     raise TypeError(f"scene: got {type(scene).__name__}, allowed: a scene of a registered kind")
 
 
 def kind_of_runs(runs: Sequence[RunFolder]) -> Kind:
     """Return the kind of the scenes of runs.
 
+    Kinds of one name have the same files and tables, so their runs may be mixed; what holds for all
+    of them is then told by the kind that has the name.
+
     Raises
     ------
     ValueError : there is no run, or the runs are of several kinds.
     """
     every = list(dict.fromkeys(kind_of(run.scene) for run in runs))
-    if len(every) != 1:
-        names = ", ".join(kind.name for kind in every) or "none"
-        raise ValueError(f"runs: got {names}, allowed: runs of one kind of scene")
-    return every[0]
+    names = list(dict.fromkeys(kind.name for kind in every))
+    if len(names) != 1:
+        listed = ", ".join(names) or "none"
+        raise ValueError(f"runs: got {listed}, allowed: runs of one kind of scene")
+    return every[0] if len(every) == 1 else kind_named(names[0])
 
 
 def name_of_file(path: Path | str) -> str:

@@ -150,7 +150,7 @@ def _first_loads(scene: Scene) -> list[float]:
 def _neighbouring_loads(scene: Scene, sign: int) -> Iterator[float]:
     """Yield loads [N] above (1) or below (-1) the scene's: by the span, and far from it wider."""
     assert scene.dynamics is not None
-    if scene.rolling.drop_mm is not None:
+    if not scene.keeps_its_load:
         yield from drop.loads(bodies_of(scene), sign)
         return
     span = scene.dynamics.span

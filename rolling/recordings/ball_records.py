@@ -70,7 +70,6 @@ def _stated_level(run: Run) -> str:
 
 def of_run(run: Run) -> Recording:
     """Return the long record of a run if its scene asks for one, otherwise its signal."""
-    is_drop = run.scene.rolling.drop_mm is not None
     long = listening.long_record_of(run)
     if long is not None:
         return Recording(
@@ -78,14 +77,14 @@ def of_run(run: Run) -> Recording:
             samples=long.pressure,
             highest=run.sound.highest,
             seconds=len(long.pressure) / RATE,
-            is_drop=is_drop,
+            is_drop=run.sound.once,
         )
     return Recording(
         name="signal",
         samples=run.sound.pressure,
         highest=run.sound.highest,
         seconds=run.sound.duration / run.laps,
-        is_drop=is_drop,
+        is_drop=run.sound.once,
     )
 
 
@@ -96,7 +95,7 @@ def _of_channel(run: Run, channel: Channel, quantity: MeasuredQuantity) -> Recor
         samples=np.asarray(channel.samples, dtype=float),
         highest=channel.highest_hz,
         seconds=len(channel.samples) / RATE / run.laps,
-        is_drop=run.scene.rolling.drop_mm is not None,
+        is_drop=run.sound.once,
         quantity=quantity,
     )
 

@@ -242,7 +242,7 @@ def _player(view: RunView, scale: dict[str, Any] | None) -> dict[str, Any]:
         "raised": None if view.raised is None else view.raised.begin / run.sound.sample_rate,
         "playback": view.playback,
         "live": view.live,
-        "falls": run.scene.rolling.drop_mm is not None,
+        "falls": not run.scene.keeps_its_load,
         "maps": run_maps,
         "film": slow_motion,
         "bands": _rounded(run.sound.levels.third_octave_db),

@@ -103,7 +103,7 @@ def slow_motion(run: Run) -> SlowMotion | None:
     Its maps show the ball as it rolls under its load, which a ball that falls and bounces does not.
     """
     slow = run.result.slow_motion
-    if slow is None or not slow.pressure.size or run.scene.rolling.drop_mm is not None:
+    if slow is None or not slow.pressure.size or not run.scene.keeps_its_load:
         return None
     return slow
 
@@ -156,11 +156,8 @@ def _ground(run: Run, slow: SlowMotion) -> maps.Pixels:
 def still(run: Run) -> Still | None:
     """Draw the loudest moment of a run, which is looked at where the contact is.
 
-    Without a slow motion it is the map in the middle of the record; None without maps, and for a
-    ball that falls.
+    Without a slow motion it is the map in the middle of the record; None without maps.
     """
-    if run.scene.rolling.drop_mm is not None:
-        return None
     words = f"The contact of {run.label} seen from above"
     slow = slow_motion(run)
     if slow is None:

@@ -243,7 +243,7 @@ def _instead(run: Run, begins: Array) -> list[str | None]:
         return [None] * len(begins)
     motion = run.vibration_sound.motion
     load = run.vibration_sound.load
-    falls = run.scene.rolling.drop_mm is not None
+    is_steady = run.scene.keeps_its_load
     ends = np.append(begins[1:], run.sound.duration)
     sentences = list[str | None]()
     for begin, end in zip(begins, ends, strict=True):
@@ -254,7 +254,7 @@ def _instead(run: Run, begins: Array) -> list[str | None]:
         is_at_rest = force.min() > load / AT_REST and force.max() < AT_REST * load
         if np.mean(force == 0) > 0.5:
             sentences.append("the ball flies: nothing touches")
-        elif falls and not is_at_rest:
+        elif not is_steady and not is_at_rest:
             sentences.append(
                 f"the ball bounces with up to {si(float(force.max()), 'N')}; the contact is"
                 f" computed under the load of {si(load, 'N')} alone"

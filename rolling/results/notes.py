@@ -241,7 +241,7 @@ def _load(scene: Scene, moving: MovingRelease | None) -> Iterator[Doubt]:
             "The release is computed under the moving load; the series along the track are of the "
             "constant load.",
         )
-    elif scene.rolling.drop_mm is not None:
+    elif not scene.keeps_its_load:
         yield note(
             "constant_load_release",
             "The release is computed under the constant load, as if the sphere rolled from the "

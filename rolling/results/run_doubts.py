@@ -183,7 +183,7 @@ def _motion(scene: Scene, numbers: RunNumbers, vibration: Vibration | None) -> I
         return
     motion = vibration.motion
     thickness = scene.plate.thickness_mm
-    may_repeat = not scene.is_smooth and scene.rolling.drop_mm is None
+    may_repeat = not (scene.is_smooth or scene.is_one_event)
     if scene.track.closed and not motion.settled and may_repeat:
         text = "motion: it does not repeat from lap to lap, so its record does not loop"
         if motion.flight_share > 0:

@@ -268,7 +268,7 @@ def _difference(
     Both levels belong to the place where the vibration is heard. The impacts of a fall compare with
     no release.
     """
-    if release_db is None or vibration_db is None or scene.rolling.drop_mm is not None:
+    if release_db is None or vibration_db is None or not scene.has_release:
         return None, None
     difference = release_db - vibration_db
     if scene.sound.gain_pa_per_w_m2 is not None:
@@ -676,7 +676,6 @@ def _motion(run: SolvedRun, vibration: Vibration) -> MotionNumbers:
         impacts_yield = bool(contact.maximum_pressure_pa(largest_n) > scene.hardness)
     edges = body.with_edges
     plate = body.bending
-    falls = scene.rolling.drop_mm is not None
     numbers = MotionNumbers(
         force_rms_n=vibration.rms_ratio * vibration.load,
         force_rms_ratio=vibration.rms_ratio,
@@ -687,7 +686,7 @@ def _motion(run: SolvedRun, vibration: Vibration) -> MotionNumbers:
         impacts_yield=impacts_yield,
         flight_share=motion.flight_share,
         drop_mm=scene.rolling.drop_mm,
-        restitution=drop.restitution(bodies_of(scene), motion) if falls else None,
+        restitution=drop.restitution(bodies_of(scene), motion) if scene.is_one_event else None,
         force_outside_share=motion.outside_share,
         comb_spread_db=vibration.spreads.get("comb"),
         comb_mean_laeq_db=vibration.mean_laeq,

@@ -110,7 +110,7 @@ class SolvedRun(RunFolder):
 
         A run that is silent and a fall have none.
         """
-        if self.scene.rolling.drop_mm is not None:
+        if not self.scene.has_release:
             return []
         linear = None
         if self.vibration_sound is not None and self.sound.source == "vibration":
@@ -143,7 +143,7 @@ class SolvedRun(RunFolder):
         crosses a patch. By energy the levels add up to LAeq of the record.
         """
         scene = self.scene
-        if scene.rolling.drop_mm is not None:
+        if not scene.has_release:
             return None
         return sound_by_place(
             scene.travel,

@@ -165,7 +165,7 @@ def refuse_memory(numerics: Numerics, sections: Sections) -> None:
 def refuse_dynamics(dynamics: Dynamics | None, sections: Sections) -> None:
     """Refuse keys that need dynamics without it, and dynamics of bodies without a mass."""
     rolling = sections.get("rolling")
-    is_dropped = rolling is not None and rolling.drop_mm is not None
+    is_dropped = rolling is not None and rolling.falls
     if dynamics is None:
         _refuse_without_dynamics(sections.get("plate"), is_dropped)
         return
@@ -228,7 +228,7 @@ def with_source(sound: Sound, sections: Sections) -> Sound:
                 needs=["dynamics"],
             )
     rolling = sections.get("rolling")
-    if sound.source == "release" and rolling is not None and rolling.drop_mm is not None:
+    if sound.source == "release" and rolling is not None and rolling.falls:
         raise mistake(
             'got "release", which a sphere with rolling.drop_mm has not: nothing is released in'
             " flight",

@@ -521,6 +521,11 @@ class Rolling(Section):
     across_um: float = 0.0
     passes: int | None = Field(default=None, ge=1, le=MAX_PASSES)
 
+    @property
+    def falls(self) -> bool:
+        """Whether the sphere falls at the start."""
+        return self.drop_mm is not None
+
     @model_validator(mode="after")
     def _check_length(self) -> Self:
         if self.duration_s is not None and self.distance_mm is not None:

@@ -100,7 +100,7 @@ def _reason_for_one_node(scene: SceneQuantities) -> str:
         return "not measured for a plate that remembers"
     if grid_error.has_sharp_edges(scene):
         return "not measured for sharp edges"
-    if scene.rolling.drop_mm is not None:
+    if scene.rolling.falls:
         return "not measured for a drop"
     if scene.dynamics is not None and smoothness(scene) < MIN_SMOOTHNESS_MOVING:
         return "not measured for a ball that may bounce"

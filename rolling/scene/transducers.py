@@ -127,7 +127,7 @@ def refuse_channels(channels: list[SoundChannel], sections: Any) -> None:
         )
     for number, channel in enumerate(channels):
         at = ("sound", "channels", number)
-        falls = rolling is not None and rolling.drop_mm is not None
+        falls = rolling is not None and rolling.falls
         if channel.of == "ball" and channel.quantity != "acceleration" and falls:
             raise mistake(
                 f"got {quoted(channel.quantity)}, allowed with rolling.drop_mm: acceleration; a"

@@ -93,6 +93,26 @@ class SceneQuantities(SweptScene):
         formed = ball is not None and ball.has_form
         return not (self.height_paths or self.laws or self.faults or formed)
 
+    @property
+    def is_silent(self) -> bool:
+        """Whether nothing moves the sphere: a smooth one that rolls on a smooth plate."""
+        return self.is_smooth and not self.rolling.falls
+
+    @property
+    def is_one_event(self) -> bool:
+        """Whether the record is one event that is heard once, and no steady sound."""
+        return self.rolling.falls
+
+    @property
+    def keeps_its_load(self) -> bool:
+        """Whether the contact begins under its load; impacts are of many times as much."""
+        return not self.rolling.falls
+
+    @property
+    def has_release(self) -> bool:
+        """Whether what the contact releases along the track is heard; in flight there is none."""
+        return not self.rolling.falls
+
     @cached_property
     def track(self) -> Track:
         """Positions of the sphere.

@@ -21,7 +21,7 @@ import pandas as pd
 from recognition_study import centroid_hz
 from scipy import stats
 
-from rolling.ball_kinds.rolling_ball import KIND
+from rolling.ball_kinds.balls import KIND
 from rolling.in_si.scene_surface import scene_surface
 from rolling.kinds.run_folder import RunFolder
 from rolling.results.run_result import Run, make_run

@@ -12,12 +12,12 @@ import pytest
 import rolling as rc
 from acoustics.pairs import LOOKS
 from rolling import cli
+from rolling.ball_kinds.one_ball import OneBall
 from rolling.bearing_kind import bearing_heard
 from rolling.choice import choosing
 from rolling.choice.audition import Audition
 from rolling.choice.choice import Choice
 from rolling.choice.choosing import choose_scenes
-from rolling.kinds.registry import kind_named
 from rolling.run.budget import Budget, Clock
 from rolling.terminal.whole_files import write_json
 from tests.support.commands import tree
@@ -211,7 +211,7 @@ def test_scenes_of_two_kinds_are_not_compared(
 @pytest.fixture
 def by_defaults(monkeypatch: pytest.MonkeyPatch) -> Callable[[], Any]:
     """Let balls be compared as a kind that says nothing of comparisons."""
-    monkeypatch.setattr(type(kind_named("ball")), "audition", lambda _: None)
+    monkeypatch.setattr(OneBall, "audition", lambda _: None)
     return lambda: rc.read_scene(
         "quickstart",
         [

@@ -16,7 +16,7 @@ from finished import marched, same
 from scene_text import TINY
 
 from rolling import cli
-from rolling.ball_kinds import rolling_ball
+from rolling.ball_kinds import one_ball
 from rolling.commands import derived
 from rolling.figures.settings import PictureWarning
 from rolling.kinds.run_folder import RunFolder
@@ -35,13 +35,13 @@ LOADS = "sweep: {rolling.load_n: [0.5, 1, 2]}\n"
 def made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Return a list of the runs whose sound is made from now on; pages are not drawn."""
     labels: list[str] = []
-    make_run = rolling_ball.make_run
+    make_run = one_ball.make_run
 
     def counted(place: RunFolder, label: str, *more: Any) -> Run:
         labels.append(label)
         return make_run(place, label, *more)
 
-    monkeypatch.setattr(rolling_ball, "make_run", counted)
+    monkeypatch.setattr(one_ball, "make_run", counted)
     monkeypatch.setattr(run_result, "make_run", counted)
     monkeypatch.setattr(
         "rolling.report.report_page.page", lambda runs, names: f"{len(runs)}".encode()

@@ -12,7 +12,7 @@ from scene_text import PLAIN
 
 import rolling
 from rolling.archive.definition import in_group
-from rolling.ball_kinds.rolling_ball import KIND
+from rolling.ball_kinds.balls import KIND
 from rolling.bearing_kind import bearing_forecast, bearing_simulation
 from rolling.bearing_kind.bearing_forecast import BearingForecast, forecast_of
 from rolling.bearing_kind.contact_plan import contact_plan

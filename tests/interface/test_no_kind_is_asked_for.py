@@ -14,6 +14,7 @@ OF_A_KIND = {
     "ball_kinds": "balls that roll or fall",
     "bearing_kind": "bearings that turn",
     "dynamics": "motion of a ball",
+    "sound": "sound of bodies in SI",
     "in_si": "bodies of a ball on a plate",
     "plain_kind": "the base of further kinds",
     "studies": "studies of balls",
@@ -29,14 +30,34 @@ TO_DO = {
     "figures/picture.py": 1,
     "figures/sound_figures.py": 2,
     "figures/vibration_figures.py": 2,
+    # A ball that falls: the words for it, and its numbers without a scene.
+    "results/description.py": 2,
+    "results/former_numbers.py": 1,
+    "results/run_doubts.py": 1,
+    "results/run_quantities.py": 1,
 }
+# The room of the keys of a scene may ask for a key.
+OF_KEYS = "scene/"
+# A key, and a property, that tell a ball that falls from one that rolls.
+OF_A_FALL = ("drop_mm", "falls")
 
 
 def questions(tree: ast.AST) -> Iterator[ast.AST]:
     """Yield the expressions of a file that ask what kind a scene, a run or a kind is."""
     for node in ast.walk(tree):
-        if _is_of_a_class(node) or _compares_a_kind(node):
+        if _is_of_a_class(node) or _compares_a_kind(node) or _asks_for_a_fall(node):
             yield node
+
+
+def _asks_for_a_fall(node: ast.AST) -> bool:
+    """Tell whether an expression compares the height of a fall with None, or asks for a fall."""
+    if isinstance(node, ast.Attribute):
+        return ast.unparse(node).endswith(("rolling.falls", "bodies.falls"))
+    if not isinstance(node, ast.Compare):
+        return False
+    sides = [node.left, *node.comparators]
+    with_none = any(isinstance(side, ast.Constant) and side.value is None for side in sides)
+    return with_none and any(ast.unparse(side).endswith(OF_A_FALL) for side in sides)
 
 
 def _is_of_a_class(node: ast.AST) -> bool:
@@ -72,8 +93,11 @@ if type(run) is BearingRun: pass
 instance("scene", scene, str, Scene)
 if isinstance(scene, SweptScene) or scene.name == "ball-on-plate": pass
 if channel.of == "ball": pass
+if scene.rolling.drop_mm is not None or drop_mm is None: pass
+if scene.rolling.falls: pass
+if scene.rolling.drop_mm > 2: pass
 """
-    assert [node.lineno for node in questions(ast.parse(text))] == [2, 3, 4, 5]
+    assert sorted(node.lineno for node in questions(ast.parse(text))) == [2, 3, 4, 5, 8, 8, 9]
 
 
 def test_rooms_of_kinds_are_there() -> None:
@@ -88,6 +112,8 @@ def test_no_file_asks_for_a_kind_but_those_that_are_listed() -> None:
         if name.split("/")[0] in OF_A_KIND:
             continue
         for node in questions(ast.parse(path.read_text(encoding="utf-8"))):
+            if name.startswith(OF_KEYS) and _asks_for_a_fall(node):
+                continue
             found[name] += 1
             places.append(f"{name}:{node.lineno}: {ast.unparse(node)}")
     more = {name: count for name, count in found.items() if count > TO_DO.get(name, 0)}
