@@ -1,4 +1,4 @@
-"""Numbers of a run in its folder, of any kind of run."""
+"""Folders of version 0.8: they are recognised, and refused where a run would go on in them."""
 
 from __future__ import annotations
 

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from rolling.recordings.compared_run import ComparedRun
     from rolling.recordings.recorded import MeasuredQuantity
 
+_NO_IDENTITY = {"name", "title", "description", "sweep"}  # keys that change no run
 PARTS = (effort.COMPILATION, effort.SURFACE, effort.MARCH)  # of the processor time of marches
 
 
@@ -145,8 +146,9 @@ class PlainKind(MarchesInFiles):
         )
 
     def _identity(self, scene: Any) -> str:
-        """Return the digest of the contact identities of the marches of a scene."""
-        return digest([contact_identity(march.scene) for march in self.marches(scene)])
+        """Return the digest of the contacts of a scene, and of all its keys but texts and sweep."""
+        contacts = [contact_identity(march.scene) for march in self.marches(scene)]
+        return digest([contacts, scene.model_dump(mode="json", exclude=_NO_IDENTITY)])
 
     def sounds(self, run: PlainRun) -> list[HeardSound]:
         """Return the sound of a run."""

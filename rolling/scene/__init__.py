@@ -9,20 +9,21 @@ track_length
 laws, surfaces, sections
     strict models: the laws and single faults of heights, the kinds of surface, and the sections
     sphere, plate, rolling, numerics, recovery, dynamics and sound, with units in names of keys
-height_files, height_grid
-    heights from .npy, .npz, text and files of instruments; the nodes of their period
-grid_error, automatic_tolerance
-    what the grid leaves in the release, and the tolerance of the solver beside it
-quantities, rules
-    the sections together and their quantities in SI; the rules that join them
+height_files, hdf5_files, height_grid
+    heights from .npy, .npz, text and files of instruments; the judge of HDF5 files; the nodes of
+    their period
+grid_error, automatic_tolerance, step_rule
+    what the grid leaves in the release; tolerance of the solver and length of steps beside it
+values_in_si, rules, transducers
+    the sections together and their quantities in SI; the rules that join them; channels
 sweep, swept, scene
     lists of values and their product; a scene of any kind, its changes and its runs; `Scene`
 bearing_lengths, bearing_rules, bearing_sections, bearing_scene, bearing_sources
     the scene of a bearing: lengths in closed form, what does not fit, its sections, `BearingScene`,
     and where its values come from
-identity
-    the keys that make a march, digests and differences of scenes
-yaml_text, file, bearing_file
-    plain values of a text with their lines; scenes as YAML, overrides, the JSON Schema; the same of
-    bearings, and of either kind
+identity, seeds, kept
+    the keys that make a march, digests and differences of scenes; their random numbers; values that
+    a process keeps
+yaml_text, file
+    plain values of a text with their lines; scenes of any kind as YAML, overrides, the JSON Schema
 """

@@ -1,1 +1,1 @@
-"""Sound of a run: from the energy released along the track to the sound pressure in time."""
+"""Sound of a run: of the released energy and of the vibration, its receivers, errors and places."""
