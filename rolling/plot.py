@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from acoustics import matplotlib_import  # noqa: F401, before matplotlib
 from acoustics.traps import ignoring_underflow
 from rolling.bearing_kind.bearing_figures import ball_forces, envelope, load_distribution
 from rolling.figures.article import max_level_over_load, spectra_over_load

@@ -16,7 +16,10 @@ Public modules:
   `EventTable`).
 - `compiling`, `compiling_ahead`: compilation by numba, with a cache wherever one can be kept, and
   ahead of the first march on spare cores; `cached_code`: the files of that cache.
-- `scratch`: memory that a march keeps.
+- `scratch`: memory that a march keeps; `processor_time`: time that it takes, without compilation.
+- `track`, `units`: the track and the speed along it (`Track`, `Travel`); lengths in units of a node.
+- `smooth_contact`, `estimated_contact`: the contact of smooth bodies (`SmoothContact`), and the
+  estimated reach of a rough one.
 - `memory`: the plate that remembers its indentation.
 
 Private modules, mostly compiled. Functions marked `njit` are kernels, which are cached. Those

@@ -22,6 +22,7 @@ from rolling.marches.effort import Effort
 from rolling.marches.piece import contact_identity
 from rolling.plain_kind import plain_lines, plain_run
 from rolling.plain_kind.plain_run import (
+    SIGNAL,
     MarchedEffort,
     PlainNumbers,
     PlainRun,
@@ -79,8 +80,10 @@ class PlainKind(MarchesInFiles):
     variables: ClassVar[tuple[Variable, ...]] = ()
 
     def __init_subclass__(cls, **options: Any) -> None:
-        """Store the numbers of the class as those of its name."""
+        """Store the numbers of the class as those of its name; keep the name of the sound free."""
         super().__init_subclass__(**options)
+        if any(variable.name == SIGNAL for variable in getattr(cls, "variables", ())):
+            raise TypeError(f"{cls.__name__}.variables: {SIGNAL!r} is the sound of a run")
         if "numbers_type" in vars(cls):
             cls.stored_type = stored_type_of(cls.name, cls.numbers_type)
 

@@ -77,14 +77,14 @@ def of_run(run: Run) -> Recording:
             samples=long.pressure,
             highest=run.sound.highest,
             seconds=len(long.pressure) / RATE,
-            is_drop=run.sound.once,
+            is_drop=run.scene.is_one_event,
         )
     return Recording(
         name="signal",
         samples=run.sound.pressure,
         highest=run.sound.highest,
         seconds=run.sound.duration / run.laps,
-        is_drop=run.sound.once,
+        is_drop=run.scene.is_one_event,
     )
 
 
@@ -95,7 +95,7 @@ def _of_channel(run: Run, channel: Channel, quantity: MeasuredQuantity) -> Recor
         samples=np.asarray(channel.samples, dtype=float),
         highest=channel.highest_hz,
         seconds=len(channel.samples) / RATE / run.laps,
-        is_drop=run.sound.once,
+        is_drop=run.scene.is_one_event,
         quantity=quantity,
     )
 

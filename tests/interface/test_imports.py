@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import importlib
+import re
 import subprocess
 import sys
 from functools import cache
@@ -274,6 +275,14 @@ def test_a_process_that_solves_loads_no_packages_of_pictures_motions_or_dask() -
     unused = {"matplotlib", "dask", "pandas", "xarray", "jinja2", "scipy.signal", "scipy.stats"}
     unused |= {"scipy.optimize", "scipy.integrate", "scipy.interpolate", "scipy.ndimage"}
     assert not unused & {*printed.split()}
+
+
+def test_a_room_that_lists_its_files_lists_all_of_them() -> None:
+    for name, path in modules("rolling").items():
+        words = set(re.findall(r"\w+", ast.get_docstring(ast.parse(path.read_text())) or ""))
+        files = {file.stem for file in path.parent.glob("[a-z]*.py")}
+        if path.stem == FRONT_DOOR and len(files & words) > len(files) / 2 and name != "rolling":
+            assert files <= words, f"{name}: {sorted(files - words)} are lacking"
 
 
 def test_a_file_name_stands_once() -> None:
