@@ -63,6 +63,8 @@ SHORTER = {
     "my-scan": {"(2700, 800)": "(1000, 800)"},
     "which-one": {
         "distance_mm=3": "distance_mm=1",
+        "fine], progress=False": "fine], pairs=3, progress=False",
+        "thick], progress=False": "thick], pairs=3, progress=False",
         "progress=False": "progress=False, workers=1",
     },
 }

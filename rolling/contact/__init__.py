@@ -17,7 +17,8 @@ Public modules:
 - `compiling`, `compiling_ahead`: compilation by numba, with a cache wherever one can be kept, and
   ahead of the first march on spare cores; `cached_code`: the files of that cache.
 - `scratch`: memory that a march keeps; `processor_time`: time that it takes, without compilation.
-- `track`, `units`: the track and the speed along it (`Track`, `Travel`); lengths in units of a node.
+- `track`: the track and the speed along it (`Track`, `Travel`); `units`: heights that cannot be
+  metres.
 - `smooth_contact`, `estimated_contact`: the contact of smooth bodies (`SmoothContact`), and the
   estimated reach of a rough one.
 - `memory`: the plate that remembers its indentation.
