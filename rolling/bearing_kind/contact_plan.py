@@ -141,7 +141,7 @@ def _refuse_long_steps(scene: BearingScene, plan: ContactPlan) -> None:
             continue
         key = "numerics.spacing_um"
         if march.height_paths:
-            key = f"bearing.surfaces.{_body_of(march.name)}.spacing_um"
+            key = f"bearing.surfaces.{body_of(march.name)}.spacing_um"
         nodes_um = 1e6 * longest / march.step_nodes
         allowed_um[key] = min(nodes_um, allowed_um.get(key, nodes_um))
         step_um[key] = max(1e6 * march.step, step_um.get(key, 0.0))
@@ -156,8 +156,8 @@ def _refuse_long_steps(scene: BearingScene, plan: ContactPlan) -> None:
         raise SceneError(lines)
 
 
-def _body_of(name: str) -> str:
-    """Return the body whose surface a kind of contact meets, by its name."""
+def body_of(name: str) -> str:
+    """Return the body whose roughness a kind of contact meets: inner, outer or balls."""
     return name.partition("-")[0]
 
 

@@ -21,7 +21,7 @@ from rolling.bearing.geometry import contact_lines
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL, RingRecord
-from rolling.bearing_kind.contact_plan import ContactPlan, radius_of
+from rolling.bearing_kind.contact_plan import ContactPlan, body_of, radius_of
 from rolling.bearing_kind.joined_tracks import rough_rows
 from rolling.bearing_kind.rough_contacts import RoughContact
 from rolling.run.march_files import Marches
@@ -50,11 +50,6 @@ class RoughnessPower(NamedTuple):
         low, high = VELOCITY_BANDS_HZ[band]
         inside = (self.frequency_hz >= low) & (self.frequency_hz < high)
         return np.where(inside, self.density[direction], 0.0)
-
-
-def body_of(name: str) -> str:
-    """Return the body whose roughness a kind of contact meets: inner, outer or balls."""
-    return name.partition("-")[0]
 
 
 def track_length_m(contact: RoughContact) -> float:

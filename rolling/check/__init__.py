@@ -12,6 +12,6 @@
 - `memory_and_disk`: bytes that runs take, from their sizes
 - `cost`, `error_cost`, `forecast`: expected time and window
 - `long_steps`, `refusals`: scenes that cannot be run here
-- `marched`: the same for the marches of any kind of scene
+- `marched`: check and refusals of the marches that a scene of any kind needs
 - `in_short`: the check in few lines
 """

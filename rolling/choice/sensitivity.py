@@ -23,6 +23,7 @@ from rolling.choice.audition import audition_of
 from rolling.choice.candidate import Candidate
 from rolling.choice.choice_doubts import left_out_text
 from rolling.choice.choice_numbers import Contender, OmittedPair, leading_of
+from rolling.choice.choice_sentences import capital
 from rolling.choice.choosing import OpenChoice, default_folder, open_choice
 from rolling.choice.difference import Difference
 from rolling.choice.drawing import ChangedValue, LeftOut
@@ -461,7 +462,7 @@ def _sentences(result: Sensitivities) -> Iterator[str]:
     if helpful:
         best = helpful[0]
         amount = f"{_amount(best)} {result.quantity.decibels} quieter{_in_band(result)}"
-        text = f"{_capital(_help(best))} is {amount}, which helps most"
+        text = f"{capital(_help(best))} is {amount}, which helps most"
         others = [f"a {_help_words(row)} ({_amount(row)})" for row in helpful[1 : 1 + NEXT]]
         if others:
             text += f"; then come {' and '.join(others)}"
@@ -555,8 +556,3 @@ def _note(row: Sensitivity) -> str:
     if row.differs_from_chain:
         notes.append("the linear chain differs")
     return "; ".join(notes)
-
-
-def _capital(text: str) -> str:
-    """Return a text that begins with a capital letter."""
-    return text[:1].upper() + text[1:]

@@ -16,6 +16,7 @@ from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS
 from rolling.figures.picture import axes_of, finish, listed, number
 from rolling.in_si import scene_surface
+from rolling.kinds.run_folder import RunFolder
 from rolling.marches.observers import Snapshot
 from rolling.results.run_result import Run
 from rolling.scene.laws import SurfaceFault
@@ -121,9 +122,9 @@ def ball_surface(shown: Run | Scene, ax: Axes | None = None) -> Axes:
 def _scene_and_title(shown: Run | Scene) -> tuple[Scene, str]:
     """Return the scene of a run or scene, and its title."""
     instance("shown", shown, Run, Scene)
-    if isinstance(shown, Scene):
-        return shown, shown.name
-    return shown.scene, shown.title
+    if isinstance(shown, RunFolder):
+        return shown.scene, shown.title
+    return shown, shown.name
 
 
 def _roughness_text(ra: float, rq: float) -> str:

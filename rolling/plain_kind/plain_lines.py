@@ -3,26 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from rolling.kinds.run_folder import RunFolder
 from rolling.numbers import views
 from rolling.numbers.fields import walk
 from rolling.numbers.quantity import Quantity
-from rolling.results.labels import labels
-from rolling.results.stored_numbers import numbers_of
+from rolling.results.shared_lines import numbered_runs
 from rolling.terminal.streams import columns, folded
-
-
-def _solved(runs: Sequence[RunFolder]) -> list[tuple[str, Any]]:
-    """Return labels and numbers of the runs that are solved."""
-    stored = zip(labels(runs), map(numbers_of, runs), strict=True)
-    return [(label, numbers) for label, numbers in stored if numbers is not None]
 
 
 def answer_lines(runs: Sequence[RunFolder]) -> list[str]:
     """Return the sentences of a run, or the quantities of several in aligned columns."""
-    solved = _solved(runs)
+    solved = numbered_runs(runs)
     if len(solved) == 1:
         ((_, numbers),) = solved
         return [folded(sentence) for sentence in numbers.sentences]
@@ -32,7 +24,7 @@ def answer_lines(runs: Sequence[RunFolder]) -> list[str]:
 def quantity_rows(runs: Sequence[RunFolder]) -> list[list[str]]:
     """Return the quantities of runs as cells, first the heads, then a row for each run."""
     by_run = {}
-    for label, numbers in _solved(runs):
+    for label, numbers in numbered_runs(runs):
         by_run[label] = {
             leaf.name: str(leaf.value) for leaf in walk(numbers) if isinstance(leaf.value, Quantity)
         }
@@ -46,7 +38,7 @@ def quantity_rows(runs: Sequence[RunFolder]) -> list[list[str]]:
 def number_lines(runs: Sequence[RunFolder]) -> list[str]:
     """Return all numbers of runs that people read, in aligned columns below the label."""
     lines = []
-    for label, numbers in _solved(runs):
+    for label, numbers in numbered_runs(runs):
         rows = []
         for leaf in views.rows(numbers):
             value = leaf.value

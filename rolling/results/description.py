@@ -57,12 +57,16 @@ def number_word(count: int) -> str:
 
 
 def runs_sentence(runs: Sequence[RunFolder]) -> str:
-    """Say what rolls on what in runs: one sentence for each of up to three scenes, else a count."""
-    by_scene: dict[str, list[Scene]] = {}
+    """Say what rolls on what in runs: one sentence for each of up to three scenes, else a count.
+
+    Runs of a scene whose ball falls have a sentence of their own beside those that roll.
+    """
+    by_scene: dict[tuple[str, bool], list[Scene]] = {}
     for run in runs:
-        by_scene.setdefault(run.scene.name, []).append(run.scene)
+        scene = run.scene
+        by_scene.setdefault((scene.name, scene.is_one_event), []).append(scene)
     if len(by_scene) > MAX_SENTENCES:
-        return f"{len(runs)} runs of {len(by_scene)} scenes."
+        return f"{len(runs)} runs of {len({name for name, _ in by_scene})} scenes."
     swept = dict.fromkeys(key for run in runs for key in run.values)
     return " ".join(_sentence(scenes, [*swept]) for scenes in by_scene.values())
 

@@ -22,7 +22,7 @@ from rolling.results.level_words import number_rows
 from rolling.results.notes import REPEATS, TURNS
 from rolling.results.run_doubts import band_error_db, band_text
 from rolling.results.run_quantities import LAE, heard_levels, level_beside, measure
-from rolling.results.stored_numbers import numbers_of
+from rolling.results.shared_lines import numbered_runs
 from rolling.scene.messages import TABLES
 from rolling.terminal.streams import columns, folded, line_width
 
@@ -47,7 +47,7 @@ def answer_lines(runs: Sequence[RunFolder]) -> list[str]:
 def channel_lines(runs: Sequence[RunFolder]) -> list[str]:
     """Return a line for each channel that runs ask for, with a level and its reference."""
     lines = []
-    solved = _solved(runs)
+    solved = numbered_runs(runs)
     for label, numbers in solved:
         before = f"{label}, " if len(solved) > 1 else ""
         lines += [f"{before}{channel_line(channel)}" for channel in numbers.channels or ()]
@@ -56,7 +56,7 @@ def channel_lines(runs: Sequence[RunFolder]) -> list[str]:
 
 def doubt_lines(runs: Sequence[RunFolder]) -> list[str]:
     """Return the few lines on what the numbers are worth: doubt, grid and solver, surface."""
-    solved = _solved(runs)
+    solved = numbered_runs(runs)
     if not solved:
         return []
     lines = [*_missing(solved), *_largest_doubts(solved)]
@@ -66,7 +66,7 @@ def doubt_lines(runs: Sequence[RunFolder]) -> list[str]:
 
 def further_lines(runs: Sequence[RunFolder]) -> list[str]:
     """Return all other numbers, notes and warnings of runs, for --verbose."""
-    solved = _solved(runs)
+    solved = numbered_runs(runs)
     if not solved:
         return []
     every = [numbers for _, numbers in solved]
@@ -81,12 +81,6 @@ def further_lines(runs: Sequence[RunFolder]) -> list[str]:
     return [*(folded(line) for line in lines if line), "", *_number_tables(solved)]
 
 
-def _solved(runs: Sequence[RunFolder]) -> list[tuple[str, RunNumbers]]:
-    """Return labels and numbers of the runs that are solved."""
-    stored = zip(labels(runs), map(numbers_of, runs), strict=True)
-    return [(label, numbers) for label, numbers in stored if numbers is not None]
-
-
 # ---- table
 
 
@@ -99,7 +93,7 @@ class Head(NamedTuple):
 
 def levels_table(runs: Sequence[RunFolder]) -> str:
     """Write the two numbers of runs in columns, with the verdict on the number to its left."""
-    by_run = {label: _cells(numbers) for label, numbers in _solved(runs)}
+    by_run = {label: _cells(numbers) for label, numbers in numbered_runs(runs)}
     heads = list(dict.fromkeys(head for cells in by_run.values() for head in cells))
     rows = [["run", *(head.name for head in heads)]]
     if heads:
@@ -141,7 +135,7 @@ def _head(name: str, quantity: Quantity) -> Head:
 def html_table(runs: Sequence[RunFolder]) -> str:
     """Write sentence, table and conclusion of runs as HTML for a notebook."""
     rows = "<tr><th>run</th><th>vibration</th><th>verdict</th><th>released power</th></tr>"
-    for label, numbers in _solved(runs):
+    for label, numbers in numbered_runs(runs):
         judged = numbers.leading.judged
         cells = [
             label,

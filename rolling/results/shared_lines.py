@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from acoustics.texts import printable
 from rolling.kinds.run_folder import SUMMARY, RunFolder
@@ -13,6 +14,12 @@ from rolling.terminal import progress
 from rolling.terminal.streams import folded
 
 MOST_DOUBTS = 4  # that are printed unless all are asked for
+
+
+def numbered_runs(runs: Sequence[RunFolder]) -> list[tuple[str, Any]]:
+    """Return labels and numbers of the runs that are solved."""
+    stored = zip(labels(runs), map(numbers_of, runs), strict=True)
+    return [(label, numbers) for label, numbers in stored if numbers is not None]
 
 
 def doubt_lines(done: Sequence[RunFolder]) -> list[str]:

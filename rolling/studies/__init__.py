@@ -7,5 +7,5 @@
   the scenes, `lee2025_conditions` and `lee2025_statements.toml` judge, `lee2025_figures` draws.
 - `validate`: the program beside published results, as `rolling validate` does; `bearing_truths`
   and `printed_truths` have the numbers of others that it computes again.
-- `output`: the folder of a study.
+- `output`: tables and pictures of studies in files.
 """

@@ -13,6 +13,7 @@ from rolling.ball_kinds.rolling_ball import ROLLING
 from rolling.kinds.kind import Kind
 from rolling.kinds.registry import kind_of, kind_of_runs
 from rolling.kinds.run_folder import RunFolder
+from rolling.results.description import runs_sentence
 
 SWEEP = "sweep.rolling.drop_mm={rolls: null, falls: 2}"
 
@@ -35,6 +36,12 @@ def test_a_scene_is_of_the_kind_of_its_motion() -> None:
 )
 def test_runs_of_both_kinds_are_shown_together(chosen: slice, kind: Kind) -> None:
     assert kind_of_runs(_runs()[chosen]) is kind
+
+
+def test_a_sweep_of_both_is_told_in_a_sentence_of_each() -> None:
+    rolls, falls = runs_sentence(_runs()).split(". ")
+    assert " rolls at " in rolls and "falls" not in rolls
+    assert " falls 2 mm onto " in falls and "bounces" in falls
 
 
 def test_facts_follow_from_the_motion() -> None:
