@@ -1,4 +1,4 @@
-"""Files of records: their bytes, and their reader, which takes a file for a stranger's."""
+"""Files of archives: their bytes, and their reader, which takes a file for a stranger's."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rolling.archive import hdf5_reader
-from rolling.archive.definition import Attribute, Record, RecordDefinition
+from rolling.archive.definition import Archive, ArchiveDefinition, Attribute
 from rolling.archive.hdf5_writer import hdf5_bytes
 from rolling.archive.sealed_file import seal, sealed_content
 from rolling.terminal.whole_files import FolderError
@@ -25,27 +25,27 @@ _MARKS: dict[str, type[Attribute]] = {
 }
 
 
-def record_bytes(definition: RecordDefinition, record: Record) -> bytes:
-    """Return the bytes of the file of a record, with the line of its digest at the end."""
-    content = hdf5_bytes(definition, record)
+def archive_bytes(definition: ArchiveDefinition, archive: Archive) -> bytes:
+    """Return the bytes of the file of an archive, with the line of its digest at the end."""
+    content = hdf5_bytes(definition, archive)
     return content + seal(content)
 
 
-def read_record(
+def read_archive(
     path: Path,
-    definitions: Sequence[RecordDefinition],
+    definitions: Sequence[ArchiveDefinition],
     *,
     lengths: Mapping[str, int],
     most_bytes: int,
     identity: str = "",
-) -> Record:
-    """Read a record, of which nothing is read before it is judged.
+) -> Archive:
+    """Read an archive, of which nothing is read before it is judged.
 
     Parameters
     ----------
     path : Path
         A file that anybody may have changed.
-    definitions : sequence of RecordDefinition
+    definitions : sequence of ArchiveDefinition
         Formats that are read, first the one of this version.
     lengths : mapping
         Lengths of dimensions that are known. Others have one length within a group.
@@ -58,7 +58,7 @@ def read_record(
     ------
     FolderError
         The file is missing, has changed since it was written, is of another format, or holds
-        another record.
+        another run.
     """
     content = sealed_content(path, most_bytes)
     with refusing(path, definitions[0]), hdf5_reader.reading(content, most_bytes) as file:
@@ -70,7 +70,7 @@ def read_record(
 
 
 @contextmanager
-def refusing(path: Path, definition: RecordDefinition) -> Iterator[None]:
+def refusing(path: Path, definition: ArchiveDefinition) -> Iterator[None]:
     """Turn an error about a file into a refusal: values of a hostile one lead to any kind."""
     try:
         yield
@@ -87,8 +87,8 @@ def largest_size(disk: float) -> int:
 
 
 def _definition_of(
-    path: Path, attributes: Mapping[str, Attribute], definitions: Sequence[RecordDefinition]
-) -> RecordDefinition:
+    path: Path, attributes: Mapping[str, Attribute], definitions: Sequence[ArchiveDefinition]
+) -> ArchiveDefinition:
     """Return the definition of a file by its format; refuse other formats and kinds."""
     kind = attributes.get("kind", "")
     if kind != definitions[0].kind:

@@ -1,6 +1,6 @@
-"""Definitions of records: the arrays and facts that a file may hold, as frozen data.
+"""Definitions of archives: the arrays and facts that a file may hold, as frozen data.
 
-A record is a tree of groups, and a group has arrays with named dimensions and attributes. Equal
+An archive is a tree of groups, and a group has arrays with named dimensions and attributes. Equal
 names of dimensions within a group have equal lengths. The definition says how an array is written,
 what is read of a file, and what a person finds in xarray.
 """
@@ -25,7 +25,7 @@ LETTER = "letter"  # name of this dimension
 
 @dataclass(frozen=True)
 class Variable:
-    """Definition of an array of a record.
+    """Definition of an array of an archive.
 
     name : str. Name in its group.
     dimensions : str. Names of its dimensions, separated by spaces.
@@ -100,10 +100,10 @@ class GroupDefinition:
 
 
 @dataclass(frozen=True)
-class RecordDefinition:
-    """Definition of a record.
+class ArchiveDefinition:
+    """Definition of an archive.
 
-    name : str. Words of messages for such a record, such as "a result".
+    name : str. Words of messages for such an archive, such as "a result".
     format : int. Number of the format, an attribute of the root.
     kind : str. Attribute `kind` of the root, by which a file is known; empty for none.
     groups : mapping. Definitions of its groups by name, with that of the ROOT.
@@ -116,7 +116,7 @@ class RecordDefinition:
 
 
 @dataclass(frozen=True)
-class RecordGroup:
+class ArchiveGroup:
     """Content of a group.
 
     arrays : dict. Arrays by name.
@@ -127,7 +127,7 @@ class RecordGroup:
     attributes: Mapping[str, Any] = field(default_factory=dict)
 
 
-Record = Mapping[str, RecordGroup]  # by name of the group; the root is there
+Archive = Mapping[str, ArchiveGroup]  # by name of the group; the root is there
 
 
 def in_group(group: str, arrays: Mapping[str, NDArray[Any]]) -> Arrays:

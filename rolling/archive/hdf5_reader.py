@@ -25,9 +25,9 @@ from rolling.archive.definition import (
     LETTERS,
     ROOT,
     TEXT,
+    ArchiveGroup,
     Attribute,
     GroupDefinition,
-    RecordGroup,
     Variable,
 )
 from rolling.terminal import addresses
@@ -85,7 +85,7 @@ class JudgedFile(NamedTuple):
 
     def groups(
         self, definitions: Mapping[str, GroupDefinition], lengths: Mapping[str, int]
-    ) -> dict[str, RecordGroup]:
+    ) -> dict[str, ArchiveGroup]:
         """Return the groups of the file, whose arrays are read after all of them are judged.
 
         Parameters
@@ -110,7 +110,7 @@ class JudgedFile(NamedTuple):
                 if name in definition.by_name:
                     arrays[name] = self._values(data, definition.by_name[name])
             attributes = _attributes(node.group, definition.attributes)
-            groups[group_name] = RecordGroup(arrays, attributes)
+            groups[group_name] = ArchiveGroup(arrays, attributes)
         return groups
 
     def _values(self, data: h5py.Dataset, variable: Variable) -> NDArray[Any]:

@@ -1,4 +1,4 @@
-"""Records as files of HDF5 and as trees of xarray."""
+"""Archives as files of HDF5 and as trees of xarray."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from rolling.archive.definition import (
     LETTER,
     LETTERS,
+    Archive,
+    ArchiveDefinition,
+    ArchiveGroup,
     GroupDefinition,
-    Record,
-    RecordDefinition,
-    RecordGroup,
     Variable,
 )
 
@@ -25,16 +25,16 @@ if TYPE_CHECKING:
 _MIN_COMPRESSED = 10_000  # bytes of an array; the index of the chunks of a smaller one is too large
 
 
-def hdf5_bytes(definition: RecordDefinition, record: Record) -> bytes:
-    """Return the bytes of a record; equal records have equal arrays and attributes in it.
+def hdf5_bytes(definition: ArchiveDefinition, archive: Archive) -> bytes:
+    """Return the bytes of an archive; equal archives have equal arrays and attributes in it.
 
     Raises
     ------
-    KeyError : the record has a group, an array or an attribute that is not defined.
+    KeyError : the archive has a group, an array or an attribute that is not defined.
     """
     stream = io.BytesIO()
     with h5netcdf.File(stream, "w") as file:
-        for name, group in record.items():
+        for name, group in archive.items():
             place = file.create_group(name) if name else file
             if not name:
                 place.attrs.update(_marks(definition))
@@ -42,15 +42,15 @@ def hdf5_bytes(definition: RecordDefinition, record: Record) -> bytes:
     return stream.getvalue()
 
 
-def to_xarray(definition: RecordDefinition, record: Record) -> xarray.DataTree:
-    """Return a record as a tree of named arrays with units, as xarray reads it from its file."""
+def to_xarray(definition: ArchiveDefinition, archive: Archive) -> xarray.DataTree:
+    """Return an archive as a tree of named arrays with units, as xarray reads it from its file."""
     import xarray  # slow to import
 
-    content = io.BytesIO(hdf5_bytes(definition, record))
+    content = io.BytesIO(hdf5_bytes(definition, archive))
     return xarray.open_datatree(content, engine="h5netcdf").load()
 
 
-def _marks(definition: RecordDefinition) -> dict[str, Any]:
+def _marks(definition: ArchiveDefinition) -> dict[str, Any]:
     """Return the attributes of the root by which a file is known."""
     marks: dict[str, Any] = {"format": definition.format}
     if definition.kind:
@@ -58,7 +58,7 @@ def _marks(definition: RecordDefinition) -> dict[str, Any]:
     return marks
 
 
-def _write_group(place: h5netcdf.Group, definition: GroupDefinition, group: RecordGroup) -> None:
+def _write_group(place: h5netcdf.Group, definition: GroupDefinition, group: ArchiveGroup) -> None:
     """Write the attributes and arrays of a group."""
     for name, value in group.attributes.items():
         place.attrs[name] = definition.attributes[name](value)
@@ -71,7 +71,7 @@ def _write_array(
     definition: GroupDefinition,
     variable: Variable,
     values: NDArray[Any],
-    group: RecordGroup,
+    group: ArchiveGroup,
 ) -> None:
     """Write an array of a group with its unit, its meaning and its coordinates."""
     axes = variable.axes

@@ -24,8 +24,8 @@ from rolling.choice.heard_specimen import (
     Specimen,
     damaged,
     levels_of,
-    read_record,
-    write_record,
+    read_heard_file,
+    write_heard_file,
 )
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion_of_ball import motion_of_ball
@@ -125,7 +125,7 @@ def write_heard(specimen: Specimen, result: Result) -> None:
         parts_db=heard.parts_db,
         baffle_db=None if heard.baffle_db is None else tuple(heard.baffle_db.tolist()),
     )
-    write_record(specimen, stored)
+    write_heard_file(specimen, stored)
 
 
 def _known(values: Array) -> tuple[float | None, ...]:
@@ -140,7 +140,7 @@ def read_heard(specimen: Specimen) -> HeardBall:
     ------
     FolderError : the file is damaged, or was not written by this program.
     """
-    stored = read_record(specimen, StoredHeard)
+    stored = read_heard_file(specimen, StoredHeard)
     losses = len(loss_factors_of(specimen))
     try:
         heard = HeardBall(

@@ -32,8 +32,8 @@ from rolling.choice.heard_specimen import (
     HeardQuantity,
     Specimen,
     damaged,
-    read_record,
-    write_record,
+    read_heard_file,
+    write_heard_file,
 )
 from rolling.choice.specimen_solving import Solver, prepare
 from rolling.run.choice_folder import RUNS
@@ -117,7 +117,7 @@ def read_heard(specimen: Specimen) -> HeardRing:
     ------
     FolderError : the file is damaged, or was not written by this program.
     """
-    heard = read_record(specimen, HeardRing)
+    heard = read_heard_file(specimen, HeardRing)
     if heard.rough.keys() != VELOCITY_BANDS_HZ.keys():
         raise damaged(specimen, "other bands")
     if (heard.housing is None) != (specimen.scene.plate is None):
@@ -169,7 +169,7 @@ class RingSolver(Solver):
         self, specimens: Sequence[Specimen], names: Sequence[str], stored: Sequence[Specimen]
     ) -> None:
         """Solve specimens that are not heard yet, and write what is heard of them."""
-        lacking = [specimen for specimen in specimens if not specimen.has_record]
+        lacking = [specimen for specimen in specimens if not specimen.is_heard]
         if not lacking:
             return
         for specimen in lacking:
@@ -181,7 +181,7 @@ class RingSolver(Solver):
                 self._move_rings(lacking)
             except BrokenExecutor:  # a process was killed; the rest is done in this one
                 self._pool = self._stack.enter_context(Pool())
-                self._move_rings([one for one in lacking if not one.has_record])
+                self._move_rings([one for one in lacking if not one.is_heard])
 
     def _march(self, candidates: Mapping[Candidate, Any]) -> None:
         """March the rough contacts of candidates that are new; equal ones are marched once."""
@@ -222,7 +222,7 @@ class RingSolver(Solver):
         while in_hand:
             self._keep(*in_hand.popleft())
 
-    def _keep(self, specimen: Specimen, heard: Future[Any]) -> None:
+    def _keep(self, specimen: Specimen, future: Future[Any]) -> None:
         """Wait for a specimen, and write down what is heard of it."""
-        record = HeardRing(**heard.result(), rough=self._rough[specimen.candidate])
-        write_record(specimen, record)
+        heard = HeardRing(**future.result(), rough=self._rough[specimen.candidate])
+        write_heard_file(specimen, heard)

@@ -11,16 +11,16 @@ import numpy as np
 from acoustics import resampling, wav
 from acoustics.arrays import Array
 from acoustics.texts import printable
-from rolling.archive.archive_file import largest_size, read_record, record_bytes, refusing
+from rolling.archive.archive_file import archive_bytes, largest_size, read_archive, refusing
 from rolling.archive.definition import (
     LETTERS,
     ROOT,
+    Archive,
+    ArchiveDefinition,
+    ArchiveGroup,
     Arrays,
     Attribute,
     GroupDefinition,
-    Record,
-    RecordDefinition,
-    RecordGroup,
     Series,
     Variable,
 )
@@ -108,14 +108,14 @@ _COORDINATES = (
     Variable("outer_place", "outer_place", "m", "f8", "length along the outer raceway"),
     Variable("ball_place", "ball_place", "m", "f8", "length along the track of a ball"),
 )
-DEFINITION = RecordDefinition(
+DEFINITION = ArchiveDefinition(
     name="a bearing's result",
     format=2,
     kind="bearing",
     groups={ROOT: GroupDefinition((*_MOTION, *_TRACKS, *_COORDINATES), _FACTS)},
 )
 _FORMER_LOADS = Variable("track_loads", "load", "N", "f4", "load of a contact")
-_FORMER = RecordDefinition(  # of 0.8.0, without time and places
+_FORMER = ArchiveDefinition(  # of 0.8.0, without time and places
     name="a bearing's result",
     format=1,
     kind="bearing",
@@ -126,8 +126,8 @@ _FORMER = RecordDefinition(  # of 0.8.0, without time and places
 # ---- result.h5
 
 
-def record_of(run: SolvedBearing) -> Record:
-    """Return the record of a run: its motion, its tracks, and the facts about them."""
+def archive_of(run: SolvedBearing) -> Archive:
+    """Return the archive of a run: its motion, its tracks, and the facts about them."""
     tracks = run.tracks
     every = (tracks.inner, tracks.outer, *tracks.balls_on_inner, *tracks.balls_on_outer)
     loads = every[0].loads_n
@@ -157,7 +157,7 @@ def record_of(run: SolvedBearing) -> Record:
         "ball_place": _places(turns["balls"], places),
     }
     facts = {name: getattr(run.record, name) for name in _FACTS}
-    return {ROOT: RecordGroup(arrays, facts)}
+    return {ROOT: ArchiveGroup(arrays, facts)}
 
 
 def _places(turn_m: float, points: int) -> Array:
@@ -168,17 +168,17 @@ def _places(turn_m: float, points: int) -> Array:
 def series_of(run: SolvedBearing) -> Series:
     """Return the arrays of the result of a run."""
     definitions = DEFINITION.groups[ROOT].by_name
-    return {definitions[name]: values for name, values in record_of(run)[ROOT].arrays.items()}
+    return {definitions[name]: values for name, values in archive_of(run)[ROOT].arrays.items()}
 
 
 def result_dataset(run: SolvedBearing) -> xarray.Dataset:
     """Return the arrays of a run with dimensions and units, and its facts as attributes."""
-    return to_xarray(DEFINITION, record_of(run)).to_dataset()
+    return to_xarray(DEFINITION, archive_of(run)).to_dataset()
 
 
 def result_bytes(run: SolvedBearing) -> bytes:
     """Return the bytes of result.h5; equal runs have equal arrays and attributes in it."""
-    return record_bytes(DEFINITION, record_of(run))
+    return archive_bytes(DEFINITION, archive_of(run))
 
 
 def read_result(path: Path, scene: BearingScene) -> tuple[RingRecord, BearingTracks]:
@@ -188,7 +188,7 @@ def read_result(path: Path, scene: BearingScene) -> tuple[RingRecord, BearingTra
     ------
     FolderError : the file is missing or damaged, or holds no result of such a bearing.
     """
-    record = read_record(
+    archive = read_archive(
         path,
         [DEFINITION, _FORMER],
         lengths={
@@ -199,11 +199,11 @@ def read_result(path: Path, scene: BearingScene) -> tuple[RingRecord, BearingTra
         most_bytes=largest_size(needs.motion_disk(scene, contact_plan(scene))),
     )
     with refusing(path, DEFINITION):
-        root = record[ROOT]
+        root = archive[ROOT]
         return _record(root), _tracks(root.arrays)
 
 
-def _record(root: RecordGroup) -> RingRecord:
+def _record(root: ArchiveGroup) -> RingRecord:
     """Return the motion of a ring from its arrays and facts."""
     facts = {name: root.attributes[name] for name in _FACTS}
     for name, number in facts.items():

@@ -24,7 +24,13 @@ from acoustics.texts import printable
 from rolling.choice.candidate import MAX_CANDIDATES, Candidate
 from rolling.choice.difference import Difference, paired_difference
 from rolling.choice.drawing import AS_IT_IS, LeftOut, WantedValue
-from rolling.choice.heard_specimen import Heard, HeardQuantity, Specimen, read_record, write_record
+from rolling.choice.heard_specimen import (
+    Heard,
+    HeardQuantity,
+    Specimen,
+    read_heard_file,
+    write_heard_file,
+)
 from rolling.choice.specimen_solving import RunSolver, Solver
 from rolling.contact.solver import ContactError
 from rolling.kinds.heard_sound import HeardSound, PlainSound, played_sound
@@ -224,7 +230,7 @@ class Audition:
         first = sound.record if sound.record.ndim == 1 else sound.record[:, 0]
         weighted = a_weighted(first, wav.SAMPLE_RATE_HZ)
         rms = float(np.sqrt(np.mean(np.square(weighted))))
-        write_record(specimen, HeardRun(sound_rms=rms))
+        write_heard_file(specimen, HeardRun(sound_rms=rms))
 
     def hear_marched(self, specimen: Specimen, marched: Sequence[Any]) -> None:
         """Write what is heard of a specimen whose run has just been written, with its marches."""
@@ -237,7 +243,7 @@ class Audition:
         ------
         FolderError : the file is damaged, or was not written by this program.
         """
-        return read_record(specimen, HeardRun)
+        return read_heard_file(specimen, HeardRun)
 
     def open_run(self, specimen: Specimen) -> Any:
         """Read the run of a specimen."""

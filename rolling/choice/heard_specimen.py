@@ -22,7 +22,7 @@ from rolling.terminal.whole_files import FolderError, read_regular, write_json
 
 HEARD = "heard.json"
 _MAX_BYTES = 1_000_000
-_Record = TypeVar("_Record")
+_Stored = TypeVar("_Stored")
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class Specimen(RunFolder):
     number: int
 
     @property
-    def has_record(self) -> bool:
+    def is_heard(self) -> bool:
         """Whether what is heard of the specimen is stored."""
         return (self.folder / HEARD).is_file()
 
@@ -123,14 +123,14 @@ class Specimen(RunFolder):
         return stored.reason if stored.contact == contact_identity(self.scene) else ""
 
 
-def write_record(specimen: Specimen, record: Any) -> None:
+def write_heard_file(specimen: Specimen, heard: Any) -> None:
     """Write what is heard of a specimen, with the identity of its scene."""
-    content = json.loads(to_bytes(record)) | {"scene": scene_identity(specimen.scene)}
+    content = json.loads(to_bytes(heard)) | {"scene": scene_identity(specimen.scene)}
     write_json(specimen.folder / HEARD, content)
 
 
-def read_record(specimen: Specimen, kind: type[_Record]) -> _Record:
-    """Read what is stored of a specimen.
+def read_heard_file(specimen: Specimen, kind: type[_Stored]) -> _Stored:
+    """Read what is heard of a specimen from its file.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def read_record(specimen: Specimen, kind: type[_Record]) -> _Record:
     """
     try:
         content = read_regular(specimen.folder / HEARD, _MAX_BYTES)
-        record = from_bytes(kind, content)
+        heard = from_bytes(kind, content)
         identity = json.loads(content).get("scene")
     except (OSError, ValueError, RecursionError) as error:
         raise damaged(specimen, error) from error
@@ -147,7 +147,7 @@ def read_record(specimen: Specimen, kind: type[_Record]) -> _Record:
         raise FolderError(
             f"{specimen.folder}: holds a specimen of another scene; give another folder with --out"
         )
-    return record
+    return heard
 
 
 def damaged(specimen: Specimen, reason: Any) -> FolderError:

@@ -90,13 +90,13 @@ class RunSolver(Solver):
         lacking: list[Specimen] = []
         labels: list[str] = []
         for specimen, name in zip(specimens, names, strict=True):
-            if specimen.is_done and not specimen.has_record:  # a kill came between the two
+            if specimen.is_done and not specimen.is_heard:  # a kill came between the two
                 try:
                     self._hear_stored(specimen)
                 except ContactError as error:
                     remember(self._folder, specimen, str(error))
                     continue
-            if not (specimen.is_done and specimen.has_record):
+            if not (specimen.is_done and specimen.is_heard):
                 prepare(self._folder, specimen)
                 lacking.append(specimen)
                 labels.append(name)

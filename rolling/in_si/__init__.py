@@ -1,1 +1,1 @@
-"""A scene in SI: its bodies, contact and listener as records of physics, its heights as arrays."""
+"""A scene in SI: bodies, contact and listener as data classes of physics, heights as arrays."""

@@ -1,4 +1,4 @@
-"""Records of physics in SI from a scene: its bodies, their contact, listener and transducers."""
+"""Data classes of physics in SI from a scene: bodies, contact, listener and transducers."""
 
 import math
 

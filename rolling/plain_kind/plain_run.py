@@ -16,14 +16,14 @@ from acoustics import wav
 from acoustics.arrays import Array
 from acoustics.texts import printable
 from acoustics.traps import ignoring_underflow
-from rolling.archive.archive_file import read_record, record_bytes, refusing
+from rolling.archive.archive_file import archive_bytes, read_archive, refusing
 from rolling.archive.definition import (
     ROOT,
+    Archive,
+    ArchiveDefinition,
+    ArchiveGroup,
     Attribute,
     GroupDefinition,
-    Record,
-    RecordDefinition,
-    RecordGroup,
     Variable,
 )
 from rolling.archive.hdf5_writer import to_xarray
@@ -180,10 +180,10 @@ class PlainRun(ShownRun, RunFolder):
 
     def to_xarray(self) -> xarray.DataTree:
         """Return the content of result.h5 as named arrays with units."""
-        return to_xarray(definition_of(self.variables, self.sound), _record(self, ""))
+        return to_xarray(definition_of(self.variables, self.sound), _archive(self, ""))
 
 
-def definition_of(variables: tuple[Variable, ...], sound: RunSound | None) -> RecordDefinition:
+def definition_of(variables: tuple[Variable, ...], sound: RunSound | None) -> ArchiveDefinition:
     """Return the definition of a result with some arrays, and with a sound.
 
     A sound that is not known yet has its unit and its content in the attributes of the file.
@@ -192,13 +192,13 @@ def definition_of(variables: tuple[Variable, ...], sound: RunSound | None) -> Re
     signal = Variable(SIGNAL, "sample", unit, "f8", content)
     facts: dict[str, type[Attribute]] = {"unit": str, "content": str, "identity": str}
     group = GroupDefinition((*variables, signal), facts)
-    return RecordDefinition(name="a result", format=1, kind=RESULT_KIND, groups={ROOT: group})
+    return ArchiveDefinition(name="a result", format=1, kind=RESULT_KIND, groups={ROOT: group})
 
 
-def _record(run: PlainRun, identity: str) -> Record:
+def _archive(run: PlainRun, identity: str) -> Archive:
     """Return the arrays of a run with its sound, and the facts about them."""
     facts = {"unit": run.sound.unit, "content": run.sound.content, "identity": identity}
-    return {ROOT: RecordGroup({**run.arrays, SIGNAL: run.sound.samples}, facts)}
+    return {ROOT: ArchiveGroup({**run.arrays, SIGNAL: run.sound.samples}, facts)}
 
 
 def write_run(run: PlainRun, stored_type: type[Any], identity: str) -> None:
@@ -222,7 +222,7 @@ def write_run(run: PlainRun, stored_type: type[Any], identity: str) -> None:
     whole_files.make_below(run.home, folder)
     sound = run.sound
     definition = definition_of(run.variables, sound)
-    whole_files.write_bytes(folder / RESULT, record_bytes(definition, _record(run, identity)))
+    whole_files.write_bytes(folder / RESULT, archive_bytes(definition, _archive(run, identity)))
     comment = f"{sound.content}; 1.0 is 1 {sound.unit}"
     whole_files.write_bytes(
         folder / SIGNAL_WAV, wav.calibrated(sound.samples, comment, _title(run))
@@ -285,8 +285,8 @@ def read_run(
     """
     path = place.folder / RESULT
     definition = definition_of(variables, None)
-    record = read_record(path, [definition], lengths={}, most_bytes=most_bytes, identity=identity)
-    group = record[ROOT]
+    archive = read_archive(path, [definition], lengths={}, most_bytes=most_bytes, identity=identity)
+    group = archive[ROOT]
     with refusing(path, definition):
         for name in definition.groups[ROOT].by_name:
             if not np.isfinite(group.arrays[name]).all():

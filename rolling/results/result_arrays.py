@@ -1,4 +1,4 @@
-"""The record of a run: the definition of result.h5, and the way from a run and into a result."""
+"""The archive of a run: the definition of result.h5, and the way from a run and into a result."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from acoustics.bands import MID_HZ
 from acoustics.vibration_level import REFERENCES
 from rolling.archive.definition import (
     ROOT,
+    Archive,
+    ArchiveDefinition,
+    ArchiveGroup,
     Arrays,
     Attribute,
     GroupDefinition,
-    Record,
-    RecordDefinition,
-    RecordGroup,
     Series,
     Variable,
 )
@@ -146,7 +146,7 @@ _CHANNEL_FACTS: dict[str, type[Attribute]] = {
     **{f"{quantity}_reference": str for quantity in REFERENCES},
 }
 
-DEFINITION = RecordDefinition(
+DEFINITION = ArchiveDefinition(
     name="a result",
     format=5,
     kind="",
@@ -232,17 +232,17 @@ def series_of(run: SolvedRun) -> Series:
 # ---- all groups
 
 
-def record_of(run: SolvedRun) -> Record:
-    """Return the record of a run, with its series in the root."""
+def archive_of(run: SolvedRun) -> Archive:
+    """Return the archive of a run, with its series in the root."""
     result = run.result
     groups = {ROOT: _series_group(run)}
     if result.snapshot is not None:
         groups["snapshot"] = _snapshot_group(result.snapshot, run.scene.spacing)
     if result.maps:
         maps = [result.maps[position] for position in sorted(result.maps)]
-        groups["pressure_maps"] = RecordGroup(maps_arrays(maps))
+        groups["pressure_maps"] = ArchiveGroup(maps_arrays(maps))
     if run.events is not None:
-        groups["events"] = RecordGroup(run.events)
+        groups["events"] = ArchiveGroup(run.events)
     if result.stretches is not None:
         groups["error_estimate"] = _stretches_group(result.stretches, _levels_of(run.scene))
     if result.slow_motion is not None:
@@ -261,8 +261,8 @@ def record_of(run: SolvedRun) -> Record:
     return groups
 
 
-def fill_result(result: Result, groups: Record) -> None:
-    """Fill an empty result with its record."""
+def fill_result(result: Result, groups: Archive) -> None:
+    """Fill an empty result with its archive."""
     _read_series(groups[ROOT], result)
     if "snapshot" in groups:
         result.snapshot = _read_snapshot(groups["snapshot"])
@@ -285,7 +285,7 @@ def fill_result(result: Result, groups: Record) -> None:
 # ---- series
 
 
-def _series_group(run: SolvedRun) -> RecordGroup:
+def _series_group(run: SolvedRun) -> ArchiveGroup:
     """Return the series of a whole run, and the facts of its scene."""
     result = run.result
     arrays = {
@@ -309,10 +309,10 @@ def _series_group(run: SolvedRun) -> RecordGroup:
         "step_choice": run.scene.step_reason,
         "start_m": result.start,
     }
-    return RecordGroup(arrays, attributes)
+    return ArchiveGroup(arrays, attributes)
 
 
-def _read_series(group: RecordGroup, result: Result) -> None:
+def _read_series(group: ArchiveGroup, result: Result) -> None:
     """Read the series of the solved lap, all as floating-point numbers; times are not stored."""
     for name in (*STEP_SERIES, *STATE_SERIES):
         if name in SERIES:
@@ -323,7 +323,7 @@ def _read_series(group: RecordGroup, result: Result) -> None:
 # ---- snapshot
 
 
-def _snapshot_group(snapshot: Snapshot, spacing: float) -> RecordGroup:
+def _snapshot_group(snapshot: Snapshot, spacing: float) -> ArchiveGroup:
     """Return pressure [Pa] and deflection [m] with the places [m] of their cells."""
     rows, columns = snapshot.pressure.shape
     arrays = {
@@ -332,10 +332,10 @@ def _snapshot_group(snapshot: Snapshot, spacing: float) -> RecordGroup:
         "pressure": snapshot.pressure,
         "deflection": snapshot.deflection,
     }
-    return RecordGroup(arrays, {"distance_m": snapshot.distance})
+    return ArchiveGroup(arrays, {"distance_m": snapshot.distance})
 
 
-def _read_snapshot(group: RecordGroup) -> Snapshot:
+def _read_snapshot(group: ArchiveGroup) -> Snapshot:
     """Return the snapshot of a group."""
     return Snapshot(
         distance=group.attributes["distance_m"],
@@ -353,7 +353,7 @@ _LEVELS = (*LEVELS, DETAIL)  # that of detail is NaN where a stretch is not marc
 _INSTRUMENT_LEVELS = (*_LEVELS, WITH_LAW, MEASURED)
 
 
-def _stretches_group(stretches: ErrorStretches, levels: Sequence[str]) -> RecordGroup:
+def _stretches_group(stretches: ErrorStretches, levels: Sequence[str]) -> ArchiveGroup:
     """Return the marches by stretch and level, and the reasons of those that failed."""
     firsts = sorted({first for first, _ in stretches.marches})
     none = StretchMarch.none(stretches.steps)
@@ -365,7 +365,7 @@ def _stretches_group(stretches: ErrorStretches, levels: Sequence[str]) -> Record
         "plastic_area": np.array([[march.plastic_area for march in row] for row in marches]),
     }
     faults = [[march.fault for march in row] for row in marches]
-    return RecordGroup(arrays, {"faults": json.dumps(faults)})
+    return ArchiveGroup(arrays, {"faults": json.dumps(faults)})
 
 
 def _levels_of(scene: Scene) -> tuple[str, ...]:
@@ -373,7 +373,7 @@ def _levels_of(scene: Scene) -> tuple[str, ...]:
     return _INSTRUMENT_LEVELS if has_instrument(scene) else _LEVELS
 
 
-def _read_stretches(group: RecordGroup) -> ErrorStretches:
+def _read_stretches(group: ArchiveGroup) -> ErrorStretches:
     """Return the marches of stretches, whose time is not stored."""
     arrays = group.arrays
     faults = json.loads(group.attributes["faults"])
@@ -394,7 +394,7 @@ def _read_stretches(group: RecordGroup) -> ErrorStretches:
     return stretches
 
 
-def _film_group(film: SlowMotion) -> RecordGroup:
+def _film_group(film: SlowMotion) -> ArchiveGroup:
     """Return the film; it has no arrays where its stretch could not be solved again."""
     attributes = {
         "first": film.first,
@@ -406,7 +406,7 @@ def _film_group(film: SlowMotion) -> RecordGroup:
         "release_unit": film.release_unit,
     }
     if not film.pressure.size:
-        return RecordGroup({}, attributes)
+        return ArchiveGroup({}, attributes)
     _, rows, columns = film.pressure.shape
     arrays = {
         "map_position": film.positions,
@@ -415,10 +415,10 @@ def _film_group(film: SlowMotion) -> RecordGroup:
         "pressure": film.pressure,
         "release": film.release,
     }
-    return RecordGroup(arrays, attributes)
+    return ArchiveGroup(arrays, attributes)
 
 
-def _read_film(group: RecordGroup) -> SlowMotion:
+def _read_film(group: ArchiveGroup) -> SlowMotion:
     """Return the film of a group."""
     if not group.arrays:
         return SlowMotion.none()
@@ -438,7 +438,7 @@ def _read_film(group: RecordGroup) -> SlowMotion:
 # ---- marches beside the track
 
 
-def _law_group(marches: LoadMarches, run: SolvedRun) -> RecordGroup:
+def _law_group(marches: LoadMarches, run: SolvedRun) -> ArchiveGroup:
     """Return the approach at each load, the scene's own included."""
     approach = marches.approach | {run.scene.load: run.result.series["approach"]}
     loads = sorted(approach)
@@ -452,10 +452,10 @@ def _law_group(marches: LoadMarches, run: SolvedRun) -> RecordGroup:
         arrays["judging_load"] = np.array(judging_loads)
         arrays["judging_approach"] = np.array([marches.judging[load] for load in judging_loads])
     faults = {repr(load): marches.faults[load] for load in sorted(marches.faults)}
-    return RecordGroup(arrays, {"own_load_n": run.scene.load, "faults": json.dumps(faults)})
+    return ArchiveGroup(arrays, {"own_load_n": run.scene.load, "faults": json.dumps(faults)})
 
 
-def _read_law(group: RecordGroup, solved_steps: int) -> LoadMarches:
+def _read_law(group: ArchiveGroup, solved_steps: int) -> LoadMarches:
     """Return the marches at other loads, without the run's own."""
     arrays = group.arrays
     marches = LoadMarches(solved_steps)
@@ -471,11 +471,11 @@ def _read_law(group: RecordGroup, solved_steps: int) -> LoadMarches:
     return marches
 
 
-def _moving_group(moving: MovingRelease, run: SolvedRun) -> RecordGroup:
+def _moving_group(moving: MovingRelease, run: SolvedRun) -> ArchiveGroup:
     """Return force [N], approach [m] and energies [J] under the moving load, or its fault."""
     attributes = {"key": moving.key, "fault": moving.fault}
     if moving.fault:
-        return RecordGroup({}, attributes)
+        return ArchiveGroup({}, attributes)
     arrays = {
         "place": run.position[: len(moving.force)],
         "force": moving.force,
@@ -483,10 +483,10 @@ def _moving_group(moving: MovingRelease, run: SolvedRun) -> RecordGroup:
         "motion_approach": moving.motion_approach,
         **moving.steps,
     }
-    return RecordGroup(arrays, attributes)
+    return ArchiveGroup(arrays, attributes)
 
 
-def _read_moving(group: RecordGroup, solved_steps: int) -> MovingRelease:
+def _read_moving(group: ArchiveGroup, solved_steps: int) -> MovingRelease:
     """Return the march under the moving load, or its fault."""
     key = group.attributes["key"]
     fault = group.attributes["fault"]
@@ -501,12 +501,12 @@ def _read_moving(group: RecordGroup, solved_steps: int) -> MovingRelease:
     )
 
 
-def _passes_group(passes: Passes) -> RecordGroup:
+def _passes_group(passes: Passes) -> ArchiveGroup:
     """Return the series of all passes, and the depth [m] of the plate after the last."""
-    return RecordGroup({**passes.series, "depth": passes.depth, "sunk": passes.sunk})
+    return ArchiveGroup({**passes.series, "depth": passes.depth, "sunk": passes.sunk})
 
 
-def _read_passes(group: RecordGroup) -> Passes:
+def _read_passes(group: ArchiveGroup) -> Passes:
     """Return the passes of a group, without the surface before the last."""
     return Passes(
         series={name: group.arrays[name] for name in PASS_SERIES},
@@ -518,7 +518,7 @@ def _read_passes(group: RecordGroup) -> Passes:
 # ---- force and sound, which are made again from the marches and not read
 
 
-def _force_group(vibration: Vibration) -> RecordGroup:
+def _force_group(vibration: Vibration) -> ArchiveGroup:
     """Return the contact force at the samples of the sound, and its bands."""
     arrays = {
         "force_time": np.arange(len(vibration.force)) / wav.SAMPLE_RATE_HZ,
@@ -532,10 +532,10 @@ def _force_group(vibration: Vibration) -> RecordGroup:
         "maximum_n": float(vibration.motion.force_n.max()),
         "time_step_s": vibration.motion.time_step_s,
     }
-    return RecordGroup(arrays, attributes)
+    return ArchiveGroup(arrays, attributes)
 
 
-def _channels_group(channels: tuple[Channel, ...]) -> RecordGroup:
+def _channels_group(channels: tuple[Channel, ...]) -> ArchiveGroup:
     """Return the signals of the channels by quantity, and the names and places of their rows."""
     samples = len(channels[0].samples)
     arrays: Arrays = {
@@ -560,10 +560,10 @@ def _channels_group(channels: tuple[Channel, ...]) -> RecordGroup:
             )
         attributes[f"{quantity}_channels"] = json.dumps(facts)
         attributes[f"{quantity}_reference"] = reference.words
-    return RecordGroup(arrays, attributes)
+    return ArchiveGroup(arrays, attributes)
 
 
-def _sound_group(run: SolvedRun) -> RecordGroup:
+def _sound_group(run: SolvedRun) -> ArchiveGroup:
     """Return the sound pressure [Pa] at one listener or two."""
     sound = run.sound
     arrays = {
@@ -578,7 +578,7 @@ def _sound_group(run: SolvedRun) -> RecordGroup:
     }
     if sound.factor is not None:
         attributes["factor_pa_per_w_m2"] = sound.factor
-    return RecordGroup(arrays, attributes)
+    return ArchiveGroup(arrays, attributes)
 
 
 # ---- table

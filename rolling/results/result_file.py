@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rolling.archive.archive_file import largest_size, read_record, record_bytes, refusing
+from rolling.archive.archive_file import archive_bytes, largest_size, read_archive, refusing
 from rolling.archive.hdf5_writer import to_xarray
 from rolling.check.memory_and_disk import disk
 from rolling.check.run_size import run_size
 from rolling.marches.result import Result
-from rolling.results.result_arrays import DEFINITION, fill_result, fixed_lengths, record_of
+from rolling.results.result_arrays import DEFINITION, archive_of, fill_result, fixed_lengths
 from rolling.results.solved_run import SolvedRun
 from rolling.scene.scene import Scene
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 def write_result(run: SolvedRun) -> bytes:
     """Return the bytes of result.h5; equal runs have equal arrays and attributes in it."""
-    return record_bytes(DEFINITION, record_of(run))
+    return archive_bytes(DEFINITION, archive_of(run))
 
 
 def result_tree(run: SolvedRun) -> xarray.DataTree:
     """Return the content of result.h5 as a tree of named arrays with units."""
-    return to_xarray(DEFINITION, record_of(run))
+    return to_xarray(DEFINITION, archive_of(run))
 
 
 def read_result(path: Path, scene: Scene) -> Result:
@@ -37,7 +37,7 @@ def read_result(path: Path, scene: Scene) -> Result:
         holds the result of another scene or surface.
     """
     result = Result.empty(scene)
-    record = read_record(
+    archive = read_archive(
         path,
         [DEFINITION],
         lengths=fixed_lengths(scene, result),
@@ -45,5 +45,5 @@ def read_result(path: Path, scene: Scene) -> Result:
         identity=result.identity,
     )
     with refusing(path, DEFINITION):
-        fill_result(result, record)
+        fill_result(result, archive)
     return result

@@ -1,4 +1,4 @@
-"""Rooms of physics take records and arrays: they know no scene, no file of one, and no terminal."""
+"""Rooms of physics take data classes and arrays: they know no scene, no file, no terminal."""
 
 from __future__ import annotations
 

@@ -162,7 +162,7 @@ HOSTILE: dict[str, tuple[str, Spoil]] = {
 
 @pytest.mark.parametrize("name", HOSTILE)
 def test_a_result_of_another_bearing_is_refused(name: str, path: Path, run: BearingRun) -> None:
-    """Beside what `test_records.py` changes in records of every definition."""
+    """Beside what `test_archives.py` changes in archives of every definition."""
     word, change = HOSTILE[name]
     spoil(path, change)
     before = peak_bytes()

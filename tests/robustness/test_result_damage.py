@@ -109,7 +109,7 @@ HOSTILE: list[tuple[str, Spoil]] = [
 def test_a_result_that_is_none_of_the_scene_is_refused(
     word: str, change: Spoil, path: Path
 ) -> None:
-    """Beside what `test_records.py` changes in records of every definition."""
+    """Beside what `test_archives.py` changes in archives of every definition."""
     spoil(path, change)
     assert word in refusal(path)
 

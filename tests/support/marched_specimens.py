@@ -30,7 +30,7 @@ def stand_in(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     ) -> None:
         folder = self._folder
         for specimen, label in zip(specimens, labels, strict=True):
-            if specimen.has_record:
+            if specimen.is_heard:
                 continue
             asked.append(label)
             seed = specimen.scene.surface.seed

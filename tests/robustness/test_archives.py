@@ -1,4 +1,4 @@
-"""Files of records: what is written comes back, and a stranger's file is judged before a value.
+"""Files of archives: what is written comes back, and a stranger's file is judged before a value.
 
 The laws hold for every definition: a made one, that of the runs of balls, and that of bearings.
 """
@@ -34,15 +34,15 @@ from scene_text import TINY
 from stored_arrays import stored_arrays
 
 import rolling
-from rolling.archive.archive_file import read_record, record_bytes
+from rolling.archive.archive_file import archive_bytes, read_archive
 from rolling.archive.definition import (
     LETTERS,
     ROOT,
     TEXT,
+    Archive,
+    ArchiveDefinition,
+    ArchiveGroup,
     GroupDefinition,
-    Record,
-    RecordDefinition,
-    RecordGroup,
     Variable,
     by_name,
 )
@@ -53,8 +53,8 @@ from rolling.results import result_file
 from rolling.scene.file import loads
 from rolling.terminal.whole_files import FolderError
 
-MADE = RecordDefinition(
-    name="a made record",
+MADE = ArchiveDefinition(
+    name="a made archive",
     format=7,
     kind="made",
     groups={
@@ -74,8 +74,8 @@ MADE = RecordDefinition(
         ),
     },
 )
-FORMER = RecordDefinition(
-    name="a made record",
+FORMER = ArchiveDefinition(
+    name="a made archive",
     format=6,
     kind="made",
     groups={ROOT: GroupDefinition((Variable("speed", "time", "m/s", "f4", "velocity"),))},
@@ -83,8 +83,8 @@ FORMER = RecordDefinition(
 LENGTH = 4000
 
 
-def made_record() -> Record:
-    """Return a record of the made definition."""
+def made_archive() -> Archive:
+    """Return an archive of the made definition."""
     time = np.arange(LENGTH) / 48000
     arrays = {
         "time": time,
@@ -95,13 +95,13 @@ def made_record() -> Record:
     }
     film = {"energy": np.arange(12, dtype=np.uint8).reshape(4, 3)}
     facts = {"identity": "own", "title": "ä" * 100, "gain": 2, "turns": 3}
-    return {ROOT: RecordGroup(arrays, facts), "film": RecordGroup(film, {"unit": 0.5})}
+    return {ROOT: ArchiveGroup(arrays, facts), "film": ArchiveGroup(film, {"unit": 0.5})}
 
 
-def read_made(path: Path, definitions: tuple[RecordDefinition, ...] = (MADE, FORMER)) -> Record:
-    """Read a record of the made definition."""
+def read_made(path: Path, definitions: tuple[ArchiveDefinition, ...] = (MADE, FORMER)) -> Archive:
+    """Read an archive of the made definition."""
     lengths = {"time": LENGTH, "axis": 3}
-    return read_record(path, definitions, lengths=lengths, most_bytes=1_000_000, identity="own")
+    return read_archive(path, definitions, lengths=lengths, most_bytes=1_000_000, identity="own")
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ def cases() -> dict[str, Case]:
     ball = loads(TINY.replace("0.0005", "0.03"))
     bearing = rolling.simulate(loads_bearing(WAVY.replace("0.5", "0.1")), progress=False)
     return {
-        "made": Case(record_bytes(MADE, made_record()), read_made, "velocity"),
+        "made": Case(archive_bytes(MADE, made_archive()), read_made, "velocity"),
         "ball": Case(
             result_file.write_result(run_of(ball)),
             lambda path: result_file.read_result(path, ball),
@@ -155,12 +155,12 @@ def path(case: Case, tmp_path: Path) -> Path:
 # ---- what is written comes back
 
 
-def test_all_of_a_record_comes_back(tmp_path: Path) -> None:
-    record = made_record()
-    path = tmp_path / "record.h5"
-    path.write_bytes(record_bytes(MADE, record))
+def test_all_of_an_archive_comes_back(tmp_path: Path) -> None:
+    archive = made_archive()
+    path = tmp_path / "archive.h5"
+    path.write_bytes(archive_bytes(MADE, archive))
     again = read_made(path)
-    for name, group in record.items():
+    for name, group in archive.items():
         assert again[name].attributes == group.attributes
         for variable in MADE.groups[name].variables:
             values = again[name].arrays[variable.name]
@@ -169,39 +169,39 @@ def test_all_of_a_record_comes_back(tmp_path: Path) -> None:
                 wanted = wanted.astype(variable.dtype)
             assert np.array_equal(values, wanted) and values.dtype == wanted.dtype
     assert isinstance(again[ROOT].attributes["gain"], float)  # as it is defined
-    assert stored_arrays(record_bytes(MADE, again)) == stored_arrays(path)
+    assert stored_arrays(archive_bytes(MADE, again)) == stored_arrays(path)
 
 
 def test_xarray_has_dimensions_units_and_coordinates() -> None:
-    record = made_record()
-    tree = to_xarray(MADE, record)
+    archive = made_archive()
+    tree = to_xarray(MADE, archive)
     velocity = tree["velocity"]
     assert velocity.dims == ("time", "axis") and velocity.attrs["units"] == "m/s"
     assert {*velocity.coords} == {"time", "axis", "phase"}
     assert velocity.sel(axis="y").shape == (LENGTH,)
     energy = tree["film/energy"]  # in joules, though stored as whole numbers
-    assert np.array_equal(energy, 0.5 * record["film"].arrays["energy"])
+    assert np.array_equal(energy, 0.5 * archive["film"].arrays["energy"])
     assert tree.attrs["format"] == 7 and tree.attrs["kind"] == "made"
 
 
 @pytest.mark.parametrize("name", ["array", "attribute", "group"])
 def test_what_is_not_defined_is_not_written(name: str) -> None:
-    record = dict(made_record())
-    root = record[ROOT]
+    archive = dict(made_archive())
+    root = archive[ROOT]
     if name == "array":
-        record[ROOT] = RecordGroup(root.arrays | {"stranger": np.zeros(3)}, root.attributes)
+        archive[ROOT] = ArchiveGroup(root.arrays | {"stranger": np.zeros(3)}, root.attributes)
     elif name == "attribute":
-        record[ROOT] = RecordGroup(root.arrays, {**root.attributes, "stranger": 1})
+        archive[ROOT] = ArchiveGroup(root.arrays, {**root.attributes, "stranger": 1})
     else:
-        record["stranger"] = RecordGroup({})
+        archive["stranger"] = ArchiveGroup({})
     with pytest.raises(KeyError, match="stranger"):
-        record_bytes(MADE, record)
+        archive_bytes(MADE, archive)
 
 
 def test_a_former_format_is_read_and_another_one_named(tmp_path: Path) -> None:
-    path = tmp_path / "record.h5"
-    former = {ROOT: RecordGroup({"speed": np.zeros(LENGTH)})}
-    path.write_bytes(record_bytes(FORMER, former))
+    path = tmp_path / "archive.h5"
+    former = {ROOT: ArchiveGroup({"speed": np.zeros(LENGTH)})}
+    path.write_bytes(archive_bytes(FORMER, former))
     spoil(path, lambda file: file.attrs.__setitem__("identity", "own"))
     assert {*read_made(path)[ROOT].arrays} == {"speed"}
     with pytest.raises(FolderError, match=r"format 6, .* this version reads format 7"):
@@ -345,10 +345,10 @@ def test_an_untouched_file_with_a_new_digest_is_read(path: Path, case: Case) -> 
 @pytest.mark.skipif(sys.platform != "linux", reason="no other system limits a process")
 def test_a_text_that_states_four_gigabytes_is_not_made_room_for(path: Path) -> None:
     """Of an attribute that is read."""
-    content = record_bytes(MADE, made_record())
+    content = archive_bytes(MADE, made_archive())
     seal(path, with_long_text(content[: content.rindex(LINE)], 4_000_000_000))
     before = peak_bytes()
-    with pytest.raises(FolderError, match="not a made record"):
+    with pytest.raises(FolderError, match="not a made archive"):
         read_made(path)
     assert peak_bytes() < before + 100e6
 
@@ -367,7 +367,7 @@ def test_files_that_are_none_are_refused(path: Path, case: Case) -> None:
     assert "not readable" in refusal(path, case)
 
 
-# ---- archives
+# ---- archives of pieces
 
 VARIABLES = by_name(
     Variable("approach", "place", "m", "f8", "approach"),
@@ -376,23 +376,23 @@ VARIABLES = by_name(
 )
 
 
-def archive(**changes: Any) -> bytes:
-    """Return an archive of the variables with changes."""
+def piece_archive(**changes: Any) -> bytes:
+    """Return the archive of a piece of the variables with changes."""
     arrays = {"approach": np.arange(5.0), "rows": np.arange(3), "fault": np.array("too wide")}
     return npz_bytes(VARIABLES, arrays | changes)
 
 
-def test_an_archive_comes_back() -> None:
-    again = read_npz(archive() + b"\nbytes behind it\n", VARIABLES, {"place": 5})
+def test_an_archive_of_a_piece_comes_back() -> None:
+    again = read_npz(piece_archive() + b"\nbytes behind it\n", VARIABLES, {"place": 5})
     assert np.array_equal(again["approach"], np.arange(5.0))
     assert again["rows"].dtype == np.dtype("u4") and str(again["fault"]) == "too wide"
     assert again["approach"].flags.writeable
-    assert archive() == archive()
+    assert piece_archive() == piece_archive()
 
 
 @pytest.mark.parametrize("name", strange("approach"))
-def test_a_strange_archive_is_refused(name: str) -> None:
-    content = strange("approach")[name](archive())
+def test_a_strange_archive_of_a_piece_is_refused(name: str) -> None:
+    content = strange("approach")[name](piece_archive())
     before = peak_bytes()
     with pytest.raises(Exception) as error:
         read_npz(content, VARIABLES, {"place": 5})
@@ -402,13 +402,13 @@ def test_a_strange_archive_is_refused(name: str) -> None:
 
 def test_an_archive_with_an_array_two_times_is_refused() -> None:
     with pytest.warns(UserWarning, match="Duplicate name"):
-        content = twice(archive(), "approach")
+        content = twice(piece_archive(), "approach")
     with pytest.raises(ValueError, match="other arrays than defined"):
         read_npz(content, VARIABLES, {"place": 5})
 
 
 def test_other_arrays_than_defined_are_not_written() -> None:
     with pytest.raises(ValueError, match="more"):
-        archive(more=np.zeros(3))
+        piece_archive(more=np.zeros(3))
     with pytest.raises(ValueError, match="rows"):
         npz_bytes(VARIABLES, {"approach": np.zeros(3), "fault": np.array("")})
