@@ -335,7 +335,7 @@ def _improve(scene: Any, given: argparse.Namespace) -> int:
     with progress.step(LOADING):
         from rolling.choice.choose_command import print_advice
         from rolling.choice.sensitivity import improve_scene, write_sensitivities
-    found = improve_scene(
+    sensitivities = improve_scene(
         scene=scene,
         folder=given.out,
         keys=None if given.key is None else [given.key],
@@ -343,8 +343,8 @@ def _improve(scene: Any, given: argparse.Namespace) -> int:
         workers=given.workers,
         quantity=given.quantity,
     )
-    paths = write_sensitivities(found)
-    print_advice(found.folder, found.sentences, found.lines, paths)
+    paths = write_sensitivities(sensitivities)
+    print_advice(sensitivities.folder, sensitivities.sentences, sensitivities.lines, paths)
     return OK
 
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from rolling.numbers import views
 from rolling.numbers.ball_numbers import DB_A, RunNumbers
 from rolling.numbers.bearing_numbers import UM_PER_S, BandVelocities, BearingNumbers
-from rolling.numbers.fields import NumberField, said_of
+from rolling.numbers.fields import NumberField, number_field_of
 from rolling.numbers.quantity import BandQuantity, Quantity
 from rolling.numbers.run_file import StoredBearing, StoredNumbers
 from rolling.numbers.summary_schema import hints_of, options_of
@@ -74,10 +74,10 @@ def columns_of(kind: type) -> dict[str, views.Cell]:
 def paths_of(kind: type) -> set[str]:
     """Return the paths of all fields of a data class of numbers, such as `surface.ra_m`."""
     return {
-        ".".join((*path, one.name))
+        ".".join((*path, data_field.name))
         for group in _groups(kind)
         for path in group.paths
-        for one in dataclasses.fields(group.kind)
+        for data_field in dataclasses.fields(group.kind)
     }
 
 
@@ -101,13 +101,13 @@ def _groups(root: type) -> Sequence[Group]:
 
 def _add_groups(kind: type, path: tuple[str, ...], groups: dict[type, Group]) -> None:
     """Add the data classes of numbers in a data class."""
-    for one in dataclasses.fields(kind):
-        said = said_of(one)
-        inner, is_list = _inner(hints_of(kind)[one.name])
-        if said is None or inner is None:
+    for data_field in dataclasses.fields(kind):
+        number_field = number_field_of(data_field)
+        inner, is_list = _inner(hints_of(kind)[data_field.name])
+        if number_field is None or inner is None:
             continue
-        place = (*path, f"{one.name}[i]" if is_list else one.name)
-        groups.setdefault(inner, Group(inner, {})).meanings[place] = said.meaning
+        place = (*path, f"{data_field.name}[i]" if is_list else data_field.name)
+        groups.setdefault(inner, Group(inner, {})).meanings[place] = number_field.meaning
         _add_groups(inner, place, groups)
 
 
@@ -116,7 +116,7 @@ def _inner(hint: Any) -> tuple[type | None, bool]:
     for option in options_of(hint):
         is_list = typing.get_origin(option) is tuple
         kind = typing.get_args(option)[0] if is_list else option
-        if dataclasses.is_dataclass(kind) and any(map(said_of, dataclasses.fields(kind))):
+        if dataclasses.is_dataclass(kind) and any(map(number_field_of, dataclasses.fields(kind))):
             return typing.cast(type, kind), is_list
     return None, False
 
@@ -149,40 +149,47 @@ def _introduction(group: Group) -> Iterator[str]:
 
 def _rows(group: Group, columns: Mapping[str, views.Cell]) -> Iterator[list[str]]:
     """Yield the row of each field of a group that is no group with a table of its own."""
-    for one in dataclasses.fields(group.kind):
-        said = said_of(one)
-        hint = hints_of(group.kind)[one.name]
+    for data_field in dataclasses.fields(group.kind):
+        number_field = number_field_of(data_field)
+        hint = hints_of(group.kind)[data_field.name]
         inner, _ = _inner(hint)
-        if said is None or inner is not None:
+        if number_field is None or inner is not None:
             continue
-        places = [(*path, one.name) for path in group.paths]
+        places = [(*path, data_field.name) for path in group.paths]
         cells = [
-            cell for place in places for cell in _columns(place, said, hint, group.kind, columns)
+            cell
+            for place in places
+            for cell in _columns(place, number_field, hint, group.kind, columns)
         ]
-        yield [f"`{one.name}`", _unit(said, hint), said.meaning, "<br>".join(cells) or "-"]
+        yield [
+            f"`{data_field.name}`",
+            _unit(number_field, hint),
+            number_field.meaning,
+            "<br>".join(cells) or "-",
+        ]
 
 
-def _unit(said: NumberField, hint: Any) -> str:
+def _unit(number_field: NumberField, hint: Any) -> str:
     """Return the unit of a field, or what it is instead of a number."""
     options = options_of(hint)
     if Quantity in options:
         return "quantity"
     if BandQuantity in options:
         return "bands"
-    if said.is_group:
+    if number_field.is_group:
         is_mapping = any(typing.get_origin(option) is dict for option in options)
         return "by name" if is_mapping else "list"
-    if said.unit not in ("", "1"):
-        return said.unit
+    if number_field.unit not in ("", "1"):
+        return number_field.unit
     known = [_NO_UNITS[option] for option in options if option in _NO_UNITS]
     if known and float not in options:
         return known[0]
-    return said.unit or "text"
+    return number_field.unit or "text"
 
 
 def _columns(
     place: tuple[str, ...],
-    said: NumberField,
+    number_field: NumberField,
     hint: Any,
     kind: type,
     columns: Mapping[str, views.Cell],
@@ -198,9 +205,9 @@ def _columns(
             yield f"**bands.csv**: `{place[-1]}`"
         return
     if Quantity in options:
-        column = next(iter(views.quantity_cells(column, said, _quantity(kind))))
+        column = next(iter(views.quantity_cells(column, number_field, _quantity(kind))))
     if column in columns:
-        yield f"**`{column}`**" if columns[column].said.in_table else f"`{column}`"
+        yield f"**`{column}`**" if columns[column].number_field.in_table else f"`{column}`"
 
 
 # ---- a run that has all numbers
@@ -209,7 +216,12 @@ def _columns(
 def _specimen(kind: type) -> Any:
     """Return numbers of a run that has every group, so that all columns are there."""
     hints = hints_of(kind)
-    return kind(**{one.name: _value(hints[one.name], kind) for one in dataclasses.fields(kind)})
+    return kind(
+        **{
+            data_field.name: _value(hints[data_field.name], kind)
+            for data_field in dataclasses.fields(kind)
+        }
+    )
 
 
 def _value(hint: Any, kind: type) -> Any:

@@ -125,7 +125,7 @@ class BallAudition(Audition):
 
     def with_shared_steps(self, base: Candidate, others: Sequence[Candidate]) -> Candidate:
         """Return a candidate with the shortest steps that `auto` takes for it or for others."""
-        return ball_drawing.with_shared_steps(of_ball(base), [of_ball(one) for one in others])
+        return ball_drawing.with_shared_steps(of_ball(base), [of_ball(other) for other in others])
 
     def drawing_values(self, scene: Scene) -> Iterator[WantedValue | LeftOut]:
         """Yield the values of a drawing that a scene has."""
@@ -146,7 +146,7 @@ class BallAudition(Audition):
         """Return the loss factors at which a candidate is heard, and its released power."""
         return {
             "loss_factors": list(of_ball(contender.candidate).loss_factors),
-            "released_power_db": [one.released_power_db for one in contender.heard],
+            "released_power_db": [heard_ball.released_power_db for heard_ball in contender.heard],
         }
 
     def provenance(self, scene: Scene, label: str) -> Provenance:
@@ -188,7 +188,9 @@ def _run_for_ear(contender: Contender) -> Run:
 def _bodies(choice: ChoiceNumbers) -> Iterator[Doubt]:
     """Say which bodies are assumed of scenes that have no section dynamics."""
     added = dict.fromkeys(
-        of_ball(one.candidate).added for one in choice.contenders if of_ball(one.candidate).added
+        of_ball(contender.candidate).added
+        for contender in choice.contenders
+        if of_ball(contender.candidate).added
     )
     if added:
         text = (
@@ -199,7 +201,7 @@ def _bodies(choice: ChoiceNumbers) -> Iterator[Doubt]:
 
 def _loss_factor(choice: ChoiceNumbers) -> Iterator[Doubt]:
     """Say that contacts are heard at two loss factors, because none is stated."""
-    if any(len(of_ball(one.candidate).loss_factors) > 1 for one in choice.contenders):
+    if any(len(of_ball(contender.candidate).loss_factors) > 1 for contender in choice.contenders):
         low, high = LOSS_FACTORS
         text = (
             f"The loss factor of the contact is not stated, so each is heard at {low:g} and"
@@ -210,8 +212,8 @@ def _loss_factor(choice: ChoiceNumbers) -> Iterator[Doubt]:
 
 def _released_power(choice: ChoiceNumbers) -> Iterator[Doubt]:
     """Say that the released power has the other order."""
-    apart = choice.differences[0] if choice.differences else None
-    if apart is not None and apart.is_sure and (apart.released_db or 0.0) < 0:
+    difference = choice.differences[0] if choice.differences else None
+    if difference is not None and difference.is_sure and (difference.released_db or 0.0) < 0:
         text = (
             "The released power is higher for the quieter one: it is an upper bound, and its order"
             " is not that of what one hears."

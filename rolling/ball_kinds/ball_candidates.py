@@ -145,17 +145,19 @@ def _with_shared_steps(candidates: Sequence[BallCandidate]) -> list[BallCandidat
 
     Equal contacts then share their marches, and other steps do not pass for other sounds.
     """
-    slowest = min(one.scene.slowest_speed for one in candidates)
-    automatic = [one for one in candidates if one.scene.numerics.step_nodes == "auto"]
+    slowest = min(candidate.scene.slowest_speed for candidate in candidates)
+    automatic = [
+        candidate for candidate in candidates if candidate.scene.numerics.step_nodes == "auto"
+    ]
     if not automatic:
         return list(candidates)
-    nodes = min(step_rule.choose(one.scene, slowest).nodes for one in automatic)
+    nodes = min(step_rule.choose(candidate.scene, slowest).nodes for candidate in automatic)
     shared = []
-    for one in candidates:
-        scene = one.scene
-        if one in automatic:
+    for candidate in candidates:
+        scene = candidate.scene
+        if candidate in automatic:
             scene = scene.with_({"numerics.step_nodes": nodes, "numerics.slowest_m_s": None})
-        shared.append(replace(one, scene=scene))
+        shared.append(replace(candidate, scene=scene))
     return shared
 
 
@@ -188,8 +190,8 @@ def _other_duration(first: BallCandidate, other: BallCandidate) -> Iterator[str]
     """Yield a sentence where two records differ in length and one is short."""
     mine = first.scene.duration
     theirs = other.scene.duration
-    apart = abs(mine - theirs) > SAME_DURATION * max(mine, theirs)
-    if apart and min(mine, theirs) < SHORT_S:
+    is_unequal = abs(mine - theirs) > SAME_DURATION * max(mine, theirs)
+    if is_unequal and min(mine, theirs) < SHORT_S:
         yield (
             f"{other.scene.place('rolling.duration_s')}: rolling.duration_s: {other.label} lasts"
             f" {plain_number(round(theirs, 6))} s and {first.label}"

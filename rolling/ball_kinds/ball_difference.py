@@ -36,19 +36,19 @@ def difference(
     pairs = list(zip(first, second, strict=True))
     # Pairs and loss factors. The one factor that a scene states stands beside two of the other's.
     with np.errstate(invalid="ignore"):  # two silences have no difference
-        apart = np.array(
-            [levels_of(one.squares) - levels_of(other.squares) for one, other in pairs]
+        differences_db = np.array(
+            [levels_of(ball.squares) - levels_of(other.squares) for ball, other in pairs]
         )
-        bands = np.array([levels_of(one.bands) - levels_of(other.bands) for one, other in pairs])
+        bands = np.array([levels_of(ball.bands) - levels_of(other.bands) for ball, other in pairs])
         shared_db = {
-            "loss_factor": float(np.ptp(apart.mean(axis=0))) / 2,
+            "loss_factor": float(np.ptp(differences_db.mean(axis=0))) / 2,
             "grid": _error_part(pairs, "grid"),
             "instrument": _error_part(pairs, "instrument"),
-            BAFFLE: float(np.mean([_baffle_part(one, other) for one, other in pairs])),
+            BAFFLE: float(np.mean([_baffle_part(ball, other) for ball, other in pairs])),
         }
     band_db, band_uncertainty_db = _by_band(bands.mean(axis=1))
     released_db, released_uncertainty_db = _released(pairs)
-    of_levels = paired_difference(VIBRATION, apart.mean(axis=1), shared_db, omitted)
+    of_levels = paired_difference(VIBRATION, differences_db.mean(axis=1), shared_db, omitted)
     return replace(
         of_levels,
         released_db=released_db,
@@ -78,12 +78,12 @@ def _by_band(values: Array) -> tuple[Array, Array]:
 
 def _released(pairs: Sequence[tuple[HeardBall, HeardBall]]) -> tuple[float | None, float | None]:
     """Return the mean difference of the released powers, and its standard uncertainty [dB]."""
-    apart = []
-    for one, other in pairs:
-        if one.released_power_db is None or other.released_power_db is None:
+    differences_db = []
+    for ball, other in pairs:
+        if ball.released_power_db is None or other.released_power_db is None:
             return None, None
-        apart.append(one.released_power_db - other.released_power_db)
-    of_pairs = paired_mean(np.array(apart))
+        differences_db.append(ball.released_power_db - other.released_power_db)
+    of_pairs = paired_mean(np.array(differences_db))
     if not math.isfinite(of_pairs.error):
         return of_pairs.mean, None
     return of_pairs.mean, of_pairs.uncertainty
@@ -96,36 +96,36 @@ def _error_part(pairs: Sequence[tuple[HeardBall, HeardBall]], origin: str) -> fl
     cancels. A surface that no instrument measured has no error of one.
     """
     none = LevelError(0.0, 0.0)
-    apart = []
+    differences_db = []
     spreads = []
-    for one, other in pairs:
-        of_one = one.errors.get(origin, none)
+    for ball, other in pairs:
+        of_ball = ball.errors.get(origin, none)
         of_other = other.errors.get(origin, none)
-        apart.append(of_one.db - of_other.db)
-        spreads.append(math.hypot(of_one.uncertainty_db, of_other.uncertainty_db))
-    return math.hypot(float(np.mean(apart)), float(np.mean(spreads)))
+        differences_db.append(of_ball.db - of_other.db)
+        spreads.append(math.hypot(of_ball.uncertainty_db, of_other.uncertainty_db))
+    return math.hypot(float(np.mean(differences_db)), float(np.mean(spreads)))
 
 
-def _baffle_part(one: HeardBall, other: HeardBall) -> float:
+def _baffle_part(ball: HeardBall, other: HeardBall) -> float:
     """Return what the missing baffles of free plates leave on a difference [dB]; 0 without any.
 
     On equal plates the baffle changes both sounds alike, as far as they lie in the same bands.
     """
-    bands = [np.nan_to_num(heard.bands.mean(axis=0)) for heard in (one, other)]
-    if one.baffle_db is not None and _have_equal_baffles(one, other):
-        return baffle_difference_db(bands[0], bands[1], one.baffle_db)
+    bands = [np.nan_to_num(heard_ball.bands.mean(axis=0)) for heard_ball in (ball, other)]
+    if ball.baffle_db is not None and _have_equal_baffles(ball, other):
+        return baffle_difference_db(bands[0], bands[1], ball.baffle_db)
     parts = []
-    for of_bands, uncertainty_db in zip(bands, (one.baffle_db, other.baffle_db), strict=True):
+    for of_bands, uncertainty_db in zip(bands, (ball.baffle_db, other.baffle_db), strict=True):
         if uncertainty_db is not None and of_bands.sum() > 0:
             parts.append(float(of_bands @ uncertainty_db / of_bands.sum()))
     return math.hypot(*parts)
 
 
-def _have_equal_baffles(one: HeardBall, other: HeardBall) -> bool:
+def _have_equal_baffles(ball: HeardBall, other: HeardBall) -> bool:
     """Tell whether two sounds come from equal free plates, which lack the same baffle."""
-    if one.baffle_db is None or other.baffle_db is None:
+    if ball.baffle_db is None or other.baffle_db is None:
         return False
-    return np.array_equal(one.baffle_db, other.baffle_db)
+    return np.array_equal(ball.baffle_db, other.baffle_db)
 
 
 def _left_out(pairs: Sequence[tuple[HeardBall, HeardBall]]) -> dict[str, float]:
@@ -134,8 +134,8 @@ def _left_out(pairs: Sequence[tuple[HeardBall, HeardBall]]) -> dict[str, float]:
     They are taken to shift both levels alike. Of what the missing baffle changes on equal plates,
     only a remainder is in the difference; on other plates it counts whole.
     """
-    every = [one for pair in pairs for one in pair]
-    sources = {source: None for one in every for source, part in one.parts_db.items() if part}
+    every = [ball for pair in pairs for ball in pair]
+    sources = {source: None for ball in every for source, part in ball.parts_db.items() if part}
     left_out = {}
     for source in sources:
         if source in COUNTED:

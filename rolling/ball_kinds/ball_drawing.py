@@ -82,8 +82,9 @@ def with_shared_steps(base: BallCandidate, others: Sequence[BallCandidate]) -> B
     if base.scene.numerics.step_nodes != "auto":
         return base
     nodes = []
-    for one in (base, *others):
-        nodes.append(step_rule.choose(one.scene, one.scene.slowest_speed).nodes)
+    for ball_candidate in (base, *others):
+        scene = ball_candidate.scene
+        nodes.append(step_rule.choose(scene, scene.slowest_speed).nodes)
     steps = {"numerics.step_nodes": min(nodes), "numerics.slowest_m_s": None}
     return replace(base, scene=base.scene.with_(steps))
 

@@ -115,15 +115,15 @@ class StoredHeard:
 
 def write_heard(specimen: Specimen, result: Result) -> None:
     """Write what is heard of a specimen whose run is done."""
-    heard = hear(specimen, result)
+    heard_ball = hear(specimen, result)
     stored = StoredHeard(
-        loss_factors=heard.loss_factors,
-        squares_pa2=tuple(heard.squares.tolist()),
-        bands_pa2=tuple(_known(row) for row in heard.bands),
-        released_power_db=heard.released_power_db,
-        errors_db=heard.errors,
-        parts_db=heard.parts_db,
-        baffle_db=None if heard.baffle_db is None else tuple(heard.baffle_db.tolist()),
+        loss_factors=heard_ball.loss_factors,
+        squares_pa2=tuple(heard_ball.squares.tolist()),
+        bands_pa2=tuple(_known(row) for row in heard_ball.bands),
+        released_power_db=heard_ball.released_power_db,
+        errors_db=heard_ball.errors,
+        parts_db=heard_ball.parts_db,
+        baffle_db=None if heard_ball.baffle_db is None else tuple(heard_ball.baffle_db.tolist()),
     )
     write_heard_file(specimen, stored)
 
@@ -143,7 +143,7 @@ def read_heard(specimen: Specimen) -> HeardBall:
     stored = read_heard_file(specimen, StoredHeard)
     losses = len(loss_factors_of(specimen))
     try:
-        heard = HeardBall(
+        heard_ball = HeardBall(
             loss_factors=stored.loss_factors,
             squares=np.array(stored.squares_pa2),
             bands=np.array(stored.bands_pa2, dtype=float),
@@ -152,15 +152,15 @@ def read_heard(specimen: Specimen) -> HeardBall:
             parts_db=stored.parts_db,
             baffle_db=None if stored.baffle_db is None else np.array(stored.baffle_db),
         )
-        if heard.baffle_db is not None and heard.baffle_db.shape != (len(BAND_NAMES),):
+        if heard_ball.baffle_db is not None and heard_ball.baffle_db.shape != (len(BAND_NAMES),):
             raise ValueError("bands of another shape")
-        if heard.bands.shape != (losses, len(BAND_NAMES)):
+        if heard_ball.bands.shape != (losses, len(BAND_NAMES)):
             raise ValueError("bands of another shape")
-        if heard.squares.shape != (losses,):
+        if heard_ball.squares.shape != (losses,):
             raise ValueError("squares of another shape")
     except ValueError as error:
         raise damaged(specimen, error) from error
-    return heard
+    return heard_ball
 
 
 def loss_factors_of(specimen: Specimen) -> tuple[float, ...]:

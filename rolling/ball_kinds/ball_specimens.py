@@ -56,19 +56,19 @@ class BallSpecimens(Specimens):
         """Find out what varies."""
         measured = []
         is_random = False
-        for one in candidates:
-            found = _places(one.scene)
-            if found is not None:
-                measured.append(found)
-            if seeds_of(one.scene):
+        for candidate in candidates:
+            scan = _places(candidate.scene)
+            if scan is not None:
+                measured.append(scan)
+            if seeds_of(candidate.scene):
                 is_random = True
         self._first_seed = _first_seed(candidates)
-        self.overlap = any(found.overlap for found in measured)
+        self.overlap = any(scan.overlap for scan in measured)
         self.noun = "surfaces"
         self.count = MOST_PAIRS if is_random else 1
         if measured:
             self.noun = "places of the scan" if len(measured) == 1 else "places of the scans"
-            self.count = min(MOST_PAIRS, *(len(found.places) for found in measured))
+            self.count = min(MOST_PAIRS, *(len(scan.places) for scan in measured))
 
     def shortage_words(self, wanted: int) -> str:
         """Say what a scene has in place of a wanted number of specimens."""
@@ -80,9 +80,9 @@ class BallSpecimens(Specimens):
         """Return the scene of a candidate on the specimen of a number, from 0 on."""
         scene = with_seed(candidate.scene, self._first_seed + number)
         changes: dict[str, Any] = {}
-        found = _places(scene)
-        if found is not None:
-            place = found.places[number]
+        scan = _places(scene)
+        if scan is not None:
+            place = scan.places[number]
             changes["rolling.start_um"] = scene.rolling.start_um + place.along_um
             changes["rolling.across_um"] = scene.rolling.across_um + place.across_um
         if changes:
@@ -92,8 +92,8 @@ class BallSpecimens(Specimens):
 
 def _first_seed(candidates: Sequence[Candidate]) -> int:
     """Return the seed of the first specimen, that of the first candidate that has one."""
-    for one in candidates:
-        for seed in seeds_of(one.scene).values():
+    for candidate in candidates:
+        for seed in seeds_of(candidate.scene).values():
             return seed
     return 1
 

@@ -264,8 +264,8 @@ class OneBall(Kind):
     def listen_lines(self, done: Sequence[RunFolder]) -> list[str]:
         """Name listen.wav of the first run, with what is heard."""
         is_release = done[0].scene.sound.source == "release"
-        heard = "released power" if is_release else "vibration"
-        sounds = [("listen", LISTEN, heard), ("pass by pass", PASSES, "")]
+        content = "released power" if is_release else "vibration"
+        sounds = [("listen", LISTEN, content), ("pass by pass", PASSES, "")]
         return shared_lines.listen_lines(done, sounds)
 
     def quantities(self, numbers: RunNumbers) -> dict[str, Quantity]:

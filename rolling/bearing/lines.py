@@ -103,13 +103,13 @@ def wave_lines(model: BearingModel, waves: Mapping[str, Iterable[int]]) -> list[
 
 def _lines_of_order(motion: WaveMotion, body: str, order: int) -> list[BearingLine]:
     """Return the lines of an order of a body, the largest first, without those that are faint."""
-    found = motion.of_order(body, order)
+    wave_lines = motion.of_order(body, order)
     largest = {
-        direction: max((line.velocity[direction] for line in found), default=0.0)
+        direction: max((line.velocity[direction] for line in wave_lines), default=0.0)
         for direction in DIRECTIONS
     }
     lines = list[BearingLine]()
-    for line in found:
+    for line in wave_lines:
         shares = [line.velocity[direction] / largest[direction] for direction in line.directions]
         if max(shares) < _FAINT:
             continue
@@ -331,6 +331,6 @@ def envelope_readings(
     envelope: NarrowSpectrum, kinematics: Kinematics
 ) -> list[tuple[BearingLine, LineReading]]:
     """Return the lines of faults with what the spectrum of an envelope shows of them."""
-    found = envelope_lines(kinematics)
-    frequencies = [line.frequency_hz for line in found]
-    return [(line, envelope.read_line(line.frequency_hz, frequencies)) for line in found]
+    fault_lines = envelope_lines(kinematics)
+    frequencies = [line.frequency_hz for line in fault_lines]
+    return [(line, envelope.read_line(line.frequency_hz, frequencies)) for line in fault_lines]

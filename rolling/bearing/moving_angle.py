@@ -73,9 +73,9 @@ def moving_angle_balance(
 
     def state(displacement: Array) -> tuple[Array, Array, Array]:
         """Return directions (balls, 2), distances and approaches of the balls (balls,)."""
-        apart = free + length * displacement * reach
-        distances = np.hypot(apart[:, 0], apart[:, 1])
-        return apart / distances[:, None], distances, np.maximum(distances - distance, 0.0)
+        vectors = free + length * displacement * reach
+        distances = np.hypot(vectors[:, 0], vectors[:, 1])
+        return vectors / distances[:, None], distances, np.maximum(distances - distance, 0.0)
 
     def energy(displacement: Array) -> float:
         """Return the energy of contacts and loads, over the load times the typical approach."""
@@ -99,7 +99,7 @@ def moving_angle_balance(
         both = both * reach[:, :, None] * reach[:, None, :]
         return np.asarray(both.sum(axis=0) * length / size)
 
-    found = minimize(
+    minimum = minimize(
         energy,
         load / size,
         jac=slope,
@@ -107,8 +107,8 @@ def moving_angle_balance(
         method="trust-exact",
         options={"gtol": _TOLERANCE, "maxiter": 1000},
     )
-    directions, _, approach = state(found.x)
-    radial, axial = (length * found.x).tolist()
+    directions, _, approach = state(minimum.x)
+    radial, axial = (length * minimum.x).tolist()
     return MovingAngleBalance(
         radial_m=radial,
         axial_m=axial,

@@ -101,5 +101,5 @@ def gain_uncertainty_db(first: Array, second: Array) -> float:
     first, second : arrays (GROUPS,), dB
         Levels of a band of two bearings without each group, as of `RoughBand.levels_db`.
     """
-    apart = second - first
-    return float(np.sqrt((1 - 1 / GROUPS) * np.sum((apart - apart.mean()) ** 2)))
+    differences_db = second - first
+    return float(np.sqrt((1 - 1 / GROUPS) * np.sum((differences_db - differences_db.mean()) ** 2)))

@@ -41,7 +41,7 @@ class RingSpecimens(Specimens):
 
     def __init__(self, candidates: Sequence[Candidate]) -> None:
         """Find out whether anything is random."""
-        is_random = any(not one.scene.is_smooth for one in candidates)
+        is_random = any(not candidate.scene.is_smooth for candidate in candidates)
         self.count = MOST_PAIRS if is_random else 1
 
     def scene(self, candidate: Candidate, number: int) -> BearingScene:
@@ -84,7 +84,7 @@ class BearingAudition(Audition):
 
     def quantities(self, candidates: Sequence[Candidate]) -> list[HeardQuantity]:
         """Return the bands of a ring, and the sound of the housing where all scenes have one."""
-        if all(one.scene.plate is not None for one in candidates):
+        if all(candidate.scene.plate is not None for candidate in candidates):
             return [*BANDS, HOUSING]
         return [*BANDS]
 
@@ -110,10 +110,10 @@ class BearingAudition(Audition):
         All specimens share the gains of the contacts. The sound of a housing has those of its most
         uncertain band.
         """
-        one = np.array([heard.rms(quantity) for heard in first])
-        other = np.array([heard.rms(quantity) for heard in second])
-        if not (np.all(one > 0) and np.all(other > 0)):
-            return paired_difference(quantity, np.full(len(one), np.nan), {}, omitted)
+        first_rms = np.array([heard_ring.rms(quantity) for heard_ring in first])
+        second_rms = np.array([heard_ring.rms(quantity) for heard_ring in second])
+        if not (np.all(first_rms > 0) and np.all(second_rms > 0)):
+            return paired_difference(quantity, np.full(len(first_rms), np.nan), {}, omitted)
         bands = [band.name for band in BANDS]
         if quantity != HOUSING.name:
             bands = [quantity]
@@ -121,7 +121,9 @@ class BearingAudition(Audition):
             gain_uncertainty_db(_levels_by_group(second, band), _levels_by_group(first, band))
             for band in bands
         )
-        return paired_difference(quantity, 20 * np.log10(one / other), {GAINS: gains_db}, omitted)
+        return paired_difference(
+            quantity, 20 * np.log10(first_rms / second_rms), {GAINS: gains_db}, omitted
+        )
 
     # ---- values of a drawing
 
@@ -138,22 +140,22 @@ class BearingAudition(Audition):
     def first_sound(self, choice: ChoiceNumbers, contender: Contender) -> FirstSound:
         """Return the sound of the housing, or else the acceleration of the ring along x."""
         bearing = _first_bearing(choice, contender)
-        heard: HeardRing = contender.heard[0]
+        heard_ring: HeardRing = contender.heard[0]
         sound = stored_run.housing_sound(bearing) if HOUSING in choice.quantities else None
         if sound is not None:
-            level_db = heard.level_db(HOUSING.name)
+            level_db = heard_ring.level_db(HOUSING.name)
             return FirstSound(
                 sound, f"Sound of the housing of this specimen: {level_db:.1f} dB(A)."
             )
-        words = [f"{heard.rms(band.name):.3g} um/s from {band.words}" for band in BANDS]
+        words = [f"{heard_ring.rms(band.name):.3g} um/s from {band.words}" for band in BANDS]
         text = f"Radial velocity of the ring of this specimen: {', '.join(words)}."
         return FirstSound(stored_run.ring_sound(bearing), text)
 
 
-def _levels_by_group(heard: Sequence[HeardRing], band: str) -> Array:
+def _levels_by_group(heard_rings: Sequence[HeardRing], band: str) -> Array:
     """Return the level of a band without each group of waves of the marches, less that with all."""
-    rms = np.array([one.rms(band) for one in heard])
-    return heard[0].rough[band].band.levels_db(float(np.mean(np.square(rms / UM_S))))
+    rms = np.array([heard_ring.rms(band) for heard_ring in heard_rings])
+    return heard_rings[0].rough[band].band.levels_db(float(np.mean(np.square(rms / UM_S))))
 
 
 def _first_bearing(choice: ChoiceNumbers, contender: Contender) -> SolvedBearing:

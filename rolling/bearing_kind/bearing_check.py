@@ -83,9 +83,9 @@ def check_bearing(scene: BearingScene) -> Findings:
         name = run_name(values) or run.name
         plan = contact_plan(run)
         lacking = needs.excess(run, plan, workers=0, folder=refusals.OUTPUTS)
-        found = [*scene_rules(run), *_cost(plan), *lacking]
-        rows[name] = [row for row in found if isinstance(row, Finding)]
-        doubts[name] = [doubt for doubt in found if isinstance(doubt, Doubt)]
+        rows_and_doubts = [*scene_rules(run), *_cost(plan), *lacking]
+        rows[name] = [row for row in rows_and_doubts if isinstance(row, Finding)]
+        doubts[name] = [doubt for doubt in rows_and_doubts if isinstance(doubt, Doubt)]
         runs.append((run, plan))
     of_runs = forecast_of(runs)
     whole = f"{forecast.takes(of_runs.core_seconds)}, with start, files and page"

@@ -117,12 +117,12 @@ def read_heard(specimen: Specimen) -> HeardRing:
     ------
     FolderError : the file is damaged, or was not written by this program.
     """
-    heard = read_heard_file(specimen, HeardRing)
-    if heard.rough.keys() != VELOCITY_BANDS_HZ.keys():
+    heard_ring = read_heard_file(specimen, HeardRing)
+    if heard_ring.rough.keys() != VELOCITY_BANDS_HZ.keys():
         raise damaged(specimen, "other bands")
-    if (heard.housing is None) != (specimen.scene.plate is None):
+    if (heard_ring.housing is None) != (specimen.scene.plate is None):
         raise damaged(specimen, "another housing")
-    return heard
+    return heard_ring
 
 
 def heard_specimen(
@@ -181,12 +181,12 @@ class RingSolver(Solver):
                 self._move_rings(lacking)
             except BrokenExecutor:  # a process was killed; the rest is done in this one
                 self._pool = self._stack.enter_context(Pool())
-                self._move_rings([one for one in lacking if not one.is_heard])
+                self._move_rings([specimen for specimen in lacking if not specimen.is_heard])
 
     def _march(self, candidates: Mapping[Candidate, Any]) -> None:
         """March the rough contacts of candidates that are new; equal ones are marched once."""
-        new = [one for one in candidates if one not in self._plans]
-        plans = {one: contact_plan(one.scene) for one in new}
+        new = [candidate for candidate in candidates if candidate not in self._plans]
+        plans = {candidate: contact_plan(candidate.scene) for candidate in new}
         contacts = [
             contact for plan in plans.values() for stage in plan.stages for contact in stage
         ]
@@ -196,9 +196,9 @@ class RingSolver(Solver):
                 contacts, name="marching contacts", folder=home, workers=self._workers
             )
         with progress.step("judging the gains of the contacts"):
-            for one, plan in plans.items():
-                bands = rough_bands(one.scene.model, plan, self._marches)
-                self._rough[one] = {
+            for candidate, plan in plans.items():
+                bands = rough_bands(candidate.scene.model, plan, self._marches)
+                self._rough[candidate] = {
                     name: StoredRoughBand(
                         whole=band.whole, without_groups=tuple(band.without_groups.tolist())
                     )
@@ -224,5 +224,5 @@ class RingSolver(Solver):
 
     def _keep(self, specimen: Specimen, future: Future[Any]) -> None:
         """Wait for a specimen, and write down what is heard of it."""
-        heard = HeardRing(**future.result(), rough=self._rough[specimen.candidate])
-        write_heard_file(specimen, heard)
+        heard_ring = HeardRing(**future.result(), rough=self._rough[specimen.candidate])
+        write_heard_file(specimen, heard_ring)

@@ -89,7 +89,7 @@ class BearingRun(SolvedBearing, ShownRun):
     def _repr_html_(self) -> str:
         """Write the sentences of a run and its bands for a notebook."""
         numbers = self.numbers
-        said = "".join(f"<p>{html.escape(text)}</p>" for text in numbers.sentences)
+        sentences = "".join(f"<p>{html.escape(text)}</p>" for text in numbers.sentences)
         directions = numbers.below_bending.by_direction
         rows = ""
         for band, words in bearing_sentences.band_words(numbers.ring.bending_hz).items():
@@ -101,7 +101,7 @@ class BearingRun(SolvedBearing, ShownRun):
                 cells += f"<td>{text}</td>"
             rows += f"<tr><td>{words}</td>{cells}</tr>"
         heads = "".join(f"<th>{direction} [um/s]</th>" for direction in directions)
-        return f"{said}<table><tr><th>band</th>{heads}</tr>{rows}</table>"
+        return f"{sentences}<table><tr><th>band</th>{heads}</tr>{rows}</table>"
 
     def __repr__(self) -> str:
         um_s = self.numbers.below_bending.radial.um_s.values()
@@ -109,17 +109,17 @@ class BearingRun(SolvedBearing, ShownRun):
         return f"<bearing run {self.scene.name}: radial {texts} um/s>"
 
 
-def numbered(bearing: SolvedBearing, found: MarchFindings | None = None) -> BearingRun:
+def numbered(bearing: SolvedBearing, findings: MarchFindings | None = None) -> BearingRun:
     """Return a solved bearing with its numbers.
 
     Parameters
     ----------
     bearing : SolvedBearing
         Motion of the ring.
-    found : MarchFindings
+    findings : MarchFindings
         What the marches of its rough contacts say beside their tracks. Default: nothing.
     """
-    numbers = bearing_numbers(bearing, found or MarchFindings())
+    numbers = bearing_numbers(bearing, findings or MarchFindings())
     return with_numbers(bearing, numbers)
 
 
@@ -127,7 +127,7 @@ def with_numbers(
     bearing: SolvedBearing, numbers: BearingNumbers, stored: StoredBearing | None = None
 ) -> BearingRun:
     """Return a solved bearing with numbers; what followed from it already is kept."""
-    known = {one.name: getattr(bearing, one.name) for one in fields(SolvedBearing)}
+    known = {field.name: getattr(bearing, field.name) for field in fields(SolvedBearing)}
     run = BearingRun(**known, numbers=numbers, stored=stored)
     made = {name: value for name, value in vars(bearing).items() if name not in vars(run)}
     vars(run).update(made)

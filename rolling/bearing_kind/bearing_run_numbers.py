@@ -50,15 +50,15 @@ class MarchFindings:
     without_faults: FaultlessNumbers | None = None
 
 
-def bearing_numbers(bearing: SolvedBearing, found: MarchFindings) -> BearingNumbers:
+def bearing_numbers(bearing: SolvedBearing, findings: MarchFindings) -> BearingNumbers:
     """Return the numbers of a bearing from the motion of its ring, and what its marches found.
 
     Processor times are not known yet.
     """
     scene = bearing.scene
-    rigid = rigid_velocities(bearing, found.uncertainty)
-    below_bending = velocities_below_bending(bearing, found.uncertainty)
-    judged = JudgedBearing(bearing, rigid, below_bending, of_contacts=found.doubts)
+    rigid = rigid_velocities(bearing, findings.uncertainty)
+    below_bending = velocities_below_bending(bearing, findings.uncertainty)
+    judged = JudgedBearing(bearing, rigid, below_bending, of_contacts=findings.doubts)
     doubts = tuple(doubts_of(judged))
     numbers = BearingNumbers(
         name=scene.name,
@@ -67,7 +67,7 @@ def bearing_numbers(bearing: SolvedBearing, found: MarchFindings) -> BearingNumb
         velocities=rigid,
         lines=velocity_lines(bearing),
         envelope_lines=envelope_lines(bearing),
-        without_faults=found.without_faults,
+        without_faults=findings.without_faults,
         ring=RingNumbers(
             moving=bearing.moving,
             mass_kg=bearing.model.ring_mass_kg,
@@ -83,7 +83,7 @@ def bearing_numbers(bearing: SolvedBearing, found: MarchFindings) -> BearingNumb
         loads=_loads(bearing),
         angles=_angles(bearing),
         housing=_housing(bearing, doubts),
-        contacts=found.contacts,
+        contacts=findings.contacts,
         effort=BearingEffort(march_cpu_s=None),
         departures=tuple(departures(scene)),
         doubts=doubts,

@@ -108,8 +108,8 @@ def _three(bands: BandValues) -> str:
 
 def answer(scene: BearingScene, numbers: BearingNumbers) -> str:
     """Say how fast the ring vibrates radially in the three bands, as far as it is rigid."""
-    said = condition(scene)
-    said = f"{said[0].upper()}{said[1:]}"
+    opening = condition(scene)
+    opening = f"{opening[0].upper()}{opening[1:]}"
     moving = numbers.ring.moving
     um_s = numbers.below_bending.radial.um_s
     bands = [
@@ -117,8 +117,8 @@ def answer(scene: BearingScene, numbers: BearingNumbers) -> str:
         for band, words in band_words(numbers.ring.bending_hz).items()
     ]
     if not bands:
-        return f"{said}: the {moving} ring bends below all three bands."
-    return f"{said}: the {moving} ring vibrates radially at {_listed(bands)}, rms."
+        return f"{opening}: the {moving} ring bends below all three bands."
+    return f"{opening}: the {moving} ring vibrates radially at {_listed(bands)}, rms."
 
 
 def axial_sentence(numbers: BearingNumbers) -> str:

@@ -58,9 +58,9 @@ def make_run(place: RunFolder, label: str, marches: Marches) -> BearingRun:
     began = ProcessorTime.now()
     plan = contact_plan(place.scene)
     bearing = move_bearing(place, label, plan, marches)
-    found = _findings(bearing, plan, marches)
+    findings = _findings(bearing, plan, marches)
     with progress.step("making the numbers"):
-        run = numbered(bearing, found)
+        run = numbered(bearing, findings)
     parts = march_effort(plan, marches).numbers(effort.OF_BEARING)
     parts = effort.with_work(parts, effort.SOUND, ProcessorTime.now().since(began))
     return with_numbers(run, with_effort(run.numbers, parts))

@@ -50,7 +50,7 @@ SOFTER = 0.03  # change of the mean stiffness beside Hertz's, from which on it i
 
 def marched_contacts(plan: ContactPlan, marches: Marches) -> list[MarchedContact]:
     """Return the numbers of the rough contacts whose marches are there."""
-    found = []
+    contacts = []
     for contact in plan.rough.values():
         by_load: dict[float, ContactMarch] = {}
         for load, scene in contact.scenes.items():
@@ -60,8 +60,8 @@ def marched_contacts(plan: ContactPlan, marches: Marches) -> list[MarchedContact
         middle = contact.middle_load_n
         if middle not in by_load:
             continue
-        found.append(_numbers(contact, middle, by_load, marches))
-    return found
+        contacts.append(_numbers(contact, middle, by_load, marches))
+    return contacts
 
 
 def _numbers(

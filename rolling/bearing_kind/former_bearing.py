@@ -124,7 +124,9 @@ def _parts_by_name(velocities: RingVelocities) -> dict[str, dict[str, dict[str, 
     for direction, bands in velocities.by_direction.items():
         for band, velocity in bands.by_band.items():
             for name, decibels in velocity.parts.items():
-                of_part = parts.setdefault(name, {one: {} for one in DIRECTIONS})
+                of_part = parts.setdefault(
+                    name, {each_direction: {} for each_direction in DIRECTIONS}
+                )
                 of_part[direction][band] = decibels
     return parts
 

@@ -32,13 +32,13 @@ def velocity_lines(bearing: SolvedBearing) -> tuple[VelocityLine, ...]:
         direction: [line.frequency_hz for line in every if direction in line.directions]
         for direction in DIRECTIONS
     }
-    found = []
+    velocities = []
     for line in every:
         read = {
             direction: _velocity_of(bearing, line, direction, frequencies[direction])
             for direction in DIRECTIONS
         }
-        found.append(
+        velocities.append(
             VelocityLine(
                 name=line.name,
                 meaning=line.meaning,
@@ -47,7 +47,7 @@ def velocity_lines(bearing: SolvedBearing) -> tuple[VelocityLine, ...]:
                 axial=read[AXIAL],
             )
         )
-    return tuple(found)
+    return tuple(velocities)
 
 
 def _velocity_of(
@@ -73,7 +73,7 @@ def _peaks(bearing: SolvedBearing) -> list[BearingLine]:
         highest_hz=HIGHEST_PEAK_HZ,
         apart_hz=2 * spectra[RADIAL].line_width_hz,
     )
-    found = dict[str, BearingLine]()
+    peaks = dict[str, BearingLine]()
     for direction, spectrum in spectra.items():
         known = [line for line in [*bearing.lines, *families] if direction in line.directions]
         peaks_hz = spectrum.peaks_hz(MAX_PEAKS, LOWEST_HZ, HIGHEST_PEAK_HZ, LEAST_HEIGHT)
@@ -83,8 +83,8 @@ def _peaks(bearing: SolvedBearing) -> list[BearingLine]:
             largest = max(largest, rms)
             if rms >= max(LEAST_SHARE * largest, NOTHING_UM_S / UM_S):
                 line = _simplest(known, hz, spectrum, direction)
-                found.setdefault(line.name, line)
-    return list(found.values())
+                peaks.setdefault(line.name, line)
+    return list(peaks.values())
 
 
 def _simplest(

@@ -78,12 +78,12 @@ class SolvedBearing(RunFolder):
     def lines(self) -> list[BearingLine]:
         """Lines of the bearing below 10 kHz: of its speeds, its load and its waviness."""
         bearing = self.scene.bearing
-        found = lines.kinematic_lines(self.kinematics)
+        bearing_lines = lines.kinematic_lines(self.kinematics)
         if bearing.radial_load_n > 0:
-            found += lines.varying_compliance(self.kinematics, self.geometry.balls)
-        found += lines.wave_lines(self.model, self.waves)
-        found = [line for line in found if 0 < line.frequency_hz < HIGHEST_HZ]
-        return sorted(found, key=lambda line: line.frequency_hz)
+            bearing_lines += lines.varying_compliance(self.kinematics, self.geometry.balls)
+        bearing_lines += lines.wave_lines(self.model, self.waves)
+        bearing_lines = [line for line in bearing_lines if 0 < line.frequency_hz < HIGHEST_HZ]
+        return sorted(bearing_lines, key=lambda line: line.frequency_hz)
 
     @property
     def waves(self) -> dict[str, list[int]]:
@@ -100,12 +100,12 @@ class SolvedBearing(RunFolder):
     def wavy(self) -> list[str]:
         """Bodies whose surface is rough, wavy or measured: balls, inner, outer."""
         surfaces = self.scene.bearing.surfaces
-        found = []
+        bodies = []
         for body in lines.BODIES:
             surface = getattr(surfaces, body)
             if surface is not None and (surface.kind != "smooth" or surface.has_form):
-                found.append(body)
-        return found
+                bodies.append(body)
+        return bodies
 
     @property
     def faulty(self) -> list[str]:

@@ -243,11 +243,11 @@ def _finite(arrays: Arrays, name: str) -> Array:
 
 def sounds(run: SolvedBearing) -> list[HeardSound]:
     """Return the acceleration of the ring to listen to, and the sound of a housing plate."""
-    heard: list[HeardSound] = [ring_sound(run)]
+    heard_sounds: list[HeardSound] = [ring_sound(run)]
     housing = housing_sound(run)
     if housing is not None:
-        heard.append(housing)
-    return heard
+        heard_sounds.append(housing)
+    return heard_sounds
 
 
 def ring_sound(run: SolvedBearing) -> PlainSound:

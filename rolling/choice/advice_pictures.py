@@ -65,10 +65,10 @@ def plot_sensitivities(result: Sensitivities, ax: Axes | None = None) -> Axes:
     ax.set_yticks(places, names)
     ax.invert_yaxis()
     gridded(ax)
-    heard = "what a listener would hear"
+    subject = "what a listener would hear"
     if not result.quantity.is_level:
-        heard = f"the {result.quantity.drawn} from {result.quantity.words}"
-    ax.set_xlabel(f"change of {heard}, {result.quantity.decibels}; left is quieter")
+        subject = f"the {result.quantity.drawn} from {result.quantity.words}"
+    ax.set_xlabel(f"change of {subject}, {result.quantity.decibels}; left is quieter")
     ax.set_title(
         drawable(printable(f"{result.name}: how much louder with a larger value")),
         loc="left",
@@ -140,10 +140,10 @@ def plot_limit(result: Limit, ax: Axes | None = None) -> Axes:
         ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
         ax.xaxis.set_minor_locator(NullLocator())
     ax.set_xlabel(f"{name}, {unit}" if unit else name)
-    heard = "what a listener would hear"
+    subject = "what a listener would hear"
     if not result.quantity.is_level:
-        heard = f"{result.quantity.drawn}, {result.quantity.words}"
-    ax.set_ylabel(f"{heard}, {unit}")
+        subject = f"{result.quantity.drawn}, {result.quantity.words}"
+    ax.set_ylabel(f"{subject}, {unit}")
     title = f"{result.name}: the search for {result.level_db:g} {unit}, its steps numbered"
     ax.set_title(
         drawable(printable(title)),
@@ -162,10 +162,10 @@ def limit_picture(result: Limit) -> bytes:
 
 def _few(values: list[float]) -> list[float]:
     """Return values that have room side by side on a logarithmic axis."""
-    apart = (values[-1] / values[0]) ** (1 / _TICKS)
+    least_ratio = (values[-1] / values[0]) ** (1 / _TICKS)
     kept = [values[0]]
     for value in values[1:]:
-        if value >= kept[-1] * apart:
+        if value >= kept[-1] * least_ratio:
             kept.append(value)
     return kept
 

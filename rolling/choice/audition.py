@@ -76,7 +76,7 @@ class Specimens:
 
     def __init__(self, candidates: Sequence[Candidate]) -> None:
         """Find out what varies."""
-        seeds = [seed for one in candidates for seed in self.seeds(one.scene).values()]
+        seeds = [seed for candidate in candidates for seed in self.seeds(candidate.scene).values()]
         self._first_seed = next(iter(seeds), 1)
         self.count = MOST_PAIRS if seeds else 1
 
@@ -146,19 +146,24 @@ class Audition:
         ------
         SceneError : there is nothing to choose between, or the scenes are not comparable.
         """
-        found: list[tuple[str, Any]] = []
+        labelled_scenes: list[tuple[str, Any]] = []
         for scene in scenes:
             for values, run in scene.runs():
                 swept = [f"{key.rpartition('.')[2]} {value}" for key, value in values.items()]
-                found.append((", ".join(swept) or scene.name, run))
-        if len(found) > MAX_CANDIDATES:
-            raise SceneError([f"{len(found)} candidates, allowed: at most {MAX_CANDIDATES}"])
-        if len(found) == 1:
-            found = self.with_and_without_faults(found[0][1])
-        if len({label for label, _ in found}) < len(found):
-            found = [(f"{number}: {label}", run) for number, (label, run) in enumerate(found, 1)]
-        self._refuse_other_values(found)
-        return [Candidate(label=label, scene=scene) for label, scene in found]
+                labelled_scenes.append((", ".join(swept) or scene.name, run))
+        if len(labelled_scenes) > MAX_CANDIDATES:
+            raise SceneError(
+                [f"{len(labelled_scenes)} candidates, allowed: at most {MAX_CANDIDATES}"]
+            )
+        if len(labelled_scenes) == 1:
+            labelled_scenes = self.with_and_without_faults(labelled_scenes[0][1])
+        if len({label for label, _ in labelled_scenes}) < len(labelled_scenes):
+            labelled_scenes = [
+                (f"{number}: {label}", run)
+                for number, (label, run) in enumerate(labelled_scenes, 1)
+            ]
+        self._refuse_other_values(labelled_scenes)
+        return [Candidate(label=label, scene=scene) for label, scene in labelled_scenes]
 
     def with_and_without_faults(self, scene: Any) -> list[tuple[str, Any]]:
         """Return the only scene of a choice without its single faults, and with them.
@@ -169,11 +174,11 @@ class Audition:
         """
         raise nothing_to_choose(scene)
 
-    def _refuse_other_values(self, found: Sequence[tuple[str, Any]]) -> None:
+    def _refuse_other_values(self, labelled_scenes: Sequence[tuple[str, Any]]) -> None:
         """Refuse candidates in which a key differs that makes the comparison void."""
         mistakes = []
-        first_label, first = found[0]
-        for label, scene in found[1:]:
+        first_label, first = labelled_scenes[0]
+        for label, scene in labelled_scenes[1:]:
             for key in self.same_keys:
                 mine = value_at(first, key)
                 theirs = value_at(scene, key)
@@ -263,11 +268,11 @@ class Audition:
         omitted : int
             Number of pairs that are left out, because a contact has no solution.
         """
-        levels = np.array([one.level_db(quantity) for one in first])
-        other_levels = np.array([one.level_db(quantity) for one in second])
+        levels = np.array([of_specimen.level_db(quantity) for of_specimen in first])
+        other_levels = np.array([of_specimen.level_db(quantity) for of_specimen in second])
         with np.errstate(invalid="ignore"):  # two silences have no difference
-            apart = levels - other_levels
-        return paired_difference(quantity, apart, {}, omitted)
+            differences_db = levels - other_levels
+        return paired_difference(quantity, differences_db, {}, omitted)
 
     def audible(self, choice: ChoiceNumbers) -> tuple[Any, ...]:
         """Judge whether each candidate after the first is heard to differ from the quietest."""

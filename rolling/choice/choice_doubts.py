@@ -21,9 +21,9 @@ _LEFT_OUT_ADVICE = "the pairs that are left out; choose a wider surface"
 
 def doubts(choice: ChoiceNumbers) -> list[Doubt]:
     """List the doubts about a choice, notes at the end."""
-    found = [doubt for rule in LIMITS for doubt in rule(choice)]
-    found += choice.audition.doubts(choice)
-    return [*found, *_left_out_parts(choice)]
+    listed = [doubt for rule in LIMITS for doubt in rule(choice)]
+    listed += choice.audition.doubts(choice)
+    return [*listed, *_left_out_parts(choice)]
 
 
 # ---- what limits the answer
@@ -34,7 +34,7 @@ def _omissions(choice: ChoiceNumbers) -> Iterator[Doubt]:
     if not choice.omitted:
         return
     first = choice.omitted[0]
-    numbers = " and ".join(str(one.number) for one in choice.omitted)
+    numbers = " and ".join(str(pair.number) for pair in choice.omitted)
     verb = "is" if len(choice.omitted) == 1 else "are"
     each = "it counts" if len(choice.omitted) == 1 else "each counts"
     text = (
@@ -47,7 +47,7 @@ def _omissions(choice: ChoiceNumbers) -> Iterator[Doubt]:
 
 def _overlap(choice: ChoiceNumbers) -> Iterator[Doubt]:
     """Say that the tracks of a scan overlap."""
-    if not choice.overlap or choice.widest.apart.uncertainty_db is None:
+    if not choice.overlap or choice.widest.difference.uncertainty_db is None:
         return
     text = (
         f"The scan has room for fewer than {choice.pairs} tracks, so they overlap, and the ± is"
@@ -58,7 +58,7 @@ def _overlap(choice: ChoiceNumbers) -> Iterator[Doubt]:
 
 def _early(choice: ChoiceNumbers) -> Iterator[Doubt]:
     """Say that the limit of time ended a choice."""
-    if not choice.is_early or choice.widest.apart.uncertainty_db is None:
+    if not choice.is_early or choice.widest.difference.uncertainty_db is None:
         return
     text = (
         f"The choice ended early, because {choice.limit} after {choice.tried} {choice.noun};"
@@ -69,10 +69,10 @@ def _early(choice: ChoiceNumbers) -> Iterator[Doubt]:
 
 def _wide(choice: ChoiceNumbers) -> Iterator[Doubt]:
     """Say what limits the ± where it is above the wanted one, with its size."""
-    other, apart = choice.widest
-    if apart.uncertainty_db is None or apart.uncertainty_db <= choice.within_db:
+    other, difference = choice.widest
+    if difference.uncertainty_db is None or difference.uncertainty_db <= choice.within_db:
         return
-    part, size_db = max(apart.parts_db.items(), key=lambda item: item[1])
+    part, size_db = max(difference.parts_db.items(), key=lambda item: item[1])
     if part != SCATTER:
         advice = _LEFT_OUT_ADVICE if part == LEFT_OUT else choice.audition.advice[part]
         text = f"Of the ±, {size_db:.1f} dB come from {advice}."
@@ -90,7 +90,9 @@ def _wide(choice: ChoiceNumbers) -> Iterator[Doubt]:
 
 def _left_out_parts(choice: ChoiceNumbers) -> Iterator[Doubt]:
     """Say which parts of the ± of the runs the ± of their differences leave out."""
-    text = left_out_text(apart for of_one in choice.by_quantity for apart in of_one.values())
+    text = left_out_text(
+        difference for of_one in choice.by_quantity for difference in of_one.values()
+    )
     if text:
         yield Doubt("left_out_parts", text, Severity.NOTE)
 
@@ -98,8 +100,8 @@ def _left_out_parts(choice: ChoiceNumbers) -> Iterator[Doubt]:
 def left_out_text(differences: Iterable[Difference]) -> str:
     """Say which parts of the ± of the runs the ± of differences leave out; empty without any."""
     sizes: dict[str, float] = {}
-    for apart in differences:
-        for source, size_db in apart.left_out_db.items():
+    for difference in differences:
+        for source, size_db in difference.left_out_db.items():
             sizes[source] = max(size_db, sizes.get(source, 0.0))
     named = [
         f"{PART_WORDS[source]} ({rounded_up(size_db)} dB)"

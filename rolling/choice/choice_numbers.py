@@ -72,8 +72,8 @@ class Contender:
     @property
     def released_power_db(self) -> float | None:
         """Mean level of the released power, dB(A)."""
-        found = [one.released_level_db for one in self.heard]
-        levels = [level for level in found if level is not None]
+        every = [of_specimen.released_level_db for of_specimen in self.heard]
+        levels = [level for level in every if level is not None]
         return float(np.mean(levels)) if levels else None
 
     @property
@@ -81,16 +81,18 @@ class Contender:
         """Mean A-weighted squares by third octave, (31,) [Pa2]; None where a kind has none."""
         if self.heard[0].third_octaves is None:
             return None
-        return np.asarray(np.mean([one.third_octaves for one in self.heard], axis=0))
+        return np.asarray(
+            np.mean([of_specimen.third_octaves for of_specimen in self.heard], axis=0)
+        )
 
     def levels_in(self, quantity: str) -> Array:
         """Return the level of each specimen in a quantity, (specimens,) [dB]."""
-        heard: list[Heard] = self.heard
-        return np.array([one.level_db(quantity) for one in heard])
+        of_specimens: list[Heard] = self.heard
+        return np.array([of_specimen.level_db(quantity) for of_specimen in of_specimens])
 
     def rms_in(self, quantity: str) -> Array:
         """Return the root mean square of each specimen in a quantity, (specimens,)."""
-        return np.array([one.rms(quantity) for one in self.heard])
+        return np.array([of_specimen.rms(quantity) for of_specimen in self.heard])
 
     def mean_in(self, quantity: HeardQuantity) -> float | None:
         """Return the mean over specimens as tables show it; None for the level of silence."""
@@ -104,7 +106,7 @@ class Compared(NamedTuple):
     """A contender, and how much louder than the quietest it is."""
 
     contender: Contender
-    apart: Difference
+    difference: Difference
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +157,7 @@ class ChoiceNumbers:
     @property
     def quantities(self) -> list[HeardQuantity]:
         """What the candidates are compared by."""
-        return self.audition.quantities([one.candidate for one in self.contenders])
+        return self.audition.quantities([contender.candidate for contender in self.contenders])
 
     @property
     def leading(self) -> HeardQuantity:
@@ -170,13 +172,15 @@ class ChoiceNumbers:
     @property
     def labels(self) -> list[str]:
         """Labels of the candidates, the quietest first."""
-        return [one.label for one in self.contenders]
+        return [contender.label for contender in self.contenders]
 
     @property
     def rms(self) -> dict[str, Array]:
         """Root mean square of each specimen by quantity, (candidates, specimens)."""
         return {
-            quantity.name: np.array([one.rms_in(quantity.name) for one in self.contenders])
+            quantity.name: np.array(
+                [contender.rms_in(quantity.name) for contender in self.contenders]
+            )
             for quantity in self.quantities
         }
 
@@ -195,11 +199,11 @@ class ChoiceNumbers:
     def widest(self) -> Compared:
         """The contender whose difference in some quantity has the largest ±."""
         others = [
-            Compared(contender, apart)
+            Compared(contender, difference)
             for contender, of_one in zip(self.contenders[1:], self.by_quantity, strict=True)
-            for apart in of_one.values()
+            for difference in of_one.values()
         ]
-        return max(others, key=lambda one: one.apart.uncertainty_db or 0.0)
+        return max(others, key=lambda compared: compared.difference.uncertainty_db or 0.0)
 
     @property
     def tried(self) -> int:
@@ -209,4 +213,4 @@ class ChoiceNumbers:
 
 def leading_of(quantities: Sequence[HeardQuantity]) -> HeardQuantity:
     """Return the quantity that puts candidates in their order."""
-    return next(one for one in quantities if one.leads)
+    return next(quantity for quantity in quantities if quantity.leads)

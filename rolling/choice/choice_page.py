@@ -39,8 +39,8 @@ class CandidateSound(NamedTuple):
 
 def candidate_sounds(choice: Choice) -> list[CandidateSound]:
     """Return the sounds of all candidates, at the largest gain at which none clips."""
-    firsts = [choice.audition.first_sound(choice, one) for one in choice.contenders]
-    own = [wav.listening_gain(one.sound.samples) for one in firsts if one.sound.samples.any()]
+    firsts = [choice.audition.first_sound(choice, contender) for contender in choice.contenders]
+    own = [wav.listening_gain(first.sound.samples) for first in firsts if first.sound.samples.any()]
     gain = min(own, default=1.0)
     sounds = []
     for contender, (sound, text_of_sound) in zip(choice.contenders, firsts, strict=True):

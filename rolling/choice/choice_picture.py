@@ -35,7 +35,7 @@ def draw_spectra(choice: ChoiceNumbers, ax: Axes) -> Axes:
     for number, contender in enumerate(choice.contenders):
         look = curve_style(number, len(choice.contenders))
         ax.plot(MID_HZ, levels[number], label=drawable(contender.label), markersize=3.5, **look)
-    ax.set_ylim(*level_limits(level for one in levels for level in one))
+    ax.set_ylim(*level_limits(level for bands in levels for level in bands))
     gridded(ax, ylabel="vibration, dB(A)")
     _scale(ax, choice)
     return ax
@@ -47,11 +47,11 @@ def draw_difference(choice: ChoiceNumbers, ax: Axes) -> Axes:
     Third octaves that are 30 dB below the loudest are left out.
     """
     quietest = choice.contenders[0]
-    for number, apart in enumerate(choice.differences, start=1):
+    for number, difference in enumerate(choice.differences, start=1):
         other = choice.contenders[number]
         louder = np.maximum(_band_levels(quietest), _band_levels(other))
         is_heard = louder > np.nanmax(louder) - FAINT_DB
-        _draw_band(ax, apart, is_heard, number, len(choice.contenders))
+        _draw_band(ax, difference, is_heard, number, len(choice.contenders))
     ax.axhline(0.0, color="0.3", linewidth=0.8)
     gridded(ax, ylabel=f"louder than {drawable(quietest.label)}, dB", xlabel="third octave, Hz")
     _scale(ax, choice)
@@ -65,14 +65,14 @@ def _band_levels(contender: Contender) -> Array:
     return levels_of(squares)
 
 
-def _draw_band(ax: Axes, apart: Difference, is_heard: Array, number: int, count: int) -> None:
+def _draw_band(ax: Axes, difference: Difference, is_heard: Array, number: int, count: int) -> None:
     """Draw a difference by third octave, and the band of its ±."""
     look: dict[str, Any] = curve_style(number, count)
-    assert apart.band_db is not None and apart.band_uncertainty_db is not None
-    shown = np.where(is_heard, apart.band_db, np.nan)
+    assert difference.band_db is not None and difference.band_uncertainty_db is not None
+    shown = np.where(is_heard, difference.band_db, np.nan)
     ax.plot(MID_HZ, shown, markersize=3.5, **look)
-    low = shown - apart.band_uncertainty_db
-    high = shown + apart.band_uncertainty_db
+    low = shown - difference.band_uncertainty_db
+    high = shown + difference.band_uncertainty_db
     ax.fill_between(MID_HZ, low, high, color=look.get("color", COLOURS[1]), alpha=0.2, linewidth=0)
 
 

@@ -42,18 +42,18 @@ def sentences(choice: ChoiceNumbers) -> list[str]:
 
 def in_short(choice: ChoiceNumbers) -> str:
     """Return the present answer for a line of progress."""
-    quietest, other, apart = _first_two(choice)
+    quietest, other, difference = _first_two(choice)
     if len(choice.quantities) > 1:
         numbers = []
         for quantity in choice.quantities:
             numbers.append(f"{number(choice.by_quantity[0][quantity.name])} dB ({quantity.words})")
         names = f"{printable(other.label)} less {printable(quietest.label)}"
         return f"{names}: {', '.join(numbers)}"
-    if apart.db is None:
+    if difference.db is None:
         return _silence(choice)
     return (
-        f"{quietest.label} is {uncertain(apart.db, apart.uncertainty_db)} dB(A) quieter than"
-        f" {other.label}"
+        f"{quietest.label} is {uncertain(difference.db, difference.uncertainty_db)} dB(A)"
+        f" quieter than {other.label}"
     )
 
 
@@ -66,54 +66,56 @@ def _by_quantity(choice: ChoiceNumbers, place: int) -> Iterator[str]:
     second = choice.contenders[place + 1]
     still_open = []
     for quantity in choice.quantities:
-        apart = choice.by_quantity[place][quantity.name]
-        if apart.db is None:
+        difference = choice.by_quantity[place][quantity.name]
+        if difference.db is None:
             yield _of_rest(quantity, first, second)
-        elif apart.sureness is not None and not apart.is_sure:
-            still_open.append((quantity, apart))
+        elif difference.sureness is not None and not difference.is_sure:
+            still_open.append((quantity, difference))
         else:
-            yield _of_quantity(quantity, apart, first, second, choice.noun)
-    for quantity, apart in still_open:
+            yield _of_quantity(quantity, difference, first, second, choice.noun)
+    for quantity, difference in still_open:
         yield (
             f"{quantity.where} it stays open which one is quieter: {printable(second.label)} is"
-            f" {number(apart)} dB above {printable(first.label)}"
-            f" ({_specimens(apart, choice.noun)})."
+            f" {number(difference)} dB above {printable(first.label)}"
+            f" ({_specimens(difference, choice.noun)})."
         )
 
 
 def _of_rest(quantity: HeardQuantity, first: Contender, second: Contender) -> str:
     """Say which of two candidates is at rest in a quantity, so that they have no difference."""
-    resting = [one for one in (first, second) if not one.rms_in(quantity.name).any()]
+    resting = [
+        contender for contender in (first, second) if not contender.rms_in(quantity.name).any()
+    ]
     if len(resting) == 1:
         return f"{quantity.where}, {printable(resting[0].label)} is at rest and the other is not."
     return f"{quantity.where}, both are alike."
 
 
 def _of_quantity(
-    quantity: HeardQuantity, apart: Difference, first: Contender, second: Contender, noun: str
+    quantity: HeardQuantity, difference: Difference, first: Contender, second: Contender, noun: str
 ) -> str:
     """Say which of two candidates is quieter in a quantity, by how much and how sure that is."""
-    assert apart.db is not None  # asked by the caller
-    quiet, loud = (first, second) if apart.db > 0 else (second, first)
-    size = uncertain(abs(apart.db), apart.uncertainty_db)
-    if apart.db == 0 and apart.sureness is None:
+    assert difference.db is not None  # asked by the caller
+    quiet, loud = (first, second) if difference.db > 0 else (second, first)
+    size = uncertain(abs(difference.db), difference.uncertainty_db)
+    if difference.db == 0 and difference.sureness is None:
         return f"{quantity.where}, both are alike."
     return (
         f"{quantity.where}, {printable(quiet.label)} {quantity.verb} {size} dB {quantity.adverb}"
-        f" than {printable(loud.label)} ({_specimens(apart, noun)})."
+        f" than {printable(loud.label)} ({_specimens(difference, noun)})."
     )
 
 
-def _specimens(apart: Difference, noun: str) -> str:
+def _specimens(difference: Difference, noun: str) -> str:
     """Say on how many specimens a difference was heard, and how sure its sign is."""
-    if apart.sureness is None:
+    if difference.sureness is None:
         return "one specimen, so it has no ±"
-    return f"{apart.pairs} {noun}; {probability(apart.sureness)} sure"
+    return f"{difference.pairs} {noun}; {probability(difference.sureness)} sure"
 
 
-def number(apart: Difference) -> str:
+def number(difference: Difference) -> str:
     """Write a difference with its ±, `-` where there is none."""
-    return "-" if apart.db is None else uncertain(apart.db, apart.uncertainty_db)
+    return "-" if difference.db is None else uncertain(difference.db, difference.uncertainty_db)
 
 
 # ---- the verdict by one quantity
@@ -124,7 +126,7 @@ class _FirstTwo(NamedTuple):
 
     quietest: Contender
     other: Contender
-    apart: Difference
+    difference: Difference
 
 
 def _first_two(choice: ChoiceNumbers) -> _FirstTwo:
@@ -134,25 +136,25 @@ def _first_two(choice: ChoiceNumbers) -> _FirstTwo:
 
 def _verdict(choice: ChoiceNumbers) -> str:
     """Say which candidate is quieter than the next one, by how much, and how sure that is."""
-    quietest, other, apart = _first_two(choice)
-    if apart.db is None:
+    quietest, other, difference = _first_two(choice)
+    if difference.db is None:
         return f"{capital(_silence(choice))}."
     quiet = printable(quietest.label)
     loud = printable(other.label)
-    count = f"{apart.pairs} {choice.noun}"
-    if apart.pairs == 1:
+    count = f"{difference.pairs} {choice.noun}"
+    if difference.pairs == 1:
         return (
-            f"{capital(quiet)} is {apart.db:.1f} dB(A) quieter than {loud}. Nothing is random in"
-            " these scenes, so they are compared once, and the difference has no ±."
+            f"{capital(quiet)} is {difference.db:.1f} dB(A) quieter than {loud}. Nothing is random"
+            " in these scenes, so they are compared once, and the difference has no ±."
         )
-    number = uncertain(apart.db, apart.uncertainty_db)
-    sure = f"{probability(apart.sureness)} sure"
-    if apart.is_sure:
+    number = uncertain(difference.db, difference.uncertainty_db)
+    sure = f"{probability(difference.sureness)} sure"
+    if difference.is_sure:
         return (
             f"{capital(quiet)} is {number} dB(A) quieter than {loud} ({count}; {sure} that it is"
             " quieter)."
         )
-    if apart.sureness is not None and apart.sureness >= PROBABLE:
+    if difference.sureness is not None and difference.sureness >= PROBABLE:
         return (
             f"{capital(quiet)} is probably quieter than {loud}, by {number} dB(A) ({count};"
             f" {sure}, and {100 * SURE:.0f} % would decide)."
@@ -165,7 +167,9 @@ def _verdict(choice: ChoiceNumbers) -> str:
 
 def _silence(choice: ChoiceNumbers) -> str:
     """Say that a contender makes no sound, so that there is no difference of levels."""
-    silent = [one.label for one in choice.contenders if not math.isfinite(one.level_db)]
+    silent = [
+        contender.label for contender in choice.contenders if not math.isfinite(contender.level_db)
+    ]
     names = " and ".join(map(printable, silent))
     return f"{names} makes no sound within hearing, so there is no difference in decibels"
 
@@ -189,10 +193,10 @@ def capital(text: str) -> str:
 
 def _where(choice: ChoiceNumbers) -> Iterator[str]:
     """Say between which frequencies most of the difference lies."""
-    quietest, other, apart = _first_two(choice)
+    quietest, other, difference = _first_two(choice)
     quiet_bands = quietest.third_octaves
     loud_bands = other.third_octaves
-    if not apart.is_sure or quiet_bands is None or loud_bands is None:
+    if not difference.is_sure or quiet_bands is None or loud_bands is None:
         return
     edges = frequencies_of_difference(loud_bands - quiet_bands)
     if edges is not None:
@@ -235,7 +239,7 @@ def notes(choice: ChoiceNumbers) -> list[str]:
 
 def parts(choice: ChoiceNumbers) -> list[str]:
     """Return where the ± of each difference comes from, for --verbose."""
-    found = []
+    texts = []
     for other, of_one in zip(choice.contenders[1:], choice.by_quantity, strict=True):
         for quantity in choice.quantities:
             sizes = [
@@ -245,5 +249,5 @@ def parts(choice: ChoiceNumbers) -> list[str]:
             ]
             place = f", {quantity.words}" if len(of_one) > 1 else ""
             if sizes:
-                found.append(f"± of {printable(other.label)}{place}: {', '.join(sizes)}")
-    return found
+                texts.append(f"± of {printable(other.label)}{place}: {', '.join(sizes)}")
+    return texts

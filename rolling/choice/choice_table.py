@@ -24,7 +24,7 @@ def rows(choice: ChoiceNumbers) -> list[dict[str, Any]]:
 
     The differences are those from the quietest candidate, and None in its own rows.
     """
-    found = []
+    table_rows = []
     for place, contender in enumerate(choice.contenders):
         for quantity in choice.quantities:
             levels = contender.levels_in(quantity.name)
@@ -41,23 +41,23 @@ def rows(choice: ChoiceNumbers) -> list[dict[str, Any]]:
             row |= _released_columns(choice, place)
             row["specimens"] = len(contender.heard)
             row["left_out"] = len(choice.omitted)
-            found.append(row)
-    return found
+            table_rows.append(row)
+    return table_rows
 
 
 def _difference_columns(choice: ChoiceNumbers, place: int, quantity: str) -> dict[str, Any]:
     """Return how much louder a candidate is than the quietest, with the parts of the ±."""
     if not place:
         return {"louder_db": None, "louder_uncertainty_db": None, "sureness": None}
-    apart = choice.by_quantity[place - 1][quantity]
+    difference = choice.by_quantity[place - 1][quantity]
     columns_of_difference: dict[str, Any] = {
-        "louder_db": apart.db,
-        "louder_uncertainty_db": apart.uncertainty_db,
-        "sureness": apart.sureness,
+        "louder_db": difference.db,
+        "louder_uncertainty_db": difference.uncertainty_db,
+        "sureness": difference.sureness,
     }
-    for part, size in apart.parts_db.items():
+    for part, size in difference.parts_db.items():
         columns_of_difference[f"{part}_part_db"] = size if math.isfinite(size) else None
-    columns_of_difference["uncertainty_left_out"] = " ".join(apart.left_out_db)
+    columns_of_difference["uncertainty_left_out"] = " ".join(difference.left_out_db)
     return columns_of_difference
 
 
@@ -77,17 +77,17 @@ def _released_columns(choice: ChoiceNumbers, place: int) -> dict[str, Any]:
     """Return the released power of a candidate; nothing where no candidate has one."""
     if not has_released_power(choice):
         return {}
-    apart = choice.differences[place - 1] if place else None
+    difference = choice.differences[place - 1] if place else None
     return {
         "released_power_db": choice.contenders[place].released_power_db,
-        "released_power_higher_db": apart and apart.released_db,
-        "released_power_higher_uncertainty_db": apart and apart.released_uncertainty_db,
+        "released_power_higher_db": difference and difference.released_db,
+        "released_power_higher_uncertainty_db": difference and difference.released_uncertainty_db,
     }
 
 
 def has_released_power(choice: ChoiceNumbers) -> bool:
     """Tell whether a candidate has a released power."""
-    return any(one.released_power_db is not None for one in choice.contenders)
+    return any(contender.released_power_db is not None for contender in choice.contenders)
 
 
 def frame(choice: ChoiceNumbers) -> pd.DataFrame:
@@ -111,27 +111,32 @@ class Column(NamedTuple):
 
 def words_of(choice: ChoiceNumbers) -> list[Column]:
     """Return the columns of the table in words, those of the released power last."""
-    found = [Column("candidate", "", list(choice.labels))]
+    table_columns = [Column("candidate", "", list(choice.labels))]
     is_single = len(choice.quantities) == 1
     for quantity in choice.quantities:
         of_others = [of_one[quantity.name] for of_one in choice.by_quantity]
         means = [_mean(contender, quantity) for contender in choice.contenders]
         kind = "mean, " if quantity.is_level else "rms, "
-        found.append(Column(quantity.words, f"{kind}{quantity.unit}", means))
-        apart = ["-", *map(number, of_others)]
+        table_columns.append(Column(quantity.words, f"{kind}{quantity.unit}", means))
+        louder = ["-", *map(number, of_others)]
         if is_single:
-            found.append(Column("louder than", f"the quietest, {quantity.decibels}", apart))
+            table_columns.append(
+                Column("louder than", f"the quietest, {quantity.decibels}", louder)
+            )
         else:  # the first one is the quietest in the leading quantity only
-            found.append(Column("more than", f"the first, {quantity.decibels}", apart))
+            table_columns.append(Column("more than", f"the first, {quantity.decibels}", louder))
     if is_single:
-        found.append(Column("sure", "", ["-", *map(_sure, choice.differences)]))
+        table_columns.append(Column("sure", "", ["-", *map(_sure, choice.differences)]))
     if choice.audible:
-        judged = [one.audibility.verdict if one.audibility else "-" for one in choice.audible]
-        found.append(Column("in the room", "", ["-", *judged]))
+        judged = [
+            difference.audibility.verdict if difference.audibility else "-"
+            for difference in choice.audible
+        ]
+        table_columns.append(Column("in the room", "", ["-", *judged]))
     if has_released_power(choice):
-        means = [_uncertain(one.released_power_db, None) for one in choice.contenders]
-        found.append(Column("released power", "upper bound, dB(A)", means))
-    return found
+        means = [_uncertain(contender.released_power_db, None) for contender in choice.contenders]
+        table_columns.append(Column("released power", "upper bound, dB(A)", means))
+    return table_columns
 
 
 def _mean(contender: Contender, quantity: HeardQuantity) -> str:
@@ -142,25 +147,25 @@ def _mean(contender: Contender, quantity: HeardQuantity) -> str:
     return _uncertain(mean, None) if quantity.is_level else f"{mean:.3g}"
 
 
-def _sure(apart: Difference) -> str:
+def _sure(difference: Difference) -> str:
     """Write how sure the sign of a difference is."""
-    return "-" if apart.sureness is None else probability(apart.sureness)
+    return "-" if difference.sureness is None else probability(difference.sureness)
 
 
 def cells(choice: ChoiceNumbers) -> list[list[str]]:
     """Return head and rows of the table in words, with the difference of released powers."""
-    found = words_of(choice)
+    table_columns = words_of(choice)
     if has_released_power(choice):
         higher = [
-            _uncertain(apart.released_db, apart.released_uncertainty_db)
-            for apart in choice.differences
+            _uncertain(difference.released_db, difference.released_uncertainty_db)
+            for difference in choice.differences
         ]
-        found.append(Column("higher than of", "the quietest, dB", ["-", *higher]))
+        table_columns.append(Column("higher than of", "the quietest, dB", ["-", *higher]))
     heads = []
-    for column in found:
+    for column in table_columns:
         comma = "," if column.unit and not column.unit.startswith("the ") else ""
         heads.append(f"{column.head}{comma} {column.unit}".strip())
-    rows_in_words = zip(*(column.cells for column in found), strict=True)
+    rows_in_words = zip(*(column.cells for column in table_columns), strict=True)
     return [heads, *map(list, rows_in_words)]
 
 

@@ -99,8 +99,8 @@ def as_json(choice: Choice) -> dict[str, Any]:
         )
     differences = []
     for contender, of_one in zip(choice.contenders[1:], choice.by_quantity, strict=True):
-        for apart in of_one.values():
-            differences.append({"label": contender.label, **_difference_as_json(apart)})
+        for difference in of_one.values():
+            differences.append({"label": contender.label, **_difference_as_json(difference)})
     first = choice.contenders[0]
     provenance = choice.audition.provenance(first.specimens[0].scene, first.label)
     return {
@@ -109,7 +109,7 @@ def as_json(choice: Choice) -> dict[str, Any]:
         "sentences": choice.sentences,
         "candidates": candidates,
         "differences": differences,
-        "audible": [heard.text for heard in choice.audible],
+        "audible": [difference.text for difference in choice.audible],
         "pairs": choice.pairs,
         "left_out": [pair._asdict() for pair in choice.omitted],
         "command": choice.command,
@@ -124,34 +124,38 @@ def as_json(choice: Choice) -> dict[str, Any]:
 
 def _heard_as_json(choice: Choice, contender: Contender) -> dict[str, list[float | None]]:
     """Return what is heard of each specimen of a candidate, by the column of its quantity."""
-    found = {}
+    by_column = {}
     for quantity in choice.quantities:
         values = contender.rms_in(quantity.name)
         if quantity.is_level:
             values = contender.levels_in(quantity.name)
         name = quantity.column if len(choice.quantities) == 1 else quantity.name
-        found[name] = _known(values.tolist())
-    return found
+        by_column[name] = _known(values.tolist())
+    return by_column
 
 
-def _difference_as_json(apart: Difference) -> dict[str, Any]:
+def _difference_as_json(difference: Difference) -> dict[str, Any]:
     """Return the numbers of a difference for JSON."""
     content: dict[str, Any] = {
-        "quantity": apart.quantity,
-        "pairs": apart.pairs,
-        "louder_db": apart.db,
-        "uncertainty_db": apart.uncertainty_db,
-        "sureness": apart.sureness,
-        "parts_db": dict(zip(apart.parts_db, _known([*apart.parts_db.values()]), strict=True)),
-        "left_out_db": apart.left_out_db,
+        "quantity": difference.quantity,
+        "pairs": difference.pairs,
+        "louder_db": difference.db,
+        "uncertainty_db": difference.uncertainty_db,
+        "sureness": difference.sureness,
+        "parts_db": dict(
+            zip(difference.parts_db, _known([*difference.parts_db.values()]), strict=True)
+        ),
+        "left_out_db": difference.left_out_db,
     }
-    if apart.released_db is not None:
-        content["released_power_higher_db"] = apart.released_db
-        content["released_power_higher_uncertainty_db"] = apart.released_uncertainty_db
-    if apart.band_db is not None and apart.band_uncertainty_db is not None:
-        content["bands_db"] = dict(zip(BAND_NAMES, _known(apart.band_db.tolist()), strict=True))
+    if difference.released_db is not None:
+        content["released_power_higher_db"] = difference.released_db
+        content["released_power_higher_uncertainty_db"] = difference.released_uncertainty_db
+    if difference.band_db is not None and difference.band_uncertainty_db is not None:
+        content["bands_db"] = dict(
+            zip(BAND_NAMES, _known(difference.band_db.tolist()), strict=True)
+        )
         content["bands_uncertainty_db"] = dict(
-            zip(BAND_NAMES, _known(apart.band_uncertainty_db.tolist()), strict=True)
+            zip(BAND_NAMES, _known(difference.band_uncertainty_db.tolist()), strict=True)
         )
     return content
 

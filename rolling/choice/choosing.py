@@ -42,7 +42,7 @@ USUAL = Budget()
 
 def default_folder(name: str, scenes: Sequence[Any]) -> Path:
     """Return the folder of a choice that is given without --out."""
-    return Path("outputs") / f"{name}-{digest([scene_identity(one) for one in scenes])[:8]}"
+    return Path("outputs") / f"{name}-{digest([scene_identity(scene) for scene in scenes])[:8]}"
 
 
 def choose_scenes(
@@ -69,7 +69,7 @@ def choose_scenes(
     """
     audition = audition_of(scenes[0])
     candidates = audition.candidates(scenes)
-    target = folder or default_folder("choice", [one.scene for one in candidates])
+    target = folder or default_folder("choice", [candidate.scene for candidate in candidates])
     specimens = audition.specimens(candidates)
     looks = budget.looks(specimens.count, specimens.noun)  # refused before anything is written
     with open_choice(candidates, target, workers) as work:
@@ -125,18 +125,18 @@ class OpenChoice:
         for number in range(count):
             if number in omitted:
                 continue
-            for one in candidates:
-                wanted.append(self._specimen(one, number))
-                names.append(f"{one.label}, specimen {number + 1}")
+            for candidate in candidates:
+                wanted.append(self._specimen(candidate, number))
+                names.append(f"{candidate.label}, specimen {number + 1}")
         self._solver.solve(wanted, names, stored=[*self._known.values()])
         self._leave_out_failed(candidates, count, omitted)
         contenders = []
-        for one in candidates:
+        for candidate in candidates:
             numbers = [number for number in range(count) if number not in omitted]
-            own = [self._specimen(one, number) for number in numbers]
+            own = [self._specimen(candidate, number) for number in numbers]
             contenders.append(
                 Contender(
-                    candidate=one,
+                    candidate=candidate,
                     heard=[self.audition.read_heard(specimen) for specimen in own],
                     specimens=own,
                     leading=self._leading,
@@ -151,11 +151,11 @@ class OpenChoice:
         for number in range(count):
             if number in omitted:
                 continue
-            for one in candidates:
-                specimen = self._specimen(one, number)
+            for candidate in candidates:
+                specimen = self._specimen(candidate, number)
                 reason = specimen.no_solution or self.audition.foresee(self.folder, specimen)
                 if reason:
-                    omitted[number] = OmittedPair(number + 1, one.label, reason)
+                    omitted[number] = OmittedPair(number + 1, candidate.label, reason)
                     break
         refuse_many([*omitted.values()], count, self.specimens.noun)
 
@@ -185,7 +185,7 @@ def open_choice(
     SceneError : a candidate cannot run here.
     FolderError : the folder holds something else, or another command works on it.
     """
-    scenes = [one.scene.runs()[0].scene for one in candidates]
+    scenes = [candidate.scene.runs()[0].scene for candidate in candidates]
     kind = kind_of(scenes[0])
     for scene in scenes:
         kind.refuse(scene, workers, folder)
@@ -235,17 +235,17 @@ def _until_known(
     return replace(choice, limit=budget.why_no_more(noun))
 
 
-def _choice(work: OpenChoice, heard: HeardPairs, budget: Budget) -> Choice:
+def _choice(work: OpenChoice, pairs: HeardPairs, budget: Budget) -> Choice:
     """Return the present answer: the contenders in order, and how much louder each is."""
-    ordered = sorted(heard.contenders, key=lambda contender: contender.level_db)
+    ordered = sorted(pairs.contenders, key=lambda contender: contender.level_db)
     quietest = ordered[0]
-    quantities = work.audition.quantities([one.candidate for one in ordered])
+    quantities = work.audition.quantities([contender.candidate for contender in ordered])
     by_quantity = []
     for other in ordered[1:]:
         of_one = {}
         for quantity in quantities:
             of_one[quantity.name] = work.audition.difference(
-                quantity.name, other.heard, quietest.heard, omitted=len(heard.omitted)
+                quantity.name, other.heard, quietest.heard, omitted=len(pairs.omitted)
             )
         by_quantity.append(of_one)
     return Choice(
@@ -257,7 +257,7 @@ def _choice(work: OpenChoice, heard: HeardPairs, budget: Budget) -> Choice:
         limit="",
         within_db=budget.within_db,
         folder=work.folder,
-        omitted=heard.omitted,
+        omitted=pairs.omitted,
     )
 
 
@@ -268,10 +268,10 @@ def pairs_needed_of(choice: Choice) -> int:
     needed = choice.pairs
     quietest = choice.contenders[0]
     for other, of_one in zip(choice.contenders[1:], choice.by_quantity, strict=True):
-        for quantity, apart in of_one.items():
-            if apart.db is None:
+        for quantity, difference in of_one.items():
+            if difference.db is None:
                 continue
-            wanted_db = apart.wanted_scatter_db(choice.within_db)
+            wanted_db = difference.wanted_scatter_db(choice.within_db)
             values = other.levels_in(quantity) - quietest.levels_in(quantity)
             needed = max(needed, pairs_needed(values, wanted_db))
     return needed

@@ -57,11 +57,11 @@ class Difference:
     Examples
     --------
     >>> import rolling
-    >>> apart = rolling.Difference(
+    >>> difference = rolling.Difference(
     ...     quantity="vibration", pairs=6, db=2.1, uncertainty_db=0.8, sureness=0.97,
     ...     parts_db={"scatter": 0.72},
     ... )
-    >>> apart.is_sure
+    >>> difference.is_sure
     True
     """
 
@@ -93,7 +93,7 @@ class Difference:
 
 
 def paired_difference(
-    quantity: str, apart_db: Array, shared_db: Mapping[str, float], omitted: int = 0
+    quantity: str, differences_db: Array, shared_db: Mapping[str, float], omitted: int = 0
 ) -> Difference:
     """Return the difference of two candidates that are heard on the same specimens.
 
@@ -101,23 +101,23 @@ def paired_difference(
     ----------
     quantity : str
         What is compared.
-    apart_db : (pairs,) array, dB
+    differences_db : (pairs,) array, dB
         Difference of the levels of each pair; not finite where one of them makes no sound.
     shared_db : mapping, dB
         Parts of the uncertainty that all pairs share, by their origin.
     omitted : int
         Number of pairs that are left out, because a contact has no solution. Default: 0.
     """
-    if not np.all(np.isfinite(apart_db)):
+    if not np.all(np.isfinite(differences_db)):
         return Difference(
             quantity=quantity,
-            pairs=len(apart_db),
+            pairs=len(differences_db),
             db=None,
             uncertainty_db=None,
             sureness=None,
             parts_db={},
         )
-    of_pairs = paired_mean(apart_db)
+    of_pairs = paired_mean(differences_db)
     db = of_pairs.mean
     uncertainty_db = None
     sure = None
@@ -125,7 +125,7 @@ def paired_difference(
     if math.isfinite(of_pairs.error):
         adverse = None
         if omitted:
-            adverse = _with_adverse(apart_db, omitted)
+            adverse = _with_adverse(differences_db, omitted)
             parts_db[LEFT_OUT] = abs(db - adverse.mean)
         total = joined(parts_db)
         freedom = joint_freedom(of_pairs, total)
@@ -135,7 +135,7 @@ def paired_difference(
             sure = min(sure, _adverse_sureness(db, adverse, parts_db))
     return Difference(
         quantity=quantity,
-        pairs=len(apart_db),
+        pairs=len(differences_db),
         db=db,
         uncertainty_db=uncertainty_db,
         sureness=sure,

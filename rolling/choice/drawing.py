@@ -191,10 +191,10 @@ def grade_of(key: str, grade: str, grades: Sequence[str], words: Words) -> Wante
 
 def orders_of(key: str, orders: dict[int, float], whose: str) -> list[WantedValue]:
     """Return the amplitudes of a waviness by their orders, each of which will be a tenth larger."""
-    found = []
+    amplitudes = []
     for order, amplitude in orders.items():
         name = f"waviness of order {order}{whose}"
-        found.append(
+        amplitudes.append(
             WantedValue(
                 key=f"{key}.{order}",
                 set_key=key,
@@ -207,7 +207,7 @@ def orders_of(key: str, orders: dict[int, float], whose: str) -> list[WantedValu
                 words=Words(f"larger {name}", f"smaller {name}"),
             )
         )
-    return found
+    return amplitudes
 
 
 def plain(value: float) -> float:

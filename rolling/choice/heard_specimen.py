@@ -123,9 +123,9 @@ class Specimen(RunFolder):
         return stored.reason if stored.contact == contact_identity(self.scene) else ""
 
 
-def write_heard_file(specimen: Specimen, heard: Any) -> None:
+def write_heard_file(specimen: Specimen, stored: Any) -> None:
     """Write what is heard of a specimen, with the identity of its scene."""
-    content = json.loads(to_bytes(heard)) | {"scene": scene_identity(specimen.scene)}
+    content = json.loads(to_bytes(stored)) | {"scene": scene_identity(specimen.scene)}
     write_json(specimen.folder / HEARD, content)
 
 
@@ -139,7 +139,7 @@ def read_heard_file(specimen: Specimen, kind: type[_Stored]) -> _Stored:
     """
     try:
         content = read_regular(specimen.folder / HEARD, _MAX_BYTES)
-        heard = from_bytes(kind, content)
+        stored = from_bytes(kind, content)
         identity = json.loads(content).get("scene")
     except (OSError, ValueError, RecursionError) as error:
         raise damaged(specimen, error) from error
@@ -147,7 +147,7 @@ def read_heard_file(specimen: Specimen, kind: type[_Stored]) -> _Stored:
         raise FolderError(
             f"{specimen.folder}: holds a specimen of another scene; give another folder with --out"
         )
-    return heard
+    return stored
 
 
 def damaged(specimen: Specimen, reason: Any) -> FolderError:

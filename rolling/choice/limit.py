@@ -260,15 +260,15 @@ def falls(ordered: Sequence[Point]) -> list[Fall]:
 
     All points have the same specimens, so the differences are those of pairs.
     """
-    found = []
+    sure_falls = []
     for quieter, louder in pairwise(ordered):
         rise = louder.levels_db - quieter.levels_db
         if not np.all(np.isfinite(rise)) or rise.mean() >= 0:
             continue
         error = float(np.std(rise, ddof=1)) / math.sqrt(len(rise))
         if error == 0 or student.cdf(-rise.mean() / error, len(rise) - 1) >= SURE:
-            found.append(Fall(quieter.value, louder.value))
-    return found
+            sure_falls.append(Fall(quieter.value, louder.value))
+    return sure_falls
 
 
 # ---- sentences

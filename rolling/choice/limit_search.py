@@ -321,7 +321,9 @@ class LimitSearch:
         if omitted:  # nothing is known of 95 % of specimens where one of few has no level
             first = omitted[0]
             raise ContactError(f"{first.label}, specimen {first.number}: {first.reason}")
-        levels = [one.highest_level_db(self._quantity.name) for one in contender.heard]
+        levels = [
+            of_specimen.highest_level_db(self._quantity.name) for of_specimen in contender.heard
+        ]
         point = Point(value=value, levels_db=np.array(levels))
         self._points.append(point)
         noun = self._work.specimens.noun

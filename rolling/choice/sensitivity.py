@@ -54,7 +54,7 @@ class Sensitivity:
     ----------
     change : ChangedValue
         The value and the changed scene.
-    apart : Difference
+    difference : Difference
         Level of the changed scene less that of the scene, over the same specimens.
     levels_apart_db : (specimens,) array, dB
         The same of each specimen.
@@ -65,7 +65,7 @@ class Sensitivity:
     """
 
     change: ChangedValue
-    apart: Difference
+    difference: Difference
     levels_apart_db: Array
     chain_db: float | None
     chain_uncertainty_db: float | None
@@ -74,20 +74,20 @@ class Sensitivity:
     @property
     def db(self) -> float:
         """Change of the level when the value is larger, dB(A) or dB."""
-        assert self.apart.db is not None  # a silent scene is refused
-        return self._for_larger(self.apart.db)
+        assert self.difference.db is not None  # a silent scene is refused
+        return self._for_larger(self.difference.db)
 
     @property
     def released_db(self) -> float | None:
         """Change of the level of the released power when the value is larger, dB(A)."""
-        if self.apart.released_db is None:
+        if self.difference.released_db is None:
             return None
-        return self._for_larger(self.apart.released_db)
+        return self._for_larger(self.difference.released_db)
 
     @property
     def uncertainty_db(self) -> float | None:
         """Standard uncertainty of the change, dB; None for a single specimen."""
-        return self.apart.uncertainty_db
+        return self.difference.uncertainty_db
 
     @property
     def differs_from_chain(self) -> bool:
@@ -183,8 +183,8 @@ class Sensitivities:
                 columns["chain_uncertainty_db"] = row.chain_uncertainty_db
             if has_released:
                 columns["released_power_db"] = row.released_db
-                columns["released_power_uncertainty_db"] = row.apart.released_uncertainty_db
-            columns["specimens"] = row.apart.pairs
+                columns["released_power_uncertainty_db"] = row.difference.released_uncertainty_db
+            columns["specimens"] = row.difference.pairs
             columns["shares_march"] = change.shares_march
             columns["note"] = _note(row)
             rows.append(columns)
@@ -367,7 +367,7 @@ class _SpecimenLoop:
     def _until_known(self, row: Sensitivity) -> Sensitivity:
         """Return a change over so many specimens that it is known, or that time or places end."""
         for count in self._looks[1:]:
-            if self._needed(row) <= row.apart.pairs:
+            if self._needed(row) <= row.difference.pairs:
                 return row
             if self._clock.is_over:
                 self.limit = self._budget.of_time
@@ -376,7 +376,7 @@ class _SpecimenLoop:
             if more is None:
                 return row
             row = more
-        if self._needed(row) > row.apart.pairs:
+        if self._needed(row) > row.difference.pairs:
             self.limit = self._budget.why_no_more(self._work.specimens.noun)
         return row
 
@@ -402,10 +402,10 @@ class _SpecimenLoop:
 
     def _needed(self, row: Sensitivity) -> int:
         """Return the specimens after which the ± of a change is the wanted one."""
-        apart = row.apart
-        if apart.uncertainty_db is None or apart.uncertainty_db <= self._budget.within_db:
-            return apart.pairs
-        wanted_db = apart.wanted_scatter_db(self._budget.within_db)
+        difference = row.difference
+        if difference.uncertainty_db is None or difference.uncertainty_db <= self._budget.within_db:
+            return difference.pairs
+        wanted_db = difference.wanted_scatter_db(self._budget.within_db)
         return pairs_needed(row.levels_apart_db, wanted_db)
 
     def _sensitivity(
@@ -428,7 +428,7 @@ class _SpecimenLoop:
                 chain_uncertainty_db = of_pairs.uncertainty
         return Sensitivity(
             change=change,
-            apart=audition.difference(name, changed.heard, base.heard, omitted=omitted),
+            difference=audition.difference(name, changed.heard, base.heard, omitted=omitted),
             levels_apart_db=changed.levels_in(name) - base.levels_in(name),
             chain_db=chain_db,
             chain_uncertainty_db=chain_uncertainty_db,
@@ -466,7 +466,7 @@ def _sentences(result: Sensitivities) -> Iterator[str]:
         others = [f"a {_help_words(row)} ({_amount(row)})" for row in helpful[1 : 1 + NEXT]]
         if others:
             text += f"; then come {' and '.join(others)}"
-        yield f"{text} ({best.apart.pairs} {result.noun})."
+        yield f"{text} ({best.difference.pairs} {result.noun})."
     elif result.rows:
         yield "No value of the drawing surely makes the sound quieter."
     else:
@@ -497,7 +497,7 @@ def _sentences(result: Sensitivities) -> Iterator[str]:
             f" solution ({printable(pair.label)}: {printable(pair.reason)}); it counts as one that"
             " speaks against a change."
         )
-    left_out = left_out_text(row.apart for row in result.rows)
+    left_out = left_out_text(row.difference for row in result.rows)
     if left_out:
         yield left_out
     for left in result.left_out:
@@ -506,7 +506,8 @@ def _sentences(result: Sensitivities) -> Iterator[str]:
 
 def _is_sure(row: Sensitivity) -> bool:
     """Return whether the sign of a change is sure, and the change shows in two digits."""
-    return row.apart.sureness is not None and row.apart.sureness >= SURE and abs(row.db) >= SHOWN_DB
+    sureness = row.difference.sureness
+    return sureness is not None and sureness >= SURE and abs(row.db) >= SHOWN_DB
 
 
 def _help(row: Sensitivity) -> str:

@@ -101,7 +101,7 @@ class RunSolver(Solver):
                 lacking.append(specimen)
                 labels.append(name)
         if lacking:
-            self._march(lacking, labels, [one for one in stored if one.is_done])
+            self._march(lacking, labels, [specimen for specimen in stored if specimen.is_done])
 
     def _march(
         self, lacking: Sequence[Specimen], labels: Sequence[str], done: Sequence[Specimen]

@@ -320,20 +320,20 @@ def converge(problem: Problem, solution: Solution, start: Start | None = None) -
         if spent or progress.stuck > 1:
             raise _not_converged(problem, solution, progress)
         near_only = start is None or start.close or progress.descents > 0
-        found = _candidates(problem, solution, (deformed, edge), near_only)
+        candidates = _candidates(problem, solution, (deformed, edge), near_only)
         # Where a descent went as far as it could and left no new candidates, single precision does
         # not suffice.
         single = problem.plate.single and problem.tolerance >= SINGLE_TOLERANCE
-        if progress.exhausted and found.listed.size <= count:
+        if progress.exhausted and candidates.listed.size <= count:
             single = single and edge.size > 0 and progress.descents <= 4
         fields = p, deformed, edge, problem.shape, problem.gap
-        done = _descend(problem, solution, fields, found, (u, *before), progress, single)
+        done = _descend(problem, solution, fields, candidates, (u, *before), progress, single)
         convolved = done.convolutions - progress.convolutions
         problem.plate.half_space.count += convolved
         solution.convolutions += convolved
         solution.iterations = earlier + done.iterations
         progress = done
-        count = found.listed.size
+        count = candidates.listed.size
         known = False
         fresh = False
 
@@ -396,7 +396,7 @@ def _descend(
     problem: Problem,
     solution: Solution,
     fields: tuple[Array, ...],
-    found: Candidates,
+    candidates: Candidates,
     before: tuple[Any, ...],
     progress: Progress,
     single: bool,
@@ -407,19 +407,19 @@ def _descend(
     """
     half_space = problem.plate.half_space
     edge = fields[2]
-    rows, columns = found.block[2:]
+    rows, columns = candidates.block[2:]
     # The name keeps the transforms, which a march in another thread may drop meanwhile.
     transforms = half_space.convolution(rows - 1, columns - 1, single)
-    tables, memory = _tables(half_space, problem.plate.scratch, transforms, found)
+    tables, memory = _tables(half_space, problem.plate.scratch, transforms, candidates)
     load = problem.total
-    if found.at_rest:
-        load -= found.at_rest * problem.plate.hardness
+    if candidates.at_rest:
+        load -= candidates.at_rest * problem.plate.hardness
     lift = solution.max_deflection / problem.total
     allowed = problem.tolerance * solution.max_deflection
     goal = _aim(progress, edge.size > 0 and half_space.subcells == 1) * allowed
     answer = descend(
         fields,
-        (found.listed, found.block, half_space.subcells),
+        (candidates.listed, candidates.block, half_space.subcells),
         (problem.plate.hardness, load, problem.plate.levelled, solution.edge_share, lift),
         tables,
         before,
@@ -443,14 +443,14 @@ def _aim(progress: Progress, model_moves_edges: bool) -> float:
 
 
 def _tables(
-    half_space: HalfSpace, scratch: Scratch, transforms: Convolution, found: Candidates
+    half_space: HalfSpace, scratch: Scratch, transforms: Convolution, candidates: Candidates
 ) -> tuple[tuple[Any, ...], tuple[Array, ...]]:
     """Make all that a descent on a block of candidates needs; return its tables and memory.
 
     The tables are the argument `half_space` of `descend`: stencils, transforms, and the far field.
     """
-    count = found.listed.size
-    (rows, columns) = found.block[2:]
+    count = candidates.listed.size
+    (rows, columns) = candidates.block[2:]
     coefficients = transforms.influence()
     kernel = nodes_kernel(half_space.subcells, transforms.single)
     along = rows + 2 * BORDER

@@ -196,8 +196,8 @@ class Geometry:
     def overlap(self, k: int, approach: float, load: float, spread: float) -> Window | None:
         """Find the window of `RollingContact.overlap` for a load [N]."""
         least = SURE * load / self.pi_modulus, spread * spread + self.near2
-        found = _window_kernels.overlap(self.maxima, self.sphere(k), approach, least, self.blended)
-        return Window(*found) if found[2] else None
+        ends = _window_kernels.overlap(self.maxima, self.sphere(k), approach, least, self.blended)
+        return Window(*ends) if ends[2] else None
 
     def gap(self, k: int, window: Window, out: Array) -> None:
         """Set an array to the undeformed gap on a window at position k [m]."""

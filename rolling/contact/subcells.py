@@ -55,10 +55,10 @@ def own_block(subcells: int) -> Array:
         r * r, r * r
     )
     cell = np.arange(3)
-    apart = np.abs(cell[:, None] - cell[None, :])
+    cell_distance = np.abs(cell[:, None] - cell[None, :])
     around = np.arange(3.0)
     between = mean_coefficients(around, around, r)[
-        apart[:, None, :, None], apart[None, :, None, :]
+        cell_distance[:, None, :, None], cell_distance[None, :, None, :]
     ].reshape(9, 9)
     return np.ascontiguousarray(exact - both @ between @ both.T / r**2)
 

@@ -124,8 +124,8 @@ class Modes:
         between = np.linspace(least, most, int(150 * (most - least)))
         grid = np.sort(np.concatenate(((own[:, None] + near).ravel(), between)))
         grid = grid[(grid >= least) & (grid <= most)]
-        apart = np.floor(grid / (self.damping_ratio.min() / 8))
-        grid = grid[np.diff(apart, prepend=-np.inf) > 0]
+        bins = np.floor(grid / (self.damping_ratio.min() / 8))
+        grid = grid[np.diff(bins, prepend=-np.inf) > 0]
         return CubicSpline(grid, self._sum(np.exp(grid)))
 
 

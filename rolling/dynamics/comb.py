@@ -64,10 +64,12 @@ def speeds_of_comb(
             audible = (frequencies > AUDIBLE_HZ[0]) & (frequencies < AUDIBLE_HZ[1])
             gains = gain(frequencies[audible])
             ends = np.cumsum(audible.sum(axis=1))[:-1]
-            for frequency, heard, gain_of_lines in zip(
+            for frequency, is_audible, gain_of_lines in zip(
                 frequencies, audible, np.split(gains, ends), strict=True
             ):
-                yield LinesAtSpeed(frequency_hz=frequency[heard], audible=heard, gain=gain_of_lines)
+                yield LinesAtSpeed(
+                    frequency_hz=frequency[is_audible], audible=is_audible, gain=gain_of_lines
+                )
 
     quality = chain.quality
     sharpest_hz = chain.resonance_hz

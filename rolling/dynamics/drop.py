@@ -84,11 +84,11 @@ def time_step_s(bodies: BallOnPlate, law: ForceLaw, chain: Chain, speed: float) 
 
 def restitution(bodies: BallOnPlate, motion: BodyMotion) -> float | None:
     """Return speed after over speed before the first impact; None without an end of it."""
-    apart = motion.force_n == 0
-    first = int(np.argmin(apart))
+    is_free = motion.force_n == 0
+    first = int(np.argmin(is_free))
     if first == 0:  # it never hits the plate
         return None
-    after = first + int(np.argmax(apart[first:]))
+    after = first + int(np.argmax(is_free[first:]))
     if after == first:
         return None
     acceleration = bodies.load_n / bodies.mass_kg

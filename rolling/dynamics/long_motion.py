@@ -104,7 +104,7 @@ class LongMotion:
         self._steps = round(seconds * rate) * self.steps_per_sample
         self.law = LongLaw(law, bodies.load_n, seed, turn_m)
         self.taken = 0
-        self.apart = 0
+        self.free_steps = 0
         self.impacts = 0
         self.outside = 0.0
 
@@ -124,12 +124,12 @@ class LongMotion:
             steps = advance(table, self._bodies, load, state, places, points)
             state = steps.end
             force = steps.record[:, 0]
-            apart = force == 0
-            self.impacts += int(np.sum(np.append(flew, apart[:-1]) & ~apart))
+            is_free = force == 0
+            self.impacts += int(np.sum(np.append(flew, is_free[:-1]) & ~is_free))
             self.taken += len(force)
-            self.apart += int(apart.sum())
+            self.free_steps += int(is_free.sum())
             self.outside += len(force) * self._solved_law.outside(force)
-            flew = bool(apart[-1])
+            flew = bool(is_free[-1])
             yield force
 
     def _start(self) -> State:

@@ -348,7 +348,7 @@ class _MotionOfSteps:
         if energies.contact_range:
             missing = abs(energies.change - energies.load_work - energies.track_work + loss)
             energy_error = missing / (loss + energies.contact_range)
-        apart = force == 0
+        is_free = force == 0
         return BodyMotion(
             time_s=np.asarray((np.arange(len(force)) + 0.5) * self.step),
             position_m=lap.places,
@@ -358,8 +358,8 @@ class _MotionOfSteps:
             plate_m=plate,
             time_step_s=self.step,
             energy_error=energy_error,
-            flight_share=float(np.mean(apart)),
-            impacts=int(np.sum(apart[:-1] & ~apart[1:])),
+            flight_share=float(np.mean(is_free)),
+            impacts=int(np.sum(is_free[:-1] & ~is_free[1:])),
             outside_share=self.law.outside(force),
             laps=laps,
             settled=settled,

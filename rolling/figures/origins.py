@@ -237,22 +237,23 @@ def running_in(run: Run, ax: Axes | None = None) -> Axes:
     table = running_in_table(run)
     ax = axes_of(ax)
     cells = views.columns(passes[0])
-    shown = {column: cell.said for column, cell in cells.items() if cell.said.word}
-    for k, (column, said) in enumerate(shown.items()):
+    shown = {column: cell.number_field for column, cell in cells.items() if cell.number_field.word}
+    for k, (column, number_field) in enumerate(shown.items()):
         values = table[column].to_numpy(dtype=float)
         if not np.isfinite(values).all() or not values[0]:
             continue  # silent, or nothing has sunk
-        if said.unit == DB_A:
+        if number_field.unit == DB_A:
             over_first_db = values - values[0]
         else:
             over_first_db = 10 * np.log10(values / values[0])
-        first = f"{rounded(values[0] * said.factor, 3)} {said.shown_unit or said.unit} in pass 1"
+        unit = number_field.shown_unit or number_field.unit
+        first = f"{rounded(values[0] * number_field.factor, 3)} {unit} in pass 1"
         ax.plot(
             table["pass"],
             over_first_db,
             color=COLOURS[k],
             marker=MARKERS[k],
-            label=f"{said.word}, {first}",
+            label=f"{number_field.word}, {first}",
         )
     if (table["plastic_work_j"] > 0).any():
         _draw_plastic_work(ax, table)

@@ -308,7 +308,7 @@ def number_of(runs: Sequence[RunFolder], column: str) -> NumberOfRuns:
         spread = cells.get(views.spread_columns(numbers).get(column, ""))
         of_value = None if spread is None else spread.value
         head = cell.head
-        values.append(cell.said.factor * float(cell.value))
+        values.append(cell.number_field.factor * float(cell.value))
         uncertainties.append(math.nan if of_value is None else float(of_value))
     return NumberOfRuns(head, values, uncertainties)
 

@@ -317,5 +317,5 @@ class BearingNumbers:
     @property
     def axial_doubt(self) -> Doubt | None:
         """Doubt about the axial velocities alone; None where there is none."""
-        found = [doubt for doubt in self.doubts if doubt.about == AXIAL_NAMES]
-        return found[0] if found else None
+        axial_doubts = [doubt for doubt in self.doubts if doubt.about == AXIAL_NAMES]
+        return axial_doubts[0] if axial_doubts else None

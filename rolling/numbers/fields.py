@@ -81,7 +81,7 @@ def number(
     default
         The value of a run that does not have the number. Default: every run has it.
     """
-    said = NumberField(
+    number_field = NumberField(
         meaning=meaning,
         unit=unit,
         word=word,
@@ -93,7 +93,7 @@ def number(
         as_measured=as_measured,
         explained=explained,
     )
-    return field(default=default, metadata={"number": said})
+    return field(default=default, metadata={"number": number_field})
 
 
 def group(
@@ -103,14 +103,14 @@ def group(
 
     A word names a quantity, or the source to which the numbers of the group belong.
     """
-    said = NumberField(meaning, word=word, is_group=True, origin_in_table=origin_in_table)
-    return field(default=default, metadata={"number": said})
+    number_field = NumberField(meaning, word=word, is_group=True, origin_in_table=origin_in_table)
+    return field(default=default, metadata={"number": number_field})
 
 
-def said_of(one: dataclasses.Field[Any]) -> NumberField | None:
+def number_field_of(data_field: dataclasses.Field[Any]) -> NumberField | None:
     """Return what is said of a field; None for a field of no number."""
-    said: NumberField | None = one.metadata.get("number")
-    return said
+    number_field: NumberField | None = data_field.metadata.get("number")
+    return number_field
 
 
 class Leaf(NamedTuple):
@@ -122,7 +122,7 @@ class Leaf(NamedTuple):
         Names of its groups and its own.
     place : tuple of int
         Where it and its groups stand among the fields, by which tables are sorted.
-    said : NumberField
+    number_field : NumberField
         What is said of it.
     value : Any
         A quantity, a number, a text, or None.
@@ -134,7 +134,7 @@ class Leaf(NamedTuple):
 
     path: tuple[str, ...]
     place: tuple[int, ...]
-    said: NumberField
+    number_field: NumberField
     value: Any
     group: Any
     source: str
@@ -142,7 +142,7 @@ class Leaf(NamedTuple):
     @property
     def name(self) -> str:
         """Its word, or its meaning, with that of its source, as in `LAFmax of the vibration`."""
-        word = self.said.word or self.said.meaning
+        word = self.number_field.word or self.number_field.meaning
         return f"{word} of the {self.source}" if self.source else word
 
 
@@ -153,21 +153,23 @@ def walk(
 
     Groups that a run does not have are left out.
     """
-    for k, one in enumerate(dataclasses.fields(numbers)):
-        said = said_of(one)
-        if said is None:
+    for k, data_field in enumerate(dataclasses.fields(numbers)):
+        number_field = number_field_of(data_field)
+        if number_field is None:
             continue
-        value = getattr(numbers, one.name)
+        value = getattr(numbers, data_field.name)
         is_group = dataclasses.is_dataclass(value) and any(
-            said_of(inner) is not None for inner in dataclasses.fields(value)
+            number_field_of(inner) is not None for inner in dataclasses.fields(value)
         )
         if is_group:
-            yield from walk(value, (*path, one.name), (*place, k), said.word or source)
+            yield from walk(
+                value, (*path, data_field.name), (*place, k), number_field.word or source
+            )
         else:
             yield Leaf(
-                path=(*path, one.name),
+                path=(*path, data_field.name),
                 place=(*place, k),
-                said=said,
+                number_field=number_field,
                 value=value,
                 group=numbers,
                 source=source,
@@ -180,4 +182,4 @@ def leaves(numbers: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str
     Groups that a run does not have are left out.
     """
     for leaf in walk(numbers, path):
-        yield leaf.path, leaf.said, leaf.value
+        yield leaf.path, leaf.number_field, leaf.value

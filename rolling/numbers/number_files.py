@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from rolling.numbers.doubt import Doubt
-from rolling.numbers.fields import said_of
+from rolling.numbers.fields import number_field_of
 from rolling.numbers.quantity import Quantity
 
 DIGITS = 6  # of a number in summary.json
@@ -97,12 +97,12 @@ def summary_of(numbers: Any) -> Any:
         }
     if dataclasses.is_dataclass(numbers):
         shown = {}
-        for one in dataclasses.fields(numbers):
-            value = getattr(numbers, one.name)
-            said = said_of(one)
-            if value is None and said is not None and said.is_group:
+        for data_field in dataclasses.fields(numbers):
+            value = getattr(numbers, data_field.name)
+            number_field = number_field_of(data_field)
+            if value is None and number_field is not None and number_field.is_group:
                 continue
-            shown[one.name] = summary_of(value)
+            shown[data_field.name] = summary_of(value)
         return shown
     if isinstance(numbers, Mapping):
         return {name: summary_of(value) for name, value in numbers.items()}

@@ -292,16 +292,18 @@ def difference(
     the same, such as the baffles of different plates.
     """
     every = [*before, *after]
-    if any(one.value is None for one in every) or len({one.measure for one in every}) > 1:
+    if any(quantity.value is None for quantity in every):
         return None
-    apart = {*not_shared}
+    if len({quantity.measure for quantity in every}) > 1:
+        return None
+    not_common = {*not_shared}
     shared = tuple(
         source
         for source in SHARED
-        if source not in apart
-        and all(any(one.parts.get(source) for one in side) for side in (before, after))
+        if source not in not_common
+        and all(any(quantity.parts.get(source) for quantity in side) for side in (before, after))
     )
-    signed = {source for one in every for source in one.signed}
+    signed = {source for quantity in every for source in quantity.signed}
     without = (*shared, *signed)
     low, low_spread = _mean(before, without)
     high, high_spread = _mean(after, without)
@@ -322,7 +324,7 @@ def spread_text(uncertainty: float) -> str:
 
 def mean(quantities: Sequence[Quantity]) -> float | None:
     """Return the mean value of quantities; None if one of them has none."""
-    values = [one.value for one in quantities if one.value is not None]
+    values = [quantity.value for quantity in quantities if quantity.value is not None]
     return statistics.fmean(values) if len(values) == len(quantities) else None
 
 
@@ -332,8 +334,8 @@ def _mean(quantities: Sequence[Quantity], left_out: Iterable[str]) -> tuple[floa
     The uncertainty joins the scatter between several surfaces with that of a single value, which
     the surfaces may have in common.
     """
-    values = [one.value for one in quantities if one.value is not None]
-    own = max(joined(one.parts, left_out) for one in quantities)
+    values = [quantity.value for quantity in quantities if quantity.value is not None]
+    own = max(joined(quantity.parts, left_out) for quantity in quantities)
     scatter = 0.0
     if len(values) > 1:
         scatter = statistics.stdev(values) / math.sqrt(len(values))
@@ -342,7 +344,7 @@ def _mean(quantities: Sequence[Quantity], left_out: Iterable[str]) -> tuple[floa
 
 def _mean_change(quantities: Sequence[Quantity], source: str) -> float:
     """Return the mean change of quantities by a cause of known sense."""
-    return statistics.fmean(one.signed.get(source, 0.0) for one in quantities)
+    return statistics.fmean(quantity.signed.get(source, 0.0) for quantity in quantities)
 
 
 def worst_of(doubts: Iterable[Doubt]) -> Doubt:

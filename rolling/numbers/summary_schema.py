@@ -10,7 +10,7 @@ from functools import cache
 from typing import Any, Literal, Union
 
 from rolling.numbers.doubt import Doubt, Severity
-from rolling.numbers.fields import NumberField, said_of
+from rolling.numbers.fields import NumberField, number_field_of
 from rolling.numbers.quantity import ASSUMED, BOUND, PART_WORDS, How, Quantity
 
 Json = dict[str, Any]
@@ -34,16 +34,19 @@ def summary_schema(stored: type) -> Json:
     definitions: dict[str, Json] = {}
     properties: Json = {}
     required: list[str] = []
-    for one in dataclasses.fields(stored):
-        hint = hints_of(stored)[one.name]
-        if one.name == "numbers":  # whose subjects stand at the top of the file
+    for data_field in dataclasses.fields(stored):
+        hint = hints_of(stored)[data_field.name]
+        if data_field.name == "numbers":  # whose subjects stand at the top of the file
             numbers = _object(hint, definitions)
             properties |= numbers["properties"]
             required += numbers["required"]
             continue
-        is_fixed = one.default is not dataclasses.MISSING
-        properties[one.name] = {"const": one.default} if is_fixed else _of_type(hint, definitions)
-        required.append(one.name)
+        is_fixed = data_field.default is not dataclasses.MISSING
+        if is_fixed:
+            properties[data_field.name] = {"const": data_field.default}
+        else:
+            properties[data_field.name] = _of_type(hint, definitions)
+        required.append(data_field.name)
     return {
         "$schema": _DIALECT,
         "title": "summary.json of a run",
@@ -71,25 +74,25 @@ def _object(kind: type, definitions: dict[str, Json]) -> Json:
     """Return the schema of a data class, as `summary_of` shows it; classes in it are defined."""
     properties = {}
     required = []
-    for one in dataclasses.fields(kind):
-        said = said_of(one)
-        options = options_of(hints_of(kind)[one.name])
-        is_left_out = said is not None and said.is_group and type(None) in options
+    for data_field in dataclasses.fields(kind):
+        number_field = number_field_of(data_field)
+        options = options_of(hints_of(kind)[data_field.name])
+        is_left_out = number_field is not None and number_field.is_group and type(None) in options
         if is_left_out:
             options = tuple(option for option in options if option is not type(None))
         else:
-            required.append(one.name)
-        properties[one.name] = _said(said) | _joined(options, definitions)
+            required.append(data_field.name)
+        properties[data_field.name] = _described(number_field) | _joined(options, definitions)
     return _closed(properties, required)
 
 
-def _said(said: NumberField | None) -> Json:
+def _described(number_field: NumberField | None) -> Json:
     """Return meaning and unit of a field."""
-    if said is None:
+    if number_field is None:
         return {}
-    words: Json = {"description": said.meaning}
-    if said.unit:
-        words["unit"] = said.unit
+    words: Json = {"description": number_field.meaning}
+    if number_field.unit:
+        words["unit"] = number_field.unit
     return words
 
 

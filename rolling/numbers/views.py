@@ -17,19 +17,21 @@ class Cell(NamedTuple):
     """A value of a table, what is said of it, and its name for people."""
 
     value: Any
-    said: NumberField
+    number_field: NumberField
     name: str
 
     @property
     def head(self) -> str:
         """Name and unit, for the head of a column or an axis."""
-        return self.said.headed(self.name)
+        return self.number_field.headed(self.name)
 
 
 def rows(numbers: Any) -> Iterator[Leaf]:
     """Yield the numbers that have a word, which people read in tables, also those that are None."""
     for leaf in walk(numbers):
-        if leaf.said.word and (isinstance(leaf.value, Quantity) or not leaf.said.is_group):
+        if leaf.number_field.word and (
+            isinstance(leaf.value, Quantity) or not leaf.number_field.is_group
+        ):
             yield leaf
 
 
@@ -49,26 +51,26 @@ def columns(numbers: Any) -> dict[str, Cell]:
     for leaf in walk(numbers):
         name = "_".join(leaf.path)
         if isinstance(leaf.value, Quantity):
-            cells |= quantity_cells(name, leaf.said, leaf.value)
-        elif not leaf.said.is_group and not isinstance(leaf.value, tuple):
-            cells[name] = Cell(leaf.value, leaf.said, leaf.name)
+            cells |= quantity_cells(name, leaf.number_field, leaf.value)
+        elif not leaf.number_field.is_group and not isinstance(leaf.value, tuple):
+            cells[name] = Cell(leaf.value, leaf.number_field, leaf.name)
     return cells
 
 
-def quantity_cells(name: str, said: NumberField, quantity: Quantity) -> dict[str, Cell]:
+def quantity_cells(name: str, number_field: NumberField, quantity: Quantity) -> dict[str, Cell]:
     """Return the columns of a quantity."""
     unit = quantity.unit
     end = "db" if unit.startswith("dB") else unit.replace("/", "_")
     of_spread = quantity.unit_of_uncertainty
-    meaning = said.meaning
-    word = said.word or name.replace("_", " ")
+    meaning = number_field.meaning
+    word = number_field.word or name.replace("_", " ")
 
     def cell(value: Any, what: str, words: str, cell_unit: str = "", shown: bool = True) -> Cell:
         """Return a cell, which runs.csv has unless it is told otherwise."""
         return Cell(value, NumberField(words, cell_unit, in_table=shown), what)
 
     spread = f"{name}_uncertainty_db" if of_spread == "dB" else f"{name}_uncertainty"
-    has_origin = said.origin_in_table
+    has_origin = number_field.origin_in_table
     return {
         f"{name}_{end}": cell(quantity.value, word, meaning, unit),
         spread: cell(
@@ -112,9 +114,9 @@ def quantities(numbers: Any) -> dict[str, Quantity]:
 def quantity_columns(numbers: Any) -> list[str]:
     """Return the columns of the values of all quantities in a data class of numbers."""
     columns = []
-    for path, said, value in leaves(numbers):
+    for path, number_field, value in leaves(numbers):
         if isinstance(value, Quantity):
-            columns.append(next(iter(quantity_cells("_".join(path), said, value))))
+            columns.append(next(iter(quantity_cells("_".join(path), number_field, value))))
     return columns
 
 
@@ -123,7 +125,7 @@ class NumberRow(NamedTuple):
 
     head: str
     cells: list[str]
-    said: NumberField
+    number_field: NumberField
 
 
 def table_rows(every: Sequence[Any]) -> list[NumberRow]:
@@ -137,7 +139,7 @@ def table_rows(every: Sequence[Any]) -> list[NumberRow]:
         known = [texts[head] for texts in of_runs if head in texts]
         cells = [texts[head].text if head in texts else NOTHING for texts in of_runs]
         if any(number.text != NOTHING for number in known):
-            rows.append(NumberRow(head, cells, known[0].said))
+            rows.append(NumberRow(head, cells, known[0].number_field))
     return rows
 
 
@@ -145,7 +147,7 @@ class _TableText(NamedTuple):
     """A number as text, with what is said of it."""
 
     text: str
-    said: NumberField
+    number_field: NumberField
 
 
 def _table_texts(numbers: Any) -> dict[str, _TableText]:
@@ -155,18 +157,18 @@ def _table_texts(numbers: Any) -> dict[str, _TableText]:
         value = leaf.value
         if isinstance(value, Quantity):
             text = NOTHING if value.value is None else f"{value} ({value.verdict})"
-            texts[_words(leaf)] = _TableText(text, leaf.said)
-        elif leaf.said.in_table and isinstance(value, str):
-            texts[leaf.said.headed(leaf.name)] = _TableText(value, leaf.said)
-        elif leaf.said.in_table and isinstance(value, float | int):
-            text = rounded(leaf.said.factor * value, 4)
-            texts[leaf.said.headed(leaf.name)] = _TableText(text, leaf.said)
+            texts[_words(leaf)] = _TableText(text, leaf.number_field)
+        elif leaf.number_field.in_table and isinstance(value, str):
+            texts[leaf.number_field.headed(leaf.name)] = _TableText(value, leaf.number_field)
+        elif leaf.number_field.in_table and isinstance(value, float | int):
+            text = rounded(leaf.number_field.factor * value, 4)
+            texts[leaf.number_field.headed(leaf.name)] = _TableText(text, leaf.number_field)
     return texts
 
 
 def _words(leaf: Leaf) -> str:
     """Return the words for a quantity: its own, or those of its place among the numbers."""
-    words = leaf.said.word or " ".join(leaf.path).replace("_", " ")
+    words = leaf.number_field.word or " ".join(leaf.path).replace("_", " ")
     return words[:1].upper() + words[1:]
 
 
@@ -187,9 +189,9 @@ def spread_columns(numbers: Any) -> dict[str, str]:
         spread = f"{name.removesuffix('_db')}_uncertainty_db"
         if name.endswith("_db") and spread in cells:
             pairs[name] = spread
-    for path, said, _ in leaves(numbers):
+    for path, number_field, _ in leaves(numbers):
         name = "_".join(path)
         spread = "_".join((*path[:-1], SPREADS, path[-1]))
-        if not said.is_group and spread in cells:
+        if not number_field.is_group and spread in cells:
             pairs[name] = spread
     return pairs

@@ -42,7 +42,7 @@ def number_lines(runs: Sequence[RunFolder]) -> list[str]:
         rows = []
         for leaf in views.rows(numbers):
             value = leaf.value
-            text = "-" if value is None else leaf.said.text(value)
+            text = "-" if value is None else leaf.number_field.text(value)
             rows.append([leaf.name, str(value) if isinstance(value, Quantity) else text])
         lines += ["", label]
         if rows:

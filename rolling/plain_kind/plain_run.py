@@ -168,7 +168,7 @@ class PlainRun(ShownRun, RunFolder):
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the fields alone, for pickle and copies."""
-        return {one.name: getattr(self, one.name) for one in fields(self)}
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def __repr__(self) -> str:
         return "\n".join(self.numbers.sentences) or f"<run of {self.scene.name}>"

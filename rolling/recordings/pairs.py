@@ -74,9 +74,11 @@ def pair_records(
         (compared,) = own.records
         return [_pair("", 0, compared, usable(path, recorded, 0))]
     pairs = []
-    for number, one in enumerate(_channels_of(own, quantity, names, len(recorded), path)):
-        if one is not None:
-            pairs.append(_pair(one.record.name, number, one, usable(path, recorded, number)))
+    for number, own_record in enumerate(_channels_of(own, quantity, names, len(recorded), path)):
+        if own_record is not None:
+            pairs.append(
+                _pair(own_record.record.name, number, own_record, usable(path, recorded, number))
+            )
     if not pairs:
         raise FolderError(f"--channel: got {SKIPPED} for all channels, allowed: at least one name")
     return pairs
@@ -100,7 +102,7 @@ def _channels_of(
     own: ComparedRun, quantity: MeasuredQuantity, names: Sequence[str], count: int, path: Path
 ) -> list[ComparedRecord | None]:
     """Return the record of a run for each channel of a recording; None where it is left out."""
-    of_quantity = {one.record.name: one for one in own.records}
+    of_quantity = {own_record.record.name: own_record for own_record in own.records}
     listed = ", ".join(of_quantity)
     if not names and count == len(of_quantity):
         return list(of_quantity.values())

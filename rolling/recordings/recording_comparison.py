@@ -174,10 +174,13 @@ def _compare_pair(
     of_bands = spread.of_bands(own.uncertainties_db[:first_total])
     of_totals = _total_spreads(spread, own, bands.run, quantity)
     own_records_db = own.uncertainties_db.copy()
-    own_records_db[levels] = [*of_bands.record_db, *(one.record_db for one in of_totals)]
+    own_records_db[levels] = [*of_bands.record_db, *(of_total.record_db for of_total in of_totals)]
     records_db = np.hypot(own_records_db, recorded.uncertainties_db)
     recorded.uncertainties_db[levels] = np.hypot(recorded.uncertainties_db[levels], calibration_db)
-    own.uncertainties_db[levels] = [*of_bands.whole_db, *(one.whole_db for one in of_totals)]
+    own.uncertainties_db[levels] = [
+        *of_bands.whole_db,
+        *(of_total.whole_db for of_total in of_totals),
+    ]
     a_weighting_db = bands.run.a_weighted_db - bands.run.level_db
     table = _pair_table(pair, own, recorded, records_db, a_weighting_db)
     table["left_out"] = ""

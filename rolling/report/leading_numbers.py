@@ -181,7 +181,7 @@ def units(runs: Sequence[Run]) -> str:
 
 def doubts(runs: Sequence[Any]) -> list[str]:
     """Return the doubts about the numbers of runs as sentences, the worst of each number first."""
-    said: dict[tuple[str, str, str], list[str]] = {}  # names by what is said of them
+    names_by_words: dict[tuple[str, str, str], list[str]] = {}  # by what is said of them
     shown_keys = set[str]()
     for name, quantities in _quantities(runs).items():
         by_reason: dict[str, dict[str, Verdict]] = {}
@@ -196,9 +196,9 @@ def doubts(runs: Sequence[Any]) -> list[str]:
             words = (
                 largest.short if largest.word == largest.worst.severity.word else _error(largest)
             )
-            said.setdefault((of_some, words, reason), []).append(name)
+            names_by_words.setdefault((of_some, words, reason), []).append(name)
     sentences = []
-    for (of_some, words, reason), names in said.items():
+    for (of_some, words, reason), names in names_by_words.items():
         verb = "is" if len(names) == 1 else "are"
         sentences.append(_ended(f"{description.listed(names)}{of_some} {verb} {words}: {reason}"))
     for doubt in verdict.warnings([(run.label, run.numbers) for run in runs]):

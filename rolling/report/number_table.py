@@ -38,7 +38,11 @@ def number_table(runs: Sequence[Any]) -> NumberTable:
     numbers = [run.numbers for run in runs]
     labels = [run.label or run.scene.name for run in runs]
     rows = kind_of(runs[0].scene).number_rows(numbers)
-    words = [(row.said.word, row.said.explained) for row in rows if row.said.explained]
+    words = [
+        (row.number_field.word, row.number_field.explained)
+        for row in rows
+        if row.number_field.explained
+    ]
     words = list(dict.fromkeys(words))
     if any(map(_is_raised_by_a_weighting, runs)):
         words.append(A_ABOVE_Z)

@@ -97,12 +97,12 @@ def _follows(solved: Sequence[_NumberedPlace]) -> str:
     if len(solved) == 1:
         run, numbers = solved[0]
         return special(run.scene, numbers) or gap([numbers])
-    swept = {key for one in solved for key in one.run.values}
+    swept = {key for place in solved for key in place.run.values}
     if swept == {SEED}:
         return _scatter_of_seeds(solved)
     ends = _ends(_sides(solved))
     if ends is None:
-        return gap([one.numbers for one in solved])
+        return gap([place.numbers for place in solved])
     return _comparison(*ends)
 
 
@@ -113,13 +113,14 @@ def gap(runs: Sequence[RunNumbers]) -> str:
         for numbers in runs
         if numbers.released_power.value is not None and numbers.released_power.how == "upper bound"
     ]
-    apart = [above_vibration_db(numbers) for numbers in bounds]
-    gaps = sorted(decibels for decibels in apart if decibels is not None)
-    heard = [numbers.vibration for numbers in bounds]
-    levels = sorted(one.value for one in heard if one.value is not None)
+    above_db = [above_vibration_db(numbers) for numbers in bounds]
+    gaps = sorted(decibels for decibels in above_db if decibels is not None)
+    vibrations = [numbers.vibration for numbers in bounds]
+    levels = sorted(vibration.value for vibration in vibrations if vibration.value is not None)
     if not gaps or not levels:
         return ""
-    name = "estimated vibration" if {one.how for one in heard} == {"estimated"} else "vibration"
+    is_estimated = {vibration.how for vibration in vibrations} == {"estimated"}
+    name = "estimated vibration" if is_estimated else "vibration"
     return f"Released power is {_range(gaps)} dB above the {name} ({_range(levels)} dB(A))."
 
 
@@ -150,25 +151,25 @@ class _Side(NamedTuple):
     @property
     def numbers(self) -> list[RunNumbers]:
         """The numbers of the runs."""
-        return [one.numbers for one in self.runs]
+        return [place.numbers for place in self.runs]
 
     @property
     def vibrations(self) -> list[Quantity]:
         """The vibrations of the runs."""
-        return [one.numbers.vibration for one in self.runs]
+        return [place.numbers.vibration for place in self.runs]
 
     @property
     def released_powers(self) -> list[Quantity]:
         """The released powers of the runs."""
-        return [one.numbers.released_power for one in self.runs]
+        return [place.numbers.released_power for place in self.runs]
 
 
 def _sides(runs: Sequence[_NumberedPlace]) -> list[_Side]:
     """Gather runs that differ in their seed at most, with the words for each side."""
     by_values: dict[tuple[Any, ...], list[_NumberedPlace]] = {}
-    for one in runs:
-        values = {key: value for key, value in one.run.values.items() if key != SEED}
-        by_values.setdefault((one.run.scene.name, *values.items()), []).append(one)
+    for place in runs:
+        values = {key: value for key, value in place.run.values.items() if key != SEED}
+        by_values.setdefault((place.run.scene.name, *values.items()), []).append(place)
     firsts = [of_side[0].run for of_side in by_values.values()]
     names = Counter(run.scene.name for run in firsts)
     sides = []
@@ -232,10 +233,10 @@ def _comparison(first: _Side, last: _Side) -> str:
     released = _released_difference(first, last)
     # Where the ball would lose contact, the chain is too loud by an unknown amount.
     loses_contact = any(map(loses_contact_in_estimate, every))
-    heard = None
+    of_vibrations = None
     if not loses_contact:
-        heard = difference(first.vibrations, last.vibrations, _not_shared(every))
-    if heard is None:
+        of_vibrations = difference(first.vibrations, last.vibrations, _not_shared(every))
+    if of_vibrations is None:
         if released is None:
             return _not_compared(every)
         sentence = f"{opening} the ball {_more_power(released)}"
@@ -245,11 +246,11 @@ def _comparison(first: _Side, last: _Side) -> str:
             sentence += "; the vibrations are not compared, because the ball would lose contact"
         return f"{sentence}."
     is_estimated = any(numbers.vibration.how == "estimated" for numbers in every)
-    sentence = f"{opening} the ball is {_louder(heard, first.words, is_estimated)}"
+    sentence = f"{opening} the ball is {_louder(of_vibrations, first.words, is_estimated)}"
     if released is None:
         return f"{sentence}.{_means(first, last)}"
-    is_opposite = _is_certain(released) and heard.value * released.value < 0
-    is_one_sided = _is_certain(released) and not _is_certain(heard)
+    is_opposite = _is_certain(released) and of_vibrations.value * released.value < 0
+    is_one_sided = _is_certain(released) and not _is_certain(of_vibrations)
     joint = "although" if is_opposite or is_one_sided else "and"
     return f"{sentence}, {joint} it {_more_power(released)}.{_means(first, last)}"
 
@@ -257,14 +258,14 @@ def _comparison(first: _Side, last: _Side) -> str:
 def _not_shared(runs: Sequence[RunNumbers]) -> tuple[str, ...]:
     """Name the sources of uncertainty that runs have, but not the same: baffles of other plates."""
     bands = [numbers.bands.vibration for numbers in runs]
-    baffles = {one.parts.get("baffle") for one in bands if one is not None}
+    baffles = {band.parts.get("baffle") for band in bands if band is not None}
     return ("baffle",) if len(baffles) > 1 else ()
 
 
-def _is_certain(apart: QuantityDifference) -> bool:
+def _is_certain(difference: QuantityDifference) -> bool:
     """Tell whether a difference exceeds its uncertainty."""
-    size = abs(apart.value)
-    return size >= LEAST_DB and size > DIFFERS * apart.uncertainty
+    size = abs(difference.value)
+    return size >= LEAST_DB and size > DIFFERS * difference.uncertainty
 
 
 def _not_compared(runs: Sequence[RunNumbers]) -> str:
@@ -280,20 +281,20 @@ def _means(first: _Side, last: _Side) -> str:
     return f" Levels are means over {number_word(most)} surfaces." if most > 1 else ""
 
 
-def _louder(heard: QuantityDifference, than: str, estimated: bool) -> str:
+def _louder(difference: QuantityDifference, than: str, estimated: bool) -> str:
     """Write how much louder or quieter the ball is than in other words."""
-    if not _is_certain(heard):
+    if not _is_certain(difference):
         return f"as loud as {than} within the uncertainty"
-    word = "louder" if heard.value > 0 else "quieter"
-    size = _decibels(heard.value)
+    word = "louder" if difference.value > 0 else "quieter"
+    size = _decibels(difference.value)
     shared = ""
-    if heard.left_out:
-        both = listed([PART_WORDS[source] for source in heard.left_out])
+    if difference.left_out:
+        both = listed([PART_WORDS[source] for source in difference.left_out])
         shared = f", without {both}, which both share"
     if not estimated:
         apart_from = f" ({shared.removeprefix(', ')})" if shared else ""
         return f"{size} {word} than {than}{apart_from}"
-    spread = math.ceil(10 * heard.uncertainty) / 10
+    spread = math.ceil(10 * difference.uncertainty) / 10
     return f"about {size} (± {spread:.1f} dB, estimated{shared}) {word} than {than}"
 
 
@@ -305,15 +306,15 @@ def _more_power(released: QuantityDifference) -> str:
     return f"releases {_decibels(released.value)} {word} power"
 
 
-def _decibels(apart: float) -> str:
+def _decibels(difference_db: float) -> str:
     """Write the size of a difference with its unit."""
-    size = abs(apart)
+    size = abs(difference_db)
     return f"{size:.0f} dB" if size >= WHOLE_DB else f"{size:.1f} dB"
 
 
 def _released_difference(first: _Side, last: _Side) -> QuantityDifference | None:
     """Return the difference of released powers; None where the levels say nothing of power."""
-    scenes = [one.run.scene for one in (*first.runs, *last.runs)]
+    scenes = [place.run.scene for place in (*first.runs, *last.runs)]
     if any(scene.sound.gain_pa_per_w_m2 is not None for scene in scenes):
         return None
     if len({_conversion(scene) for scene in scenes}) > 1:
@@ -329,9 +330,9 @@ def _conversion(scene: Scene) -> tuple[float, ...]:
 def _scatter_of_seeds(runs: Sequence[_NumberedPlace]) -> str:
     """Say how far the numbers scatter between surfaces that differ in their seed alone."""
     texts = []
-    heard = [one.numbers.vibration.value for one in runs]
-    released = [one.numbers.released_power.value for one in runs]
-    for name, levels in (("vibration", heard), ("released power", released)):
+    vibrations = [place.numbers.vibration.value for place in runs]
+    released = [place.numbers.released_power.value for place in runs]
+    for name, levels in (("vibration", vibrations), ("released power", released)):
         known = sorted(level for level in levels if level is not None)
         if len(known) > 1:
             ends = f"{known[0]:.1f} and {known[-1]:.1f} dB(A)"

@@ -55,7 +55,9 @@ def write_with_common_gain(
     OSError : a file cannot be written. The earlier file is kept, and the next call goes on.
     """
     stored = {run: read_stored(run.folder) for run in runs if run.is_done and run.values}
-    files = {run: list(kind_of(run.scene).file_gains(one)) for run, one in stored.items()}
+    files = {
+        run: list(kind_of(run.scene).file_gains(stored_run)) for run, stored_run in stored.items()
+    }
     gains = common_gains(file for of_run in files.values() for file in of_run)
     waiting = []
     for run, label in zip(runs, labels.labels(runs), strict=True):

@@ -417,11 +417,11 @@ def special(scene: Scene, numbers: RunNumbers) -> str:
     """Say in one or two sentences what is special about the sound of a run; empty for nothing."""
     if numbers.played.laeq_db is None:
         return ""
-    found = [
+    texts = [
         rule(scene, numbers)
         for rule in (_fall, _ticks, _rests, _modes, _ringing, _lost_contact, _repeats, _high)
     ]
-    return " ".join([sentence for sentence in found if sentence][:MAX_SPECIAL])
+    return " ".join([sentence for sentence in texts if sentence][:MAX_SPECIAL])
 
 
 def _fall(scene: Scene, numbers: RunNumbers) -> str:

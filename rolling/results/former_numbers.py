@@ -240,7 +240,9 @@ def former_names(numbers: RunNumbers) -> Mapping[str, Any]:
     if numbers.listening is not None:
         names["listening"] = _listening(numbers.listening)
     if numbers.passes is not None:
-        names["passes"] = [_renamed(asdict(one), _PASSES) for one in numbers.passes]
+        names["passes"] = [
+            _renamed(asdict(pass_numbers), _PASSES) for pass_numbers in numbers.passes
+        ]
     names["doubts"] = [
         {
             "key": doubt.key,
@@ -276,8 +278,12 @@ def _levels(numbers: RunNumbers) -> dict[str, Any]:
     names["vibration_level_db"] = levels.vibration.level_db
     if levels.listeners is not None:
         names["listeners"] = [
-            {"at_mm": list(one.at_mm), "laeq_db": one.laeq_db, "level_db": one.level_db}
-            for one in levels.listeners
+            {
+                "at_mm": list(listener.at_mm),
+                "laeq_db": listener.laeq_db,
+                "level_db": listener.level_db,
+            }
+            for listener in levels.listeners
         ]
     return names
 
@@ -353,7 +359,7 @@ def _surface(numbers: RunNumbers) -> dict[str, Any]:
             seen[f"{source}_third_octave_spread_db"] = bands
         names["instrument"] = seen
     if numbers.channels is not None:
-        names["channels"] = [_channel(asdict(one)) for one in numbers.channels]
+        names["channels"] = [_channel(asdict(channel)) for channel in numbers.channels]
     return names
 
 
@@ -505,9 +511,9 @@ def _nested(summary: Mapping[str, Any]) -> dict[str, Any]:
     if "turns" in summary:
         nested["turns"] = _taken(summary, _TURNS)
     if "passes" in summary:
-        nested["passes"] = [_taken(one, _PASSES) for one in summary["passes"]]
+        nested["passes"] = [_taken(stored_pass, _PASSES) for stored_pass in summary["passes"]]
     if "channels" in summary:
-        nested["channels"] = [_nested_channel(one) for one in summary["channels"]]
+        nested["channels"] = [_nested_channel(channel) for channel in summary["channels"]]
     nested["listening"] = summary.get("listening")
     return nested
 
@@ -572,9 +578,9 @@ def _nested_surface(summary: Mapping[str, Any]) -> dict[str, Any]:
     return surface
 
 
-def _nested_channel(one: Mapping[str, Any]) -> dict[str, Any]:
+def _nested_channel(channel: Mapping[str, Any]) -> dict[str, Any]:
     """Return the numbers of a channel of a summary of 0.8."""
-    values = dict(one)
+    values = dict(channel)
     for name, former in (("third_octaves", "third_octave_db"), ("octaves", "octave_db")):
         bands = values.pop(former, None)
         values[name] = None if bands is None else _band(bands, "dB")
@@ -585,7 +591,7 @@ def _doubts(summary: Mapping[str, Any], source: str) -> Iterable[Doubt]:
     """Return the doubts of a summary of 0.8."""
     severities = {severity.word: severity for severity in Severity}
     plays = VIBRATION if source == "vibration" else RELEASED_POWER
-    found = []
+    doubts = []
     listed = summary["doubts"]
     if not isinstance(listed, list):
         raise TypeError("doubts")
@@ -604,5 +610,5 @@ def _doubts(summary: Mapping[str, Any], source: str) -> Iterable[Doubt]:
             "advice": stored["advice"],
             "about": about,
         }
-        found.append(from_bytes(Doubt, _json(doubt)))
-    return found
+        doubts.append(from_bytes(Doubt, _json(doubt)))
+    return doubts

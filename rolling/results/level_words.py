@@ -27,7 +27,7 @@ class NumberText(NamedTuple):
         Its name and unit.
     text : str
         The number with its uncertainty, `silent` without sound, or `-` where there is none.
-    said : NumberField
+    number_field : NumberField
         What is said of it.
     is_played : bool
         Whether it is a level of the sound that plays.
@@ -38,7 +38,7 @@ class NumberText(NamedTuple):
     place: tuple[int, ...]
     head: str
     text: str
-    said: NumberField
+    number_field: NumberField
     is_played: bool
     is_repeated: bool
 
@@ -54,13 +54,13 @@ def number_texts(numbers: RunNumbers) -> list[NumberText]:
     skipped = "lasting" if numbers.record.single_event else "event"
     texts = []
     for row in views.rows(shown):
-        if row.said.holds_for == skipped:
+        if row.number_field.holds_for == skipped:
             continue
         number_text = NumberText(
             place=row.place,
             head=_head(row, numbers),
             text=_text(row, is_silent=row.group is played and played.laeq_db is None),
-            said=row.said,
+            number_field=row.number_field,
             is_played=row.group is played,
             is_repeated=row.value is not None and row.value in answers,
         )
@@ -85,7 +85,7 @@ def number_rows(every: Sequence[RunNumbers]) -> list[NumberRow]:
         if not known or all(text.is_repeated for text in known):
             continue
         cells = [column[head].text if head in column else NOTHING for column in columns]
-        rows.append(NumberRow(head, cells, known[0].said))
+        rows.append(NumberRow(head, cells, known[0].number_field))
     return rows
 
 
@@ -95,9 +95,9 @@ def _head(row: Leaf, numbers: RunNumbers) -> str:
         name = f"{row.name}, {row.value.how}"
         return f"{name}{_reference(numbers)} [{row.value.unit}]"
     name = row.name
-    if row.said.as_measured:
+    if row.number_field.as_measured:
         name += _reference(numbers)
-    return row.said.headed(name)
+    return row.number_field.headed(name)
 
 
 def _reference(numbers: RunNumbers) -> str:
@@ -110,11 +110,11 @@ def _text(row: Leaf, is_silent: bool) -> str:
     if isinstance(row.value, Quantity):
         return row.value.number
     if row.value is None:
-        return SILENT if is_silent and row.said.unit in (DB, DB_A) else NOTHING
+        return SILENT if is_silent and row.number_field.unit in (DB, DB_A) else NOTHING
     spread = views.spread_of(row)
     if spread is not None:
         return uncertain(row.value, spread)
-    return row.said.text(row.value)
+    return row.number_field.text(row.value)
 
 
 def level_name(numbers: RunNumbers) -> str:

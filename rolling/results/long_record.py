@@ -178,24 +178,24 @@ def _limits(numbers: ListeningNumbers) -> tuple[str, ...]:
     solved_mm = numbers.solved_mm or 0.0
     turn_mm = numbers.turn_mm
     outside = numbers.force_outside_share or 0.0
-    found = []
+    limits = []
     if highest_hz < COARSE_HZ:
-        found.append(
+        limits.append(
             f"the steps of the track resolve sound up to {rounded(highest_hz)} Hz at this speed; "
             "the rest is missing"
         )
     if turn_mm is not None and solved_mm < turn_mm:
-        found.append(
+        limits.append(
             f"the solved track is shorter than a turn of the ball ({rounded(turn_mm, 3)} mm): it "
             "is put in as solved once per turn, and the rest of the turn is random"
         )
     if outside > OFTEN:
-        found.append(
+        limits.append(
             f"the force lies beyond the marched loads for {100 * outside:.0f} % of the time"
         )
     if lowest_hz > LONG_WAVES_HZ:
-        found.append(
+        limits.append(
             f"waves longer than the solved track sound below {rounded(lowest_hz)} Hz, where the "
             "density is that of the longest solved wave"
         )
-    return tuple(found)
+    return tuple(limits)

@@ -71,7 +71,7 @@ def doubts(
     moving : MovingRelease. The release under the moving load, or its fault. Default: none.
     """
     plays = VIBRATION if numbers.record.source == "vibration" else RELEASED_POWER
-    found = [
+    listed = [
         *notes.rules(scene, sound, numbers, vibration, moving),
         *_force(numbers, vibration),
         *_scene(scene, sound, numbers, vibration),
@@ -81,14 +81,14 @@ def doubts(
         *_about(RELEASED_POWER, _solver(scene, sound)),
     ]
     if numbers.played.laeq_db is not None:
-        found += _about(plays, [*_spread(numbers), *_errors(scene, numbers)])
+        listed += _about(plays, [*_spread(numbers), *_errors(scene, numbers)])
     # What was measured replaces what a rule for the scene expects.
-    return [*{doubt.key: doubt for doubt in found}.values(), *silent_vibration_doubts(numbers)]
+    return [*{doubt.key: doubt for doubt in listed}.values(), *silent_vibration_doubts(numbers)]
 
 
-def _about(quantity: str, found: Iterable[Doubt]) -> list[Doubt]:
+def _about(quantity: str, listed: Iterable[Doubt]) -> list[Doubt]:
     """Return doubts that touch one of the two numbers only, or less."""
-    return [replace(doubt, about=doubt.about or (quantity,)) for doubt in found]
+    return [replace(doubt, about=doubt.about or (quantity,)) for doubt in listed]
 
 
 # ---- limits of scene and motion
@@ -286,10 +286,10 @@ def silent_vibration_doubts(numbers: RunNumbers) -> list[Doubt]:
     """Return the doubts about a vibration that does not play, computed or by a linear chain."""
     if numbers.record.source == "vibration" or numbers.vibration.value is None:
         return []
-    found = [*_computed(numbers), *_estimate(numbers)]
+    listed = [*_computed(numbers), *_estimate(numbers)]
     if numbers.surface.instrument is not None:
-        found.append(instrument(numbers, "vibration"))
-    return _about(VIBRATION, found)
+        listed.append(instrument(numbers, "vibration"))
+    return _about(VIBRATION, listed)
 
 
 def _computed(numbers: RunNumbers) -> Iterator[Doubt]:

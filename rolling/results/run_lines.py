@@ -110,9 +110,9 @@ def levels_table(runs: Sequence[RunFolder]) -> str:
 
 def _cells(numbers: RunNumbers) -> dict[Head, str]:
     """Return the cells of a run in the table of levels by their heads."""
-    heard = numbers.vibration
+    vibration = numbers.vibration
     released = numbers.released_power
-    cells = {_head("vibration", heard): heard.number}
+    cells = {_head("vibration", vibration): vibration.number}
     if numbers.leading.judged is not None:
         cells[Head("verdict")] = numbers.leading.judged.short
     if numbers.record.single_event and numbers.record.source == "vibration":
@@ -188,7 +188,7 @@ def _largest_doubts(runs: Solved) -> list[str]:
     if lines and others > 0:
         lines[-1] += f" ({_count(others, 'more doubt')} with -v)"
     bounds = [numbers.released_power for _, numbers in runs]
-    if any(one.verdict == BOUND for one in bounds):
+    if any(bound.verdict == BOUND for bound in bounds):
         lines.append(UPPER_BOUND)
     return lines
 

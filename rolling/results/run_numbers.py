@@ -91,14 +91,14 @@ def run_numbers(run: SolvedRun, release: ContactSound) -> RunNumbers:
     contact_loss_db = 0.0
     of_estimate: dict[str, float | None] = {}
     if scene.dynamics is None:
-        found = _estimate(run, release, stiffness)
-        contact_loss_db = found.contact_loss_db
-        of_estimate = dict(found.parts_db)
+        chain_estimate = _estimate(run, release, stiffness)
+        contact_loss_db = chain_estimate.contact_loss_db
+        of_estimate = dict(chain_estimate.parts_db)
         if instrument is not None and instrument.vibration is not None:
             of_estimate["instrument"] = instrument.vibration.spread_db
         estimate = EstimateNumbers(
-            laeq_db=found.laeq_db,
-            force_ratio=found.force_ratio,
+            laeq_db=chain_estimate.laeq_db,
+            force_ratio=chain_estimate.force_ratio,
             bodies=bodies_text(scene),
         )
     elif vibration is not None:
@@ -418,11 +418,11 @@ def _ears(run: SolvedRun, is_event: bool) -> EarNumbers | None:
         numbers = replace(
             numbers, loudness_n5_sone=varying.n5_sone, loudness_max_sone=varying.max_sone
         )
-    found = ears.tones(sound.pressure, sound.sample_rate)
-    if found is None:
+    tones = ears.tones(sound.pressure, sound.sample_rate)
+    if tones is None:
         return numbers
-    ratio = found.tone_to_noise
-    prominence = found.prominence
+    ratio = tones.tone_to_noise
+    prominence = tones.prominence
     return replace(
         numbers,
         tone_to_noise_db=None if ratio is None else ratio.decibels,

@@ -54,13 +54,13 @@ def with_quantities(
     )
 
 
-def judged(numbers: RunNumbers, found: Sequence[Doubt]) -> RunNumbers:
+def judged(numbers: RunNumbers, doubts: Sequence[Doubt]) -> RunNumbers:
     """Return numbers with doubts about them and about their two quantities."""
     return replace(
         numbers,
-        doubts=tuple(found),
-        vibration=numbers.vibration.with_doubts(found),
-        released_power=numbers.released_power.with_doubts(found),
+        doubts=tuple(doubts),
+        vibration=numbers.vibration.with_doubts(doubts),
+        released_power=numbers.released_power.with_doubts(doubts),
     )
 
 

@@ -117,14 +117,14 @@ def _numbers(places: Places, shape: tuple[int, ...]) -> dict[str, Values]:
     for place, run in places.items():
         for name, cell in views.columns(run.numbers).items():
             is_number = isinstance(cell.value, int | float) and not isinstance(cell.value, bool)
-            is_text = isinstance(cell.value, str) and cell.said.in_table
+            is_text = isinstance(cell.value, str) and cell.number_field.in_table
             if not is_number and not is_text:
                 continue
             if name not in arrays:
                 empty = np.full(shape, np.nan) if is_number else np.full(shape, "", dtype=object)
-                attributes = {"long_name": cell.said.meaning}
+                attributes = {"long_name": cell.number_field.meaning}
                 if is_number:
-                    attributes["units"] = cell.said.unit
+                    attributes["units"] = cell.number_field.unit
                 arrays[name] = empty, attributes
             arrays[name][0][place] = cell.value
     return arrays
@@ -136,13 +136,13 @@ def _add_bands(
     """Add the third octaves, by the nominal mid frequencies of their bands."""
     arrays: dict[str, Values] = {}
     for place, run in places.items():
-        for path, said, bands in leaves(run.numbers):
+        for path, number_field, bands in leaves(run.numbers):
             if not isinstance(bands, BandQuantity):
                 continue
             name = "_".join(path)
-            values = {name: (bands.value, bands.unit, said.meaning)}
+            values = {name: (bands.value, bands.unit, number_field.meaning)}
             if bands.uncertainty is not None:
-                words = f"standard uncertainty: {said.meaning}"
+                words = f"standard uncertainty: {number_field.meaning}"
                 values[f"{name}_uncertainty"] = (bands.uncertainty, "dB", words)
             for column, (numbers, unit, words) in values.items():
                 if column not in arrays:

@@ -58,9 +58,9 @@ def _swept(runs: Sequence[RunFolder]) -> list[str]:
 def _cells(numbers: RunNumbers, shown: bool) -> dict[str, Any]:
     """Return the single numbers of a run by the names of their columns."""
     cells = {
-        name: one.value
-        for name, one in views.columns(numbers).items()
-        if one.said.in_table or not shown
+        name: cell.value
+        for name, cell in views.columns(numbers).items()
+        if cell.number_field.in_table or not shown
     }
     cells["doubts"] = " ".join(doubt.key for doubt in verdict.listed(numbers))
     return cells

@@ -52,11 +52,11 @@ def listen_lines(done: Sequence[RunFolder], sounds: Sequence[tuple[str, str, str
     """
     first = done[0]
     lines: list[str] = []
-    for act, name, heard in sounds:
+    for act, name, content in sounds:
         path = first.folder / name
         if not path.is_file():
             continue
-        remarks = [heard] if heard else []
+        remarks = [content] if content else []
         if len(done) > 1 and not lines:
             remarks.insert(0, labels(done)[0])
         line = f"{act}: {printable(str(path))}"

@@ -30,12 +30,12 @@ def remove_leftovers(folder: Path = SHARED_MEMORY) -> list[Path]:
         return []
     # The processes are asked after the files are listed, so a process that begins meanwhile, with
     # the number of a dead one, has other files.
-    found = {path: inode for path, inode in _semaphores(folder) if not _lives(_process(path))}
-    if not found:
+    semaphores = {path: inode for path, inode in _semaphores(folder) if not _lives(_process(path))}
+    if not semaphores:
         return []
     in_use = _open_inodes()
     removed = []
-    for path, inode in found.items():
+    for path, inode in semaphores.items():
         if inode in in_use:
             continue
         with suppress(OSError):  # another command has removed it meanwhile

@@ -62,7 +62,7 @@ def simulate_runs(
     marches = [kind.marches(run.scene) for run in runs]
     refusals.refuse_few_addresses(contacts_of(marches))
     names = labels.labels(runs)
-    heard: dict[int, Any] = {}
+    made: dict[int, Any] = {}
     with ExitStack() as stack:
         stack.enter_context(shortage.as_memory_error())
         if shown is False:  # before the bar, which stays hidden then
@@ -74,10 +74,10 @@ def simulate_runs(
         loop = RunLoop(marches, store, bar)
         for number, marched, _ in loop.finished_runs(pool):
             try:
-                heard[number] = kind.make_run(runs[number], names[number], marched)
+                made[number] = kind.make_run(runs[number], names[number], marched)
             except ContactError as error:
                 loop.fail(number, str(error))
-    by_values = {_swept_values(heard[number]): heard[number] for number in sorted(heard)}
+    by_values = {_swept_values(made[number]): made[number] for number in sorted(made)}
     failures = {names[number]: reason for number, reason in loop.failures.items()}
     return by_values, failures
 

@@ -528,7 +528,7 @@ def _not_shared(errors: Array, spread: Array, powers: BandPowers) -> Array:
 
     The error changes over a group as from this group to the next, less the scatter of both.
     """
-    apart = np.zeros(len(BAND_NAMES))
+    own_error_db = np.zeros(len(BAND_NAMES))
     groups = [list(group) for group in powers.groups]
     neighbours = [*pairwise(groups), *pairwise(groups[::-1])]
     for group, neighbour in neighbours:
@@ -536,8 +536,8 @@ def _not_shared(errors: Array, spread: Array, powers: BandPowers) -> Array:
             k = group[0]
             n = neighbour[0]
             excess = (errors[k] - errors[n]) ** 2 - spread[k] ** 2 - spread[n] ** 2
-            apart[group] = np.fmax(apart[group], math.sqrt(max(0.0, excess)))
-    return apart
+            own_error_db[group] = np.fmax(own_error_db[group], math.sqrt(max(0.0, excess)))
+    return own_error_db
 
 
 def _widening(degrees: float) -> float:

@@ -127,7 +127,7 @@ def listen_to_vibration(
     numbers = replace(
         numbers,
         impacts=motion.impacts,
-        flight_share=motion.apart / motion.taken,
+        flight_share=motion.free_steps / motion.taken,
         force_outside_share=motion.outside / motion.taken,
         limited_share=motion.law.limited / max(motion.law.continued, 1),
     )

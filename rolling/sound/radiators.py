@@ -173,9 +173,9 @@ def contact_loss(
     weights = 10 ** (a_weighting_db(frequency) / 10)
     bands = third_octave_mean_square(frequency, without)
     damped_bands = third_octave_mean_square(frequency, with_loss)
-    heard = bands > 0
+    has_sound = bands > 0
     changes = np.zeros(len(bands))
-    changes[heard] = 10 * np.log10(damped_bands[heard] / bands[heard])
+    changes[has_sound] = 10 * np.log10(damped_bands[has_sound] / bands[has_sound])
     return ContactLoss(
         laeq_db=10 * math.log10(float(weights @ with_loss) / float(weights @ without)),
         third_octave_db=changes,

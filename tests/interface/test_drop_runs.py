@@ -106,8 +106,8 @@ def test_terminal_and_page_show_events_by_what_can_be_compared(run: Run) -> None
     assert "LAE, dB(A)" in table and "LAFmax" in table and "LAeq" not in table
     assert "released power" not in table  # it is computed for a ball that rolls
     rows = [row for row in number_texts(run.numbers) if row.is_played]
-    assert rows[0].said.word.startswith("LAE") and rows[0].is_repeated
-    assert not any("LAeq" in row.said.word for row in rows)
+    assert rows[0].number_field.word.startswith("LAE") and rows[0].is_repeated
+    assert not any("LAeq" in row.number_field.word for row in rows)
     assert repr(run).count("LAE") == 1 and "LAeq" not in repr(run)
     assert f"{run.numbers.played.lae_db:.1f}" in run._repr_html_()
 
@@ -121,7 +121,7 @@ def test_a_record_that_is_long_enough_shows_its_maximum(run: Run) -> None:
     assert opened.numbers.played.laf_max_db is None and opened.sound.levels.laf_max_db is not None
     for steady in (loop, opened):
         assert not steady.numbers.record.single_event
-        words = [row.said.word for row in number_texts(steady.numbers) if row.is_played]
+        words = [row.number_field.word for row in number_texts(steady.numbers) if row.is_played]
         assert not any("LAE" in word.replace("LAeq", "") for word in words)
 
 

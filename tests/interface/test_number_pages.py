@@ -74,7 +74,7 @@ def test_tables_of_the_docs_have_all_columns_of_runs(runs: list[Run]) -> None:
             if name.startswith(f"{quantity.name}_")
         }
         for name in {*columns} - of_quantities | {"vibration_db", "released_power_db"}:
-            bold = "**" if columns[name].said.in_table else ""
+            bold = "**" if columns[name].number_field.in_table else ""
             assert f"{bold}`{name}`{bold}" in text, name
         for name in views.bands_of(run.numbers.bands):
             assert f"**bands.csv**: `{name}`" in text, name
@@ -83,10 +83,10 @@ def test_tables_of_the_docs_have_all_columns_of_runs(runs: list[Run]) -> None:
 def test_a_meaning_stands_alone() -> None:
     """It is the `long_name` of a variable and a description in a schema, without neighbours."""
     leaning = {
-        name: cell.said.meaning
+        name: cell.number_field.meaning
         for kind in number_tables.KINDS
         for name, cell in number_tables.columns_of(kind.root).items()
-        if re.match(r"(its|the same|they|it)\b", cell.said.meaning)
+        if re.match(r"(its|the same|they|it)\b", cell.number_field.meaning)
     }
     assert not leaning
 

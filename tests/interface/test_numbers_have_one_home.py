@@ -18,7 +18,7 @@ from scene_text import TINY
 import rolling
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.bearing_numbers import BearingNumbers
-from rolling.numbers.fields import said_of
+from rolling.numbers.fields import number_field_of
 from rolling.numbers.run_file import StoredBearing, StoredNumbers
 
 ROOM = Path(rolling.__file__).parent
@@ -123,7 +123,7 @@ def groups(kind: Any) -> Iterator[Any]:
     """Yield the data classes of numbers in the type of a field, at any depth."""
     for inner in typing.get_args(kind):
         yield from groups(inner)
-    if dataclasses.is_dataclass(kind) and any(map(said_of, dataclasses.fields(kind))):
+    if dataclasses.is_dataclass(kind) and any(map(number_field_of, dataclasses.fields(kind))):
         yield kind
         for of_field in typing.get_type_hints(kind).values():
             yield from groups(of_field)
@@ -135,7 +135,7 @@ def test_every_field_says_what_it_is(kind: type) -> None:
         f"{group.__name__}.{field.name}"
         for group in dict.fromkeys(groups(kind))
         for field in dataclasses.fields(group)
-        if (said := said_of(field)) is None or not said.meaning
+        if (number_field := number_field_of(field)) is None or not number_field.meaning
     ]
     assert silent in (
         [],

@@ -21,7 +21,7 @@ from acoustics.wav import PEAK
 from rolling.contact.track import Motion
 from rolling.numbers import ball_numbers
 from rolling.numbers.doubt import sized
-from rolling.numbers.fields import said_of
+from rolling.numbers.fields import number_field_of
 from rolling.numbers.quantity import Quantity
 from rolling.report import film, leading_numbers, maps, page_sounds, text
 from rolling.report.assumed import assumptions
@@ -356,11 +356,11 @@ def test_no_row_of_the_numbers_is_empty(three) -> None:
 def test_templates_and_scripts_know_no_number_by_its_name() -> None:
     """Python hands over what is shown, so a new number needs no change of the page."""
     names = {
-        one.name
+        field.name
         for kind in vars(ball_numbers).values()
         if is_dataclass(kind) and kind.__module__ == ball_numbers.__name__
-        for one in fields(kind)
-        if said_of(one) is not None and "_" in one.name
+        for field in fields(kind)
+        if number_field_of(field) is not None and "_" in field.name
     }
     assert {"max_pressure_pa", "laf_max_db", "released_power"} < names
     assets = Path(str(files("rolling.report").joinpath("assets")))

@@ -131,7 +131,7 @@ def test_a_fast_maximum_belongs_to_the_record_beside_it() -> None:
     fast = numbers.listening.laf_max_db
     assert numbers.played.laf_max_db is None
     rows = level_words.number_texts(numbers)
-    texts = {one.said.word: one.text for one in rows if one.is_played}
+    texts = {one.number_field.word: one.text for one in rows if one.is_played}
     assert texts["LAFmax"].startswith(f"{fast:.1f}")
 
 

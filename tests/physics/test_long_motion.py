@@ -131,7 +131,7 @@ def test_impacts_go_on(run: Run) -> None:
     for seconds in (solved, 100 * solved):
         motion = long_motion_of(scene, law, seconds, 0)
         force = np.concatenate([*motion.forces()])
-        assert motion.apart == np.sum(force == 0) and motion.taken == len(force)
+        assert motion.free_steps == np.sum(force == 0) and motion.taken == len(force)
         assert motion.impacts == np.sum((force[:-1] == 0) & (force[1:] > 0))
         counts.append(motion.impacts / seconds)
     assert counts[0] > 0 and 1 / 3 < counts[1] / counts[0] < 3

@@ -52,13 +52,13 @@ def rolling(
 @contextmanager
 def started(words: Sequence[object], folder: Path) -> Iterator[subprocess.Popen[str]]:
     """Start a command in a folder, and kill it in the end."""
-    with (folder / "said").open("w") as said:
+    with (folder / "said").open("w") as output:
         process = subprocess.Popen(
             [sys.executable, "-m", "rolling", *map(str, words)],
             cwd=folder,
             env=os.environ | {"PYTHONPATH": str(ROOT)},
-            stdout=said,
-            stderr=said,
+            stdout=output,
+            stderr=output,
             text=True,
             # A shell that starts the tests in its background ignores ctrl-c for all below.
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),

@@ -46,12 +46,12 @@ class Firefox:
         self.complaints = list[str]()
         self._thread = ThreadPoolExecutor(1)  # playwright has a loop in this one
         words = [program, "--headless", "--no-remote", "--remote-debugging-port=0", "--profile"]
-        said = profile / "said.txt"
-        with said.open("w") as file:
+        output = profile / "said.txt"
+        with output.open("w") as file:
             self._process = subprocess.Popen([*words, str(profile)], stdout=file, stderr=file)
         end = time.monotonic() + PATIENCE
-        while not (address := re.search(r"BiDi listening on (\S+)", said.read_text())):
-            assert self._process.poll() is None and time.monotonic() < end, said.read_text()
+        while not (address := re.search(r"BiDi listening on (\S+)", output.read_text())):
+            assert self._process.poll() is None and time.monotonic() < end, output.read_text()
             time.sleep(0.05)
         self._socket = self._run(websocket_connect, f"{address[1]}/session")
         self.send("session.new", capabilities={})

@@ -66,7 +66,9 @@ def changed(numbers: Any, changes: Mapping[str, Any]) -> Any:
 
 def _data_class(hint: Any) -> Any:
     """Return the data class of the type of a field that may be None."""
-    (kind,) = (one for one in (hint, *typing.get_args(hint)) if dataclasses.is_dataclass(one))
+    (kind,) = (
+        option for option in (hint, *typing.get_args(hint)) if dataclasses.is_dataclass(option)
+    )
     return kind
 
 

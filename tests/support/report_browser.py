@@ -95,17 +95,17 @@ def without_browser(missing: str) -> None:
 
 
 def data_of(path: Path) -> dict:
-    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', path.read_text())
-    assert found
-    return json.loads(found.group(1))
+    data = re.search(r'<script type="application/json" id="data">(.*?)</script>', path.read_text())
+    assert data
+    return json.loads(data.group(1))
 
 
 def embedded_record(path: Path, number: int) -> np.ndarray:
     """Return the samples of a run's player on the page, in parts of full scale."""
-    found = re.findall(
+    sounds = re.findall(
         r'data-run="\d+"[^>]* src="data:audio/flac;base64,([^"]+)"', path.read_text()
     )
-    samples, rate = soundfile.read(io.BytesIO(base64.b64decode(found[number])))
+    samples, rate = soundfile.read(io.BytesIO(base64.b64decode(sounds[number])))
     assert rate == RATE
     return samples
 
@@ -126,8 +126,8 @@ def map_of(page) -> int:
 
 def axe_findings(page, part: str | None = None) -> list[tuple[str, list]]:
     """Return the rules that a page breaks, or a part of it, each with the places that break it."""
-    found = Axe().run(page, context=part, options=AXE).response["violations"]
-    return [(rule["id"], [node["target"] for node in rule["nodes"]]) for rule in found]
+    violations = Axe().run(page, context=part, options=AXE).response["violations"]
+    return [(rule["id"], [node["target"] for node in rule["nodes"]]) for rule in violations]
 
 
 def until(page, condition: str) -> None:
