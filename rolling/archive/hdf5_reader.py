@@ -54,7 +54,7 @@ def reading(content: bytes, most_bytes: int) -> Iterator[JudgedFile]:
     Raises
     ------
     ValueError
-        The content is no HDF5 file, or breaks a rule when something is read. Faults of the HDF5
+        The content is no HDF5 file, or breaks a rule when something is read. Errors of the HDF5
         library on hostile files are of this type, too.
     """
     if not content.startswith(SIGNATURE):
@@ -98,7 +98,7 @@ class JudgedFile(NamedTuple):
         Raises
         ------
         ValueError
-            The first fault, with its path.
+            The first error, with its path.
         """
         nodes = _known_nodes(self.file, definitions)
         _refuse_declarations(nodes, definitions, lengths, self.most_bytes)

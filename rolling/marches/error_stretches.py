@@ -66,7 +66,7 @@ def stretch_firsts(scene: Scene, result: Result) -> tuple[int, ...]:
     """Return the first positions of a run's stretches; none where they are missing or failed."""
     layout = error_cost.layout(scene)
     stretches = result.stretches
-    if layout is None or stretches is None or stretches.fault or stretches.steps != layout.steps:
+    if layout is None or stretches is None or stretches.failure or stretches.steps != layout.steps:
         return ()
     if not set(layout.marches) <= set(stretches.marches):
         return ()
@@ -129,7 +129,7 @@ def instrument_powers(scene: Scene, result: Result, source: str) -> BandPowers |
     if layout is None or stretches is None or stretches.steps != layout.steps:
         return None
     marches = stretches.marches
-    if any(key not in marches or marches[key].fault for key in layout.marches):
+    if any(key not in marches or marches[key].failure for key in layout.marches):
         return None
     is_approach = source == "vibration"
     fine = _signals(scene, result, layout.firsts, WITH_LAW, is_approach)

@@ -21,7 +21,7 @@ from rolling.contact.subcells import half_space_of
 from rolling.in_si.contact_of_scene import rolling_contact
 from rolling.in_si.scene_surface import continued_rows, heights, measured_rows
 from rolling.marches.effort import ARRAY, PieceEffort
-from rolling.marches.march_variables import SERIES_OF_KIND
+from rolling.marches.march_variables import FAILURE, SERIES_OF_KIND
 from rolling.marches.observers import Events, Film, Maps, Observer, Series
 from rolling.marches.passes import Sinking, run_in, unrolled
 from rolling.marches.piece import Piece, contact_identity
@@ -48,8 +48,8 @@ _last_contact: list[_VirginContact] = []  # at most one, which the next piece ma
 def march_piece(piece: Piece) -> dict[str, NDArray[Any]]:
     """March a piece and return plain arrays by name.
 
-    A piece beside the track returns a `fault` where a contact has no solution, because its run goes
-    on without it.
+    A piece beside the track returns its FAILURE where a contact has no solution: its run goes on
+    without it.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def _marched(piece: Piece, contact: RollingContact) -> dict[str, NDArray[Any]]:
     except ContactError as error:
         if piece.kind in ("track", "pass"):
             raise
-        return {"fault": np.array(str(error))}
+        return {FAILURE.name: np.array(str(error))}
     arrays: dict[str, NDArray[Any]] = {}
     for observer in observers:
         arrays |= observer.arrays()

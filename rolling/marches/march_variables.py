@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from rolling.archive.definition import Variable, by_name
+from rolling.archive.definition import TEXT, Variable, by_name
 from rolling.marches.effort import ARRAY
 
+# Of a piece that failed, in place of its arrays. Pieces of version 0.8 have this name.
+FAILURE = Variable("fault", "", "1", TEXT, "reason why a contact has no solution")
 # Entry i of a step series belongs to the step from position i to the next.
 STEPS = (
     Variable("release_energy", "step", "J", "f8", "elastic energy released in each step"),

@@ -70,10 +70,10 @@ def law_loads(scene: Scene, result: Result) -> Loads:
         lacking = [load for load in further if load != scene.load and marches.missing(load)]
         if lacking:
             return Loads(loads, lacking, wanted)
-        faults = wanted & marches.faults.keys()  # another run of the march may have more
-        loads = sorted({*loads, *further} - faults)
+        failures = wanted & marches.failures.keys()  # another run of the march may have more
+        loads = sorted({*loads, *further} - failures)
         least, most = _force_extremes(scene, result, loads)
-        further = _loads_beyond(scene, loads, faults, least, most)
+        further = _loads_beyond(scene, loads, failures, least, most)
     return Loads(loads, [], wanted)
 
 
@@ -105,7 +105,7 @@ def _judging_pieces(scene: Scene, result: Result, loads: Sequence[float]) -> lis
     """Return the pieces that a run lacks to judge its law over some loads [N]."""
     last = min(JUDGED_STEPS, result.solved_steps)
     marches = result.load_marches or LoadMarches(result.solved_steps)
-    known = {*marches.judging, *marches.faults}
+    known = {*marches.judging, *marches.failures}
     return [
         Piece(scene, result.identity, "judge", 0, last, load=load, sunk=result.sunk)
         for load in _judging_loads(scene, result, loads)
@@ -124,7 +124,7 @@ def own_marches(scene: Scene, result: Result) -> LoadMarches | None:
         marches,
         approach=_of_loads(marches.approach, loads.wanted),
         judging=_of_loads(marches.judging, judging),
-        faults=_of_loads(marches.faults, loads.wanted | judging),
+        failures=_of_loads(marches.failures, loads.wanted | judging),
     )
 
 
@@ -191,15 +191,15 @@ def law_motion(scene: Scene, result: Result) -> BodyMotion:
 
 
 def _loads_beyond(
-    scene: Scene, loads: Sequence[float], faults: Container[float], least: float, most: float
+    scene: Scene, loads: Sequence[float], failures: Container[float], least: float, most: float
 ) -> list[float]:
-    """Return loads beyond the given ones up to the extremes of the force [N], or to a fault."""
+    """Return loads beyond the given ones up to the extremes of the force [N], or to a failure."""
     further = []
     for sign, extreme in ((1, most), (-1, least)):
         inner = scene.load
         for load in _neighbouring_loads(scene, sign):
             is_enough = sign * (extreme - inner) <= 0
-            if is_enough or load in faults:
+            if is_enough or load in failures:
                 break
             if load not in loads:
                 further.append(load)
@@ -329,7 +329,7 @@ def _rms_error(law: ForceLaw, load: float, approach: Array, step: float) -> floa
 def load_along(scene: Scene, result: Result) -> MovingRelease:
     """Return force and approach of the motion at each position of a lap.
 
-    A fault stands in their place where the sphere passes a position under more than one load, or
+    A reason stands in their place where the sphere passes a position under more than one load, or
     under none. A motion of fewer than two positions has the constant load of the scene.
     """
     key = vibration_key(scene)
@@ -338,11 +338,11 @@ def load_along(scene: Scene, result: Result) -> MovingRelease:
     is_periodic = scene.track.closed and scene.motion.is_constant(scene.duration)
     repeats = is_periodic and motion.settled
     if result.steps > steps and not repeats:
-        fault = "the record passes the track more than once, and its force does not repeat"
-        return MovingRelease.impossible(key, steps, fault)
+        reason = "the record passes the track more than once, and its force does not repeat"
+        return MovingRelease.impossible(key, steps, reason)
     if motion.flight_share > 0:
-        fault = "the sphere loses contact, and nothing is released under no load"
-        return MovingRelease.impossible(key, steps, fault)
+        reason = "the sphere loses contact, and nothing is released under no load"
+        return MovingRelease.impossible(key, steps, reason)
     count = round(len(motion.force_n) * steps / result.steps)
     # A sphere that rests stays at its position.
     moved = np.flatnonzero(np.diff(motion.position_m[:count], prepend=-np.inf) > 0)

@@ -5,13 +5,14 @@ An array of a group has the name GROUP/NAME. A piece that failed has its reason 
 
 from __future__ import annotations
 
-from rolling.archive.definition import TEXT, Arrays, Variable, by_name
+from rolling.archive.definition import Arrays, Variable, by_name
 from rolling.archive.npz_file import npz_bytes, read_npz
 from rolling.marches.effort import PieceEffort
 from rolling.marches.march_variables import (
     EFFORT,
     EVENTS,
     EVENTS_GROUP,
+    FAILURE,
     FILM,
     FILM_GROUP,
     MAPS,
@@ -25,7 +26,6 @@ from rolling.marches.march_variables import (
 )
 from rolling.marches.piece import Piece
 
-_FAULT = Variable("fault", "", "1", TEXT, "reason why a contact has no solution")
 _SERIES = by_name(*STEPS, STEP_TIME, *STATES)
 _SNAPSHOT_PLACE = Variable("place", "place", "m", "f8", "distance, and the corner of the cells")
 _FILM_PLACE = Variable("place", "place", "m", "f8", "corner and side of the cells, and both units")
@@ -35,12 +35,12 @@ _SINKING = by_name(
     Variable("sunk_depth", "sunk_row node_across", "m", "f8", "depth by which they have sunk"),
 )
 
-_FAILED = by_name(_FAULT, EFFORT)  # of a piece that failed
+_FAILED = by_name(FAILURE, EFFORT)  # of a piece that failed
 
 
 def archive_of(piece: Piece, arrays: Arrays) -> bytes:
     """Return the archive of the arrays that `march_piece` returns of a piece."""
-    variables = _FAILED if _FAULT.name in arrays else _variables(piece)
+    variables = _FAILED if FAILURE.name in arrays else _variables(piece)
     return npz_bytes(variables, arrays)
 
 

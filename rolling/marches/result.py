@@ -19,6 +19,7 @@ from rolling.dynamics.motion import BodyMotion
 from rolling.marches.effort import ARRAY, PARTS_OF_MARCHES, Effort, PieceEffort
 from rolling.marches.march_variables import (
     EVENTS_GROUP,
+    FAILURE,
     FILM_GROUP,
     MAPS_GROUP,
     MOVING_SERIES,
@@ -72,7 +73,7 @@ class LoadMarches:
     steps : int. Number of different steps of the track.
     approach : dict. Approach by load [N], (steps + 1,) m; NaN where it is not solved yet.
     judging : dict. Approach by load [N] on the stretch that judges the force law, (n + 1,) m.
-    faults : dict. Reason by load [N] where a contact cannot be solved.
+    failures : dict. Reason by load [N] where a contact cannot be solved.
     """
 
     __repr__ = short_repr
@@ -80,23 +81,23 @@ class LoadMarches:
     steps: int
     approach: dict[float, Array] = field(default_factory=dict)
     judging: dict[float, Array] = field(default_factory=dict)
-    faults: dict[float, str] = field(default_factory=dict)
-    _failures: dict[float, dict[int, str]] = field(default_factory=lambda: defaultdict(dict))
+    failures: dict[float, str] = field(default_factory=dict)
+    _failed_pieces: dict[float, dict[int, str]] = field(default_factory=lambda: defaultdict(dict))
 
     @property
-    def fault(self) -> str:
+    def failure(self) -> str:
         """Reason why the track could not be marched at a load; empty if it could."""
-        if not self.faults:
+        if not self.failures:
             return ""
-        load = min(self.faults)
-        return f"{rounded(load, 4)} N: {self.faults[load]}"
+        load = min(self.failures)
+        return f"{rounded(load, 4)} N: {self.failures[load]}"
 
     def missing(self, load: float) -> list[tuple[int, int]]:
         """Return first and last position of the pieces that a load [N] lacks."""
-        if load in self.faults:
+        if load in self.failures:
             return []
         approach = self.approach.get(load, np.full(self.steps + 1, np.nan))
-        return _missing_pieces(approach[1:], self._failures[load])
+        return _missing_pieces(approach[1:], self._failed_pieces[load])
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
         """Add a piece; a load with a failed piece is dropped when its other pieces are there.
@@ -104,21 +105,21 @@ class LoadMarches:
         The reason is that of the first failed piece, so it does not depend on their order.
         """
         load = piece.load
-        fault = arrays.get("fault")
+        failure = arrays.get(FAILURE.name)
         if piece.kind == "judge":
-            if fault is None:
+            if failure is None:
                 self.judging[load] = arrays["approach"]
             else:
-                self.faults[load] = str(fault)
+                self.failures[load] = str(failure)
             return
-        if fault is None:
+        if failure is None:
             whole = self.approach.setdefault(load, np.full(self.steps + 1, np.nan))
             _fill_states(whole, piece, arrays["approach"])
         else:
-            self._failures[load][piece.first] = str(fault)
-        failures = self._failures[load]
-        if failures and not self.missing(load):
-            self.faults[load] = failures[min(failures)]
+            self._failed_pieces[load][piece.first] = str(failure)
+        failed = self._failed_pieces[load]
+        if failed and not self.missing(load):
+            self.failures[load] = failed[min(failed)]
             self.approach.pop(load, None)
 
 
@@ -131,7 +132,7 @@ class MovingRelease:
     motion_approach : (steps + 1,) array, m. Approach of the motion at each position.
     approach : (steps + 1,) array, m. Approach of the march.
     steps : dict. Series of the steps, (steps,) J.
-    fault : str. Reason why there is no such march; empty if there is one.
+    failure : str. Reason why there is no such march; empty if there is one.
     """
 
     __repr__ = short_repr
@@ -141,8 +142,8 @@ class MovingRelease:
     motion_approach: Array
     approach: Array = field(default_factory=lambda: np.empty(0))
     steps: dict[str, Array] = field(default_factory=dict)
-    fault: str = ""
-    _failures: dict[int, str] = field(default_factory=dict, repr=False)
+    failure: str = ""
+    _failed_pieces: dict[int, str] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         if not self.steps:
@@ -150,10 +151,10 @@ class MovingRelease:
             self.steps = {name: np.full(len(self.force) - 1, np.nan) for name in MOVING_SERIES}
 
     @classmethod
-    def impossible(cls, key: str, steps: int, fault: str) -> MovingRelease:
+    def impossible(cls, key: str, steps: int, failure: str) -> MovingRelease:
         """Return a march without numbers for a track that cannot have one."""
         unknown = np.full(steps + 1, np.nan)
-        return cls(key, unknown, unknown, fault=fault)
+        return cls(key, unknown, unknown, failure=failure)
 
     @property
     def repeats(self) -> bool:
@@ -167,20 +168,20 @@ class MovingRelease:
 
     def missing(self) -> list[tuple[int, int]]:
         """Return first and last position of the pieces that the march lacks."""
-        if self.fault:
+        if self.failure:
             return []
-        return _missing_pieces(self.steps["release_energy"], self._failures)
+        return _missing_pieces(self.steps["release_energy"], self._failed_pieces)
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
-        """Add a piece; the first piece that failed is the fault of the march when all are there."""
-        if "fault" in arrays:
-            self._failures[piece.first] = str(arrays["fault"])
+        """Add a piece; when all are there, the march has the reason of the first that failed."""
+        if FAILURE.name in arrays:
+            self._failed_pieces[piece.first] = str(arrays[FAILURE.name])
         else:
             for name in MOVING_SERIES:
                 self.steps[name][piece.first : piece.last] = arrays[name]
             _fill_states(self.approach, piece, arrays["approach"])
-        if self._failures and not self.missing():
-            self.fault = self._failures[min(self._failures)]
+        if self._failed_pieces and not self.missing():
+            self.failure = self._failed_pieces[min(self._failed_pieces)]
 
 
 @dataclass(frozen=True)
@@ -190,7 +191,7 @@ class StretchMarch:
     release : (steps,) array, J. Release per step; NaN if the march failed.
     approach : (steps + 1,) array, m. Approach at each position; NaN if the march failed.
     plastic_area : float, m2. Mean area at the hardness.
-    fault : str. Reason of a failure; empty if there is none.
+    failure : str. Reason of a failure; empty if there is none.
     """
 
     __repr__ = short_repr
@@ -198,16 +199,16 @@ class StretchMarch:
     release: Array
     approach: Array
     plastic_area: float
-    fault: str = ""
+    failure: str = ""
 
     @classmethod
-    def none(cls, steps: int, fault: str = "") -> StretchMarch:
+    def none(cls, steps: int, failure: str = "") -> StretchMarch:
         """Return the march of a stretch that was not marched, or that failed."""
         return cls(
             release=np.full(steps, np.nan),
             approach=np.full(steps + 1, np.nan),
             plastic_area=math.nan,
-            fault=fault,
+            failure=failure,
         )
 
 
@@ -225,17 +226,17 @@ class ErrorStretches:
     marches: dict[tuple[int, str], StretchMarch] = field(default_factory=dict)
 
     @property
-    def fault(self) -> str:
+    def failure(self) -> str:
         """The reason of the first failure along the track; empty if there is none."""
-        faults = {key: march.fault for key, march in self.marches.items() if march.fault}
-        if not faults:
+        failures = {key: march.failure for key, march in self.marches.items() if march.failure}
+        if not failures:
             return ""
-        return faults[min(faults)]
+        return failures[min(failures)]
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
         """Add the march of a stretch on a level."""
-        if "fault" in arrays:
-            march = StretchMarch.none(self.steps, f"{piece.level}: {arrays['fault']}")
+        if FAILURE.name in arrays:
+            march = StretchMarch.none(self.steps, f"{piece.level}: {arrays[FAILURE.name]}")
         else:
             march = StretchMarch(
                 release=arrays["release_energy"],
@@ -335,7 +336,7 @@ class Result:
             if self.stretches is None or self.stretches.steps != steps:
                 self.stretches = ErrorStretches(steps)
             self.stretches.add(piece, arrays)
-        elif "fault" in arrays:
+        elif FAILURE.name in arrays:
             self.slow_motion = SlowMotion.none()
         else:
             self.slow_motion = _slow_motion(piece, arrays)
@@ -438,7 +439,7 @@ def released_energy(scene: Scene, result: Result) -> tuple[Array, bool]:
     """
     is_closed = scene.track.closed and result.steps % result.solved_steps == 0
     moving = result.moving
-    if not scene.moves_release or moving is None or moving.fault:
+    if not scene.moves_release or moving is None or moving.failure:
         return result.whole_series("release_energy"), is_closed
     lap = moving.steps["release_energy"]
     energy = lap[np.arange(result.steps) % result.solved_steps]

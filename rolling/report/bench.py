@@ -284,7 +284,7 @@ def _no_calibration(quantity: MeasuredQuantity) -> str:
 def _calibration(folder: Path, missing: list[str]) -> dict[str, list[str]]:
     """Return the calibrations by quantity, a text for all channels or for each channel.
 
-    A line that has a fault counts as a calibration, and its fault is added to the list.
+    A line that has a mistake counts as a calibration, and its mistake is added to the list.
     """
     path = folder / CALIBRATION
     try:

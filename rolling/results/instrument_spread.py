@@ -141,9 +141,9 @@ def _reason(scene: Scene, result: Result) -> str:
     stretches = result.stretches
     if stretches is None or not set(layout.marches) <= set(stretches.marches):
         return "its stretches are not marched"
-    faults = [stretches.marches[key].fault for key in layout.marches]
-    failed = [fault for fault in faults if fault]
-    return f"a stretch could not be solved: {failed[0]}" if failed else ""
+    reasons = [stretches.marches[key].failure for key in layout.marches]
+    failures = [reason for reason in reasons if reason]
+    return f"a stretch could not be solved: {failures[0]}" if failures else ""
 
 
 # ---- numbers

@@ -227,12 +227,12 @@ def _load(scene: Scene, moving: MovingRelease | None) -> Iterator[Doubt]:
             "quasi_static",
             "The load is held constant: the sphere neither bounces nor rings on its contact.",
         )
-    elif moving is not None and moving.fault:
+    elif moving is not None and moving.failure:
         yield Doubt(
             "no_moving_release",
             "release: of the constant load, because there is none under the moving load",
             Severity.INDICATIVE,
-            advice=moving.fault,
+            advice=moving.failure,
             about=(RELEASED_POWER,),
         )
     elif moving is not None:

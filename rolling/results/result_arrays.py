@@ -66,6 +66,9 @@ def _of_quantity(quantity: str) -> tuple[Variable, Variable]:
     )
 
 
+# Attributes with the reasons of marches that failed, by the names that files of 0.8 have.
+_FAILURE = "fault"
+_FAILURES = "faults"
 _SERIES = (
     Variable("step", "step", "m", "f8", "distance along the track at the middle of each step"),
     Variable("position", "position", "m", "f8", "distance along the track at each position"),
@@ -169,7 +172,7 @@ DEFINITION = ArchiveDefinition(
         "snapshot": GroupDefinition(_SNAPSHOT, {"distance_m": float}),
         "pressure_maps": GroupDefinition(MAPS),
         "events": GroupDefinition(EVENTS),
-        "error_estimate": GroupDefinition(_STRETCHES, {"faults": str}),
+        "error_estimate": GroupDefinition(_STRETCHES, {_FAILURES: str}),
         "slow_motion": GroupDefinition(
             _FILM,
             {
@@ -182,8 +185,8 @@ DEFINITION = ArchiveDefinition(
                 "release_unit": float,
             },
         ),
-        "force_law": GroupDefinition(_LAW, {"own_load_n": float, "faults": str}),
-        "moving_release": GroupDefinition(_MOVING, {"key": str, "fault": str}),
+        "force_law": GroupDefinition(_LAW, {"own_load_n": float, _FAILURES: str}),
+        "moving_release": GroupDefinition(_MOVING, {"key": str, _FAILURE: str}),
         "passes": GroupDefinition(_PASSES),
         "contact_force": GroupDefinition(
             _FORCE,
@@ -364,8 +367,8 @@ def _stretches_group(stretches: ErrorStretches, levels: Sequence[str]) -> Archiv
         "approach": np.array([[march.approach for march in row] for row in marches]),
         "plastic_area": np.array([[march.plastic_area for march in row] for row in marches]),
     }
-    faults = [[march.fault for march in row] for row in marches]
-    return ArchiveGroup(arrays, {"faults": json.dumps(faults)})
+    failures = [[march.failure for march in row] for row in marches]
+    return ArchiveGroup(arrays, {_FAILURES: json.dumps(failures)})
 
 
 def _levels_of(scene: Scene) -> tuple[str, ...]:
@@ -376,20 +379,20 @@ def _levels_of(scene: Scene) -> tuple[str, ...]:
 def _read_stretches(group: ArchiveGroup) -> ErrorStretches:
     """Return the marches of stretches, whose time is not stored."""
     arrays = group.arrays
-    faults = json.loads(group.attributes["faults"])
+    failures = json.loads(group.attributes[_FAILURES])
     stretches = ErrorStretches(steps=arrays["release_energy"].shape[2])
     levels = _INSTRUMENT_LEVELS[: arrays["plastic_area"].shape[1]]
     for row, first in enumerate(arrays["first"].tolist()):
         for column, level in enumerate(levels):
             area = float(arrays["plastic_area"][row, column])
-            fault = faults[row][column]
-            if not fault and np.isnan(area):
+            failure = failures[row][column]
+            if not failure and np.isnan(area):
                 continue  # this stretch is not marched on this level
             stretches.marches[first, level] = StretchMarch(
                 release=arrays["release_energy"][row, column],
                 approach=arrays["approach"][row, column],
                 plastic_area=area,
-                fault=fault,
+                failure=failure,
             )
     return stretches
 
@@ -451,8 +454,8 @@ def _law_group(marches: LoadMarches, run: SolvedRun) -> ArchiveGroup:
     if judging_loads:
         arrays["judging_load"] = np.array(judging_loads)
         arrays["judging_approach"] = np.array([marches.judging[load] for load in judging_loads])
-    faults = {repr(load): marches.faults[load] for load in sorted(marches.faults)}
-    return ArchiveGroup(arrays, {"own_load_n": run.scene.load, "faults": json.dumps(faults)})
+    failures = {repr(load): marches.failures[load] for load in sorted(marches.failures)}
+    return ArchiveGroup(arrays, {"own_load_n": run.scene.load, _FAILURES: json.dumps(failures)})
 
 
 def _read_law(group: ArchiveGroup, solved_steps: int) -> LoadMarches:
@@ -466,15 +469,15 @@ def _read_law(group: ArchiveGroup, solved_steps: int) -> LoadMarches:
         loads = arrays["judging_load"].tolist()
         for load, approach in zip(loads, arrays["judging_approach"], strict=True):
             marches.judging[load] = approach
-    for load_text, fault in json.loads(group.attributes["faults"]).items():
-        marches.faults[float(load_text)] = fault
+    for load_text, failure in json.loads(group.attributes[_FAILURES]).items():
+        marches.failures[float(load_text)] = failure
     return marches
 
 
 def _moving_group(moving: MovingRelease, run: SolvedRun) -> ArchiveGroup:
-    """Return force [N], approach [m] and energies [J] under the moving load, or its fault."""
-    attributes = {"key": moving.key, "fault": moving.fault}
-    if moving.fault:
+    """Return force [N], approach [m] and energies [J] under the moving load, or why not."""
+    attributes = {"key": moving.key, _FAILURE: moving.failure}
+    if moving.failure:
         return ArchiveGroup({}, attributes)
     arrays = {
         "place": run.position[: len(moving.force)],
@@ -487,11 +490,11 @@ def _moving_group(moving: MovingRelease, run: SolvedRun) -> ArchiveGroup:
 
 
 def _read_moving(group: ArchiveGroup, solved_steps: int) -> MovingRelease:
-    """Return the march under the moving load, or its fault."""
+    """Return the march under the moving load, or why there is none."""
     key = group.attributes["key"]
-    fault = group.attributes["fault"]
-    if fault:
-        return MovingRelease.impossible(key, solved_steps, fault)
+    failure = group.attributes[_FAILURE]
+    if failure:
+        return MovingRelease.impossible(key, solved_steps, failure)
     return MovingRelease(
         key=key,
         force=group.arrays["force"],

@@ -68,7 +68,7 @@ def doubts(
     sound : ContactSound. The sound of the run.
     numbers : RunNumbers. Its numbers, without doubts.
     vibration : Vibration. Vibration of sphere and plate. Default: the run has none.
-    moving : MovingRelease. The release under the moving load, or its fault. Default: none.
+    moving : MovingRelease. The release under the moving load, or its failure. Default: none.
     """
     plays = VIBRATION if numbers.record.source == "vibration" else RELEASED_POWER
     listed = [
@@ -168,7 +168,7 @@ def _force(numbers: RunNumbers, vibration: Vibration | None) -> Iterator[Doubt]:
         )
         scatter = numbers.record.scatter_db
         is_fall = numbers.motion is not None and numbers.motion.drop_mm is not None
-        if is_fall:  # one event, whose flights are no fault of its level
+        if is_fall:  # one event, whose flights are no error of its level
             severity = Severity.NOTE if motion.impacts else Severity.INDICATIVE
             yield Doubt("impacts", text, severity, advice=advice)
         elif scatter is None:

@@ -237,8 +237,8 @@ def _reason(scene: Scene, result: Result, sound: ContactSound) -> str:
     """Explain why stretches tell no errors of a sound; empty where they do."""
     if scene.is_smooth:
         return "a smooth surface makes no sound whose error could be estimated"
-    if result.stretches and result.stretches.fault:
-        return f"a stretch could not be solved again: {result.stretches.fault}"
+    if result.stretches and result.stretches.failure:
+        return f"a stretch could not be solved again: {result.stretches.failure}"
     if not error_stretches.stretch_firsts(scene, result):
         return error_cost.too_short(scene) or "its stretches are not marched"
     return "the record is silent" if sound.levels.level_db is None else ""

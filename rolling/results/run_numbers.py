@@ -503,7 +503,7 @@ def _energy(run: SolvedRun, release: ContactSound) -> EnergyNumbers:
     defect = np.abs(result.whole_series("energy_defect")).max()
     balance = law_error = None
     moving = result.moving if scene.moves_release else None
-    if moving is not None and not moving.fault:
+    if moving is not None and not moving.failure:
         moving_defect = np.abs(moving.steps["energy_defect"]).max()
         balance = float(moving_defect / result.series["stored_energy"].max())
         law_error = moving.law_error
@@ -732,7 +732,7 @@ def _with_force_law(run: SolvedRun, vibration: Vibration, numbers: MotionNumbers
         force_law_error_n=None if error is None else error.newtons,
         force_law_error_db=None if error is None else error.decibels,
         force_law_top_error=None if error is None else error.top,
-        force_law_fault=marches.fault or None,
+        force_law_fault=marches.failure or None,
     )
 
 

@@ -80,7 +80,7 @@ class Pool(ExitStack):
         """Replace processes that were killed."""
 
     def failure_reason(self, error: Exception) -> str:
-        """Return the reason why a task failed, or raise an error that is a fault of the program."""
+        """Return the reason why a task failed, or raise an error of the program."""
         raise error
 
     def _report_compiling(self) -> None:

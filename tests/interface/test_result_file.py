@@ -77,12 +77,12 @@ def test_marches_that_failed_come_back_as_failed(tmp_path: Path) -> None:
     assert run.result.moving is not None and run.result.load_marches is not None
     steps = run.result.solved_steps
     run.result.moving = MovingRelease.impossible(run.result.moving.key, steps, "no load")
-    run.result.load_marches.faults = {2.5: "too wide"}
+    run.result.load_marches.failures = {2.5: "too wide"}
     run.result.slow_motion = SlowMotion.none()
     write_run(run)
     again = read_result(tmp_path / "result.h5", run.scene)
-    assert again.moving is not None and again.moving.fault == "no load"
-    assert again.load_marches is not None and again.load_marches.faults == {2.5: "too wide"}
+    assert again.moving is not None and again.moving.failure == "no load"
+    assert again.load_marches is not None and again.load_marches.failures == {2.5: "too wide"}
     assert again.slow_motion is not None and not again.slow_motion.pressure.size
 
 

@@ -226,16 +226,16 @@ def test_four_stretches_have_the_detail_of_an_exponential_law() -> None:
 
 
 @pytest.mark.usefixtures("generous")
-def test_a_stretch_that_cannot_be_solved_is_a_fault_of_the_estimate() -> None:
+def test_a_stretch_that_cannot_be_solved_is_a_failure_of_the_estimate() -> None:
     scene = scene_of()
     result = march_all(scene_of("numerics.error_estimate=false"))
     pieces = next_pieces(scene, result)
     for piece in reversed(pieces):
-        fault = {"fault": np.array("no room")}
+        failure = {"fault": np.array("no room")}
         failing = piece.level == "fine" and piece.first > 0
-        result.add(piece, fault if failing else stretch(scene, piece.level, piece.first, 64))
+        result.add(piece, failure if failing else stretch(scene, piece.level, piece.first, 64))
     assert not next_pieces(scene, result)
-    assert result.stretches is not None and result.stretches.fault == "fine: no room"
+    assert result.stretches is not None and result.stretches.failure == "fine: no room"
     assert error_stretches.stretch_firsts(scene, result) == ()
 
 

@@ -47,7 +47,7 @@ def solved() -> Result:
 @pytest.mark.law("Vibration: a march under the moving load has the approach of the motion.")
 def test_release_under_the_moving_load(solved: Result) -> None:
     moving = solved.moving
-    assert moving is not None and not moving.fault
+    assert moving is not None and not moving.failure
     # The load moves by a tenth and more, and the approach with it.
     assert moving.force.min() < 0.9 < 1.1 < moving.force.max()
     fluctuation = np.std(moving.approach)
@@ -108,7 +108,7 @@ def test_a_sphere_that_gets_faster_passes_each_place_under_one_load() -> None:
     given = scene(FASTER, "rolling.distance_mm=0.25")
     result = march_all(given)
     moving = result.moving
-    assert moving is not None and not moving.repeats and not moving.fault
+    assert moving is not None and not moving.repeats and not moving.failure
     assert moving.law_error < 0.05 * np.std(moving.approach)
     motion = motion_of_ball(bodies_of(given), given.travel, force_law(given, result))
     positions = np.arange(1, len(moving.force) - 1) * result.step
@@ -132,13 +132,13 @@ def test_a_sphere_that_stays_has_the_constant_load(
     )
     monkeypatch.setattr(laws, "law_motion", lambda *_: still)
     moving = load_along(given, Result.empty(given))
-    assert not moving.fault and moving.repeats
+    assert not moving.failure and moving.repeats
     assert np.all(moving.force == given.load) and np.all(moving.motion_approach == 2e-7)
 
 
 def test_a_sphere_that_flies_has_no_release_under_the_moving_load() -> None:
     result = march_all(scene("surface.roughness_ra_um=0.2", "rolling.speed_m_s=1"))
-    assert result.moving is not None and "loses contact" in result.moving.fault
+    assert result.moving is not None and "loses contact" in result.moving.failure
     assert not result.moving.missing()
 
 
@@ -155,7 +155,7 @@ def test_the_fault_of_a_load_is_that_of_its_first_piece(order: tuple[int, ...]) 
     marches = LoadMarches(steps)
     moving = MovingRelease("", np.ones(601), np.ones(601))
     for number in order:
-        assert marches.missing(2.0) and not marches.fault and not moving.fault
+        assert marches.missing(2.0) and not marches.failure and not moving.failure
         first = 200 * number
         last = 200 * number + 200
         piece = Piece(given, "", "load", first, last, load=2.0)
@@ -163,7 +163,7 @@ def test_the_fault_of_a_load_is_that_of_its_first_piece(order: tuple[int, ...]) 
         series = dict.fromkeys(("release_energy", "loading_energy", "energy_defect"), np.ones(200))
         moving.add(piece, arrays[number] | ({} if number else series))
     assert not marches.missing(2.0) and 2.0 not in marches.approach
-    assert marches.fault == "2 N: second" and moving.fault == "second"
+    assert marches.failure == "2 N: second" and moving.failure == "second"
 
 
 @pytest.mark.parametrize("failed", [[0], [0, 1]])
@@ -176,7 +176,7 @@ def test_a_run_goes_on_without_loads_that_cannot_be_marched(
     marches = LoadMarches(solved.solved_steps, dict(solved.load_marches.approach))
     for load in [min(marches.approach), max(marches.approach)][slice(0, len(failed))]:
         del marches.approach[load]
-        marches.faults[load] = "no room"
+        marches.failures[load] = "no room"
     result = Result.empty(given)
     result.series = solved.series
     result.load_marches = marches
@@ -202,6 +202,6 @@ def test_no_load_follows_beyond_a_failed_one(solved: Result) -> None:
             arrays = march_piece(piece) if piece.load != failing else {"fault": np.array("no")}
             result.add(piece, arrays)
     assert failing and result.load_marches is not None
-    assert list(result.load_marches.faults) == [failing]
+    assert list(result.load_marches.failures) == [failing]
     assert max(law_loads(given, result).marched) < failing
     assert not law_pieces(given, result)
