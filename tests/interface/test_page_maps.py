@@ -8,7 +8,7 @@ from report_browser import PIXELS, data_of, hear, map_of, play, seek, time_of, u
 from report_runs import runs_of
 
 from rolling.in_si.physics_of_scene import smooth_contact_of
-from rolling.report.film import still as gallery_still
+from rolling.kinds.registry import kind_of
 from rolling.report.maps import lens, palette
 from rolling.results.run_result import Run
 
@@ -334,7 +334,7 @@ def test_a_falling_ball_does_not_roll_under_its_load(pages, opened) -> None:
     run = runs_of("falling")[0]
     player = data_of(path)["runs"][0]
     assert run.result.slow_motion is not None and player["film"] is None
-    assert gallery_still(run) is None
+    assert kind_of(run.scene).still(run) is None
     maps = player["maps"]
     motion = run.vibration_sound.motion
     first = motion.time_s[np.argmax(motion.force_n > 0)]
