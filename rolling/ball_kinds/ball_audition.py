@@ -125,7 +125,8 @@ class BallAudition(Audition):
 
     def with_shared_steps(self, base: Candidate, others: Sequence[Candidate]) -> Candidate:
         """Return a candidate with the shortest steps that `auto` takes for it or for others."""
-        return ball_drawing.with_shared_steps(of_ball(base), [of_ball(other) for other in others])
+        own = of_ball(base)
+        return ball_candidates.with_steps_shared_by(own, [own, *map(of_ball, others)])
 
     def drawing_values(self, scene: Scene) -> Iterator[WantedValue | LeftOut]:
         """Yield the values of a drawing that a scene has."""

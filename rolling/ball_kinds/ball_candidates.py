@@ -66,7 +66,7 @@ def candidates_of(scenes: Sequence[Scene]) -> list[BallCandidate]:
     mistakes = [*_incomparable(candidates)]
     if mistakes:
         raise SceneError(mistakes)
-    return _with_shared_steps(candidates)
+    return [with_steps_shared_by(own, candidates) for own in candidates]
 
 
 def _runs_of(scene: Scene) -> list[RunFolder]:
@@ -140,25 +140,27 @@ def candidate(label: str, scene: Scene) -> BallCandidate:
     )
 
 
-def _with_shared_steps(candidates: Sequence[BallCandidate]) -> list[BallCandidate]:
-    """Give candidates with `step_nodes: auto` the shortest steps that it takes for any of them.
+def with_steps_shared_by(own: BallCandidate, candidates: Sequence[BallCandidate]) -> BallCandidate:
+    """Return one of some candidates with the shortest steps that `auto` takes for any of them.
 
-    Equal contacts then share their marches, and other steps do not pass for other sounds.
+    Equal contacts then share their marches, and other steps do not pass for other sounds. A
+    candidate whose scene states its steps keeps them. Each is judged at the slowest speed of all.
     """
+    if not _has_automatic_steps(own):
+        return own
     slowest = min(candidate.scene.slowest_speed for candidate in candidates)
-    automatic = [
-        candidate for candidate in candidates if candidate.scene.numerics.step_nodes == "auto"
+    nodes = [
+        step_rule.choose(candidate.scene, slowest).nodes
+        for candidate in candidates
+        if _has_automatic_steps(candidate)
     ]
-    if not automatic:
-        return list(candidates)
-    nodes = min(step_rule.choose(candidate.scene, slowest).nodes for candidate in automatic)
-    shared = []
-    for candidate in candidates:
-        scene = candidate.scene
-        if candidate in automatic:
-            scene = scene.with_({"numerics.step_nodes": nodes, "numerics.slowest_m_s": None})
-        shared.append(replace(candidate, scene=scene))
-    return shared
+    steps = {"numerics.step_nodes": min(nodes), "numerics.slowest_m_s": None}
+    return replace(own, scene=own.scene.with_(steps))
+
+
+def _has_automatic_steps(ball_candidate: BallCandidate) -> bool:
+    """Tell whether the program chooses the steps of a candidate."""
+    return ball_candidate.scene.numerics.step_nodes == "auto"
 
 
 # ---- comparability

@@ -6,11 +6,16 @@ length, so that a change of the speed meets the same surface.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from rolling.ball_kinds.ball_candidates import LOSS_KEY, BallCandidate, candidate
+from rolling.ball_kinds.ball_candidates import (
+    LOSS_KEY,
+    BallCandidate,
+    candidate,
+    with_steps_shared_by,
+)
 from rolling.choice.drawing import (
     AS_IT_IS,
     DISTANCE,
@@ -23,7 +28,6 @@ from rolling.choice.drawing import (
     tenth_of,
 )
 from rolling.results import labels
-from rolling.scene import step_rule
 from rolling.scene.messages import is_number
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import GRADES, HeightFile
@@ -69,24 +73,13 @@ def unchanged(scene: Scene) -> BallCandidate:
 
     Other steps would pass for another sound.
     """
-    return with_shared_steps(with_free_steps(scene), [])
+    own = with_free_steps(scene)
+    return with_steps_shared_by(own, [own])
 
 
 def with_free_steps(scene: Scene) -> BallCandidate:
     """Return the candidate of a scene without a sweep, with a track that no change moves."""
     return candidate(AS_IT_IS, with_kept_track(scene))
-
-
-def with_shared_steps(base: BallCandidate, others: Sequence[BallCandidate]) -> BallCandidate:
-    """Return a candidate with the shortest steps that `auto` takes for it or for others."""
-    if base.scene.numerics.step_nodes != "auto":
-        return base
-    nodes = []
-    for ball_candidate in (base, *others):
-        scene = ball_candidate.scene
-        nodes.append(step_rule.choose(scene, scene.slowest_speed).nodes)
-    steps = {"numerics.step_nodes": min(nodes), "numerics.slowest_m_s": None}
-    return replace(base, scene=base.scene.with_(steps))
 
 
 def with_kept_track(scene: Scene) -> Scene:

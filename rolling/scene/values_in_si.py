@@ -93,6 +93,8 @@ class SceneQuantities(SweptScene):
         formed = ball is not None and ball.has_form
         return not (self.height_paths or self.laws or self.faults or formed)
 
+    # What follows from a fall. Rooms above ask for the fact that matters to them.
+
     @property
     def is_silent(self) -> bool:
         """Whether nothing moves the sphere: a smooth one that rolls on a smooth plate."""
@@ -105,7 +107,7 @@ class SceneQuantities(SweptScene):
 
     @property
     def keeps_its_load(self) -> bool:
-        """Whether the contact begins under its load; impacts are of many times as much."""
+        """Whether the contact force stays about the load, without impacts of many times as much."""
         return not self.rolling.falls
 
     @property
