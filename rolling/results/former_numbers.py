@@ -163,7 +163,7 @@ _FORCE_LAW = {
     "force_law_error_n": "force_law_error_n",
     "force_law_error_db": "force_law_error_db",
     "force_law_top_error": "force_law_top_error",
-    "force_law_fault": "force_law_fault",
+    "force_law_failure": "force_law_fault",
 }
 _ESTIMATE = {
     "laeq_db": "vibration_estimate_laeq_db",

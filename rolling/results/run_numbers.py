@@ -732,7 +732,7 @@ def _with_force_law(run: SolvedRun, vibration: Vibration, numbers: MotionNumbers
         force_law_error_n=None if error is None else error.newtons,
         force_law_error_db=None if error is None else error.decibels,
         force_law_top_error=None if error is None else error.top,
-        force_law_fault=marches.failure or None,
+        force_law_failure=marches.failure or None,
     )
 
 
