@@ -723,7 +723,9 @@ class MotionNumbers:
     force_law_top_error: float | None = number(
         "error of the force law at its largest load", default=None
     )
-    force_law_failure: str | None = number("why loads of the force law are missing", "", default=None)
+    force_law_failure: str | None = number(
+        "why loads of the force law are missing", "", default=None
+    )
     force_outside_share: float = number(
         "share of time with a force beyond the loads of the force law"
     )
