@@ -13,6 +13,7 @@ motion of a ring keeps the free angle; this balance says how far the loads would
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import cos, pi, sin
 
 import numpy as np
@@ -117,6 +118,7 @@ def moving_angle_balance(
     )
 
 
+@lru_cache(maxsize=8)  # of bearings whose check, doubts and numbers ask for the same angles
 def angles_under_loads(
     geometry: BearingGeometry, *, axial_load_n: float, radial_load_n: float
 ) -> tuple[float, float]:
