@@ -52,15 +52,15 @@ SHORTER = {
         '["G10", "G100"]}))': '["G10", "G100"]}), workers=1)',
     },
     "first-contact": {
-        "duration_s=0.03": "duration_s=0.01",
+        "duration_s=0.03": "duration_s=0.005",
         "scene.with_(load_n=5))": "scene.with_(load_n=5), workers=1)",
     },
     "marble": {
-        "distance_mm=8, spacing_um=4": "distance_mm=4, spacing_um=8, drop_mm=5, listen_s=2",
+        "distance_mm=8, spacing_um=4": "distance_mm=3, spacing_um=8, drop_mm=5, listen_s=2",
         "rc.simulate(scene)": "rc.simulate(scene, workers=1)",
         "scene.with_(thickness_mm=4))": "scene.with_(thickness_mm=4), workers=1)",
     },
-    "my-scan": {"(2700, 800)": "(1000, 800)"},
+    "my-scan": {"(2700, 800)": "(600, 800)"},
     "which-one": {
         "distance_mm=3": "distance_mm=1",
         "fine], progress=False": "fine], pairs=3, progress=False",

@@ -42,14 +42,14 @@ def chosen(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("chosen")
     scenes = [write(folder, "ground", ra=0.2), write(folder, "lapped", ra=0.05)]
     out = folder / "out"
-    assert cli.main(["choose", *scenes, "--within", "9", "--out", str(out), "-q"]) == 0
+    assert cli.main(["choose", *scenes, "--pairs", "2", "--out", str(out), "-q"]) == 0
     return out
 
 
 @pytest.mark.slow
 def test_a_choice_leaves_its_answer_in_files(chosen: Path) -> None:
     stored = json.loads((chosen / "choice.json").read_text())
-    assert stored["differences"][0]["pairs"] == 6
+    assert stored["differences"][0]["pairs"] == 2
     labels = [one["label"] for one in stored["candidates"]]
     assert sorted(labels) == ["ground", "lapped"]
     for name in ("choice.html", "choice.csv", "choice.png", "ground.wav", "lapped.wav"):
@@ -102,7 +102,7 @@ def test_the_same_command_solves_nothing_again(
     monkeypatch.setattr("rolling.choice.specimen_solving.RunLoop", refuse)
     scenes = [str(chosen.parent / f"{name}.yaml") for name in ("ground", "lapped")]
     before = (chosen / "runs" / "ground" / "01" / "result.h5").stat().st_mtime_ns
-    assert cli.main(["choose", *scenes, "--within", "9", "--out", str(chosen), "-q"]) == 0
+    assert cli.main(["choose", *scenes, "--pairs", "2", "--out", str(chosen), "-q"]) == 0
     assert (chosen / "runs" / "ground" / "01" / "result.h5").stat().st_mtime_ns == before
 
 
@@ -111,6 +111,7 @@ def test_the_same_command_solves_nothing_again(
 def test_an_interrupted_choice_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scenes = [write(tmp_path, "ground"), write(tmp_path, "lapped", ra=0.05)]
     words = ["choose", *scenes, "--within", "9", "--out", str(tmp_path / "out"), "--workers", "1"]
+    words += ["--set", "rolling.distance_mm=0.4"]
     finished = []
     hear = choosing.OpenChoice.hear
 
@@ -146,7 +147,7 @@ def test_a_candidate_that_shares_the_contact_costs_no_march(tmp_path: Path) -> N
 def test_python_keeps_the_numbers_alone(tmp_path: Path) -> None:
     scene = rc.read_scene(write(tmp_path, "ground"))
     scenes = [scene, scene.with_(name="lapped", roughness_ra_um=0.05)]
-    choice = rc.choose(scenes, within_db=9, workers=1, progress=False)
+    choice = rc.choose(scenes, pairs=2, workers=1, progress=False)
     assert choice.contenders[0].level_db <= choice.contenders[1].level_db
     frame = choice.table()
     assert frame["louder_db"][1] == pytest.approx(choice.differences[0].db)
