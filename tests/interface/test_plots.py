@@ -47,6 +47,10 @@ def _no_warnings() -> Iterator[None]:
         yield
 
 
+# All plots by twos, the last one beside the first where their number is odd.
+NEIGHBOURS = [*zip(plot.__all__[::2], [*plot.__all__[1::2], plot.__all__[0]], strict=False)]
+
+
 @pytest.fixture
 def three() -> list[Run]:
     return runs_of("three")
@@ -99,13 +103,18 @@ def test_each_plot_draws_on_the_axes_that_it_is_given(name: str) -> None:
         assert drawn.y0 >= -1 and drawn.x0 >= -0.02 * figure.bbox.width
 
 
-@pytest.mark.parametrize("name", plot.__all__)
-def test_texts_stay_in_the_figure_and_off_other_axes(name: str) -> None:
-    """The figure has matplotlib's default size; 2 dots allow for the rounding of letters."""
+@pytest.mark.parametrize("names", NEIGHBOURS, ids="-".join)
+def test_texts_stay_in_the_figure_and_off_other_axes(names: tuple[str, str]) -> None:
+    """Each plot stands at two opposite corners, so each side is at an edge and at another plot.
+
+    The figure has matplotlib's default size; 2 dots allow for the rounding of letters.
+    """
     figure = Figure((6.4, 4.8))
     grid = figure.subplots(2, 2).ravel()
-    for ax in grid:
-        drawing(name)(ax)
+    for name, corners in zip(names, ((0, 3), (1, 2)), strict=True):
+        draw = drawing(name)
+        for corner in corners:
+            draw(grid[corner])
     for _ in range(2):  # letters that were laid out once
         figure.draw_without_rendering()
     boxes = [ax.get_tightbbox() for ax in grid]
