@@ -107,7 +107,7 @@ def resound(
     refuse_former(stored)
     before = folders.stored_scene(folder)
     scene = kind_of(before).resound(before, overrides)
-    _refuse_other_contacts(before, scene, overrides)
+    refuse_other_contacts(before, scene, overrides)
     program = folders.made_by(stored[0].home)
     if program != folders.this_program():
         progress.line(f"{folder}: marched by {program}, heard by {folders.this_program()}")
@@ -120,7 +120,7 @@ def resound(
     return failures
 
 
-def _refuse_other_contacts(before: Any, scene: Any, overrides: Sequence[str]) -> None:
+def refuse_other_contacts(before: Any, scene: Any, overrides: Sequence[str]) -> None:
     """Refuse overrides of a stored scene with which its runs need contacts that it has not.
 
     A key is named where it needs other contacts without the others; otherwise all of them are.

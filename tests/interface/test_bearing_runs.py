@@ -33,6 +33,8 @@ from rolling.bearing_kind.bearing_lines import band_table
 from rolling.bearing_kind.bearing_run import BearingRun, numbered
 from rolling.bearing_kind.bearing_run_numbers import MarchFindings
 from rolling.bearing_kind.line_numbers import envelope_lines
+from rolling.commands.run import refuse_other_contacts
+from rolling.kinds.registry import kind_of
 from rolling.numbers.bearing_numbers import BandVelocities, VelocityLine
 from rolling.numbers.run_file import StoredBearing
 from rolling.numbers.summary_schema import summary_schema
@@ -313,6 +315,29 @@ def test_a_bearing_with_a_fault_is_also_moved_without_it(tmp_path: Path) -> None
     assert "shows in the envelope at BPFI" in said and "without the fault" in said
     opened = rolling.open_run(rolling.save_run(faulty, tmp_path / "run", report=False))
     assert opened.numbers.without_faults == without
+
+
+@pytest.mark.parametrize(
+    ("overrides", "named"),
+    [
+        (["bearing.axial_load_n=80"], "bearing.axial_load_n"),
+        (["bearing.ring_mass_kg=0.05", "bearing.speed_rpm=900"], "bearing.speed_rpm"),
+        (["bearing.ring_mass_kg=0.05", "sound.duration_s=0.5"], None),
+    ],
+)
+def test_resound_names_the_key_with_which_rough_contacts_are_others(
+    overrides: list[str], named: str | None
+) -> None:
+    """Contacts that are planned for a rough bearing are known without a march."""
+    before = rolling.read_scene("bearing-6204")
+    scene = kind_of(before).resound(before, overrides)
+    if named is None:
+        refuse_other_contacts(before, scene, overrides)
+        return
+    with pytest.raises(rolling.SceneError, match="needs a new run") as caught:
+        refuse_other_contacts(before, scene, overrides)
+    (mistake,) = caught.value.mistakes
+    assert mistake.startswith(f"--set: {named}: ")
 
 
 @pytest.mark.law("Bearing run: the velocity below the bending of the ring leads.")

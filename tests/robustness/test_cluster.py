@@ -15,12 +15,15 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
 import psutil
 import pytest
+from ball_between_plates import KIND
 from commands import PATIENCE, ROOT, SWEEP, contents, pieces, started, wait_for, words_of
 from memory_scenes import MEMORY
 from scene_text import TINY
 
+import rolling
 from rolling import cli
 from rolling.kinds import registry
 from rolling.run import folder as folders
@@ -121,6 +124,22 @@ def test_parts_of_a_sweep_run_on_a_cluster(cluster: DaskProcesses, tmp_path: Pat
     assert run(scene, out, cluster, "--part", "1/2") == 0
     assert [state for state, _ in folders.states(out).values()] == ["done", "waiting", "done"]
     assert run(scene, out, cluster) == 0
+
+
+def test_workers_learn_a_registered_kind_from_the_command(
+    cluster: DaskProcesses, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The module of the kind is no part of the program, so workers cannot import it."""
+    monkeypatch.setattr(registry, "_added", dict(registry._added))
+    rolling.register(KIND)
+    scene = tmp_path / "pair.yaml"
+    plates = "plates: {radius_mm: 5, waves: 4, amplitude_um: 0.05, load_n: 1, speed_m_s: 2}"
+    scene.write_text(f"name: pair\n{plates}\n")
+    assert run(scene, tmp_path / "out", cluster) == 0
+    assert cli.main(words_of(scene, tmp_path / "local", "--workers", "1")) == 0
+    far, near = (rolling.open_run(tmp_path / name) for name in ("out", "local"))
+    assert far.numbers.velocity == near.numbers.velocity
+    np.testing.assert_array_equal(far.arrays["height"], near.arrays["height"])
 
 
 def test_a_run_that_fails_names_its_reason(
