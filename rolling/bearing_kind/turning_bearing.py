@@ -171,7 +171,7 @@ class TurningBearing(MarchesInFiles):
     def quantities(self, numbers: BearingNumbers) -> dict[str, Quantity]:
         """Return the radial velocities of the ring in the bands, as far as it does not bend.
 
-        A ring that hardly moves is at rest, which has no ±.
+        Their meanings say where the bands end. A ring that hardly moves is at rest, which has no ±.
         """
         bending_hz = numbers.ring.bending_hz
         words = bearing_sentences.band_words(bending_hz)
@@ -180,9 +180,11 @@ class TurningBearing(MarchesInFiles):
             if band not in words:
                 reason = f"the ring bends from {bending_hz:,.0f} Hz on"
                 quantity = replace(quantity, value=None, uncertainty=None, reason=reason)
-            elif quantity.value is not None and quantity.value < NOTHING_UM_S:
-                quantity = replace(quantity, value=0.0, uncertainty=None)
-            quantities[f"Radial below the bending, {bearing_sentences.BAND_WORDS[band]}"] = quantity
+            else:
+                quantity = replace(quantity, meaning=f"Velocity of the ring from {words[band]}")
+                if quantity.value is not None and quantity.value < NOTHING_UM_S:
+                    quantity = replace(quantity, value=0.0, uncertainty=None)
+            quantities[f"Radial below the bending, {band} band"] = quantity
         return quantities
 
     def card_sentence(self, run: BearingRun) -> str:
