@@ -56,7 +56,7 @@ SHORTER = {
         "scene.with_(load_n=5))": "scene.with_(load_n=5), workers=1)",
     },
     "marble": {
-        "distance_mm=8, spacing_um=4": "distance_mm=3, spacing_um=8, drop_mm=5, listen_s=2",
+        "distance_mm=8, spacing_um=4": "distance_mm=4, spacing_um=8, drop_mm=5, listen_s=2",
         "rc.simulate(scene)": "rc.simulate(scene, workers=1)",
         "scene.with_(thickness_mm=4))": "scene.with_(thickness_mm=4), workers=1)",
     },
