@@ -127,6 +127,16 @@ def audible_lines(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
     return frequency_hz[audible], mean_square[audible]
 
 
+def audible_phasors(signal: Array, sample_rate_hz: float) -> tuple[Array, NDArray[np.complex128]]:
+    """Return frequencies [Hz] and Fourier coefficients of a record from 20 Hz to 20 kHz.
+
+    Twice the square of a coefficient is the mean square of its line, below the Nyquist frequency.
+    """
+    frequency_hz, lines = _lines(signal, sample_rate_hz)
+    audible = (frequency_hz >= AUDIBLE_HZ[0]) & (frequency_hz < AUDIBLE_HZ[1])
+    return frequency_hz[audible], lines[audible]
+
+
 def welch(signal: Array, sample_rate_hz: float) -> Psd:
     """Compute the power spectral density by Welch's method with Hann windows that overlap by half.
 

@@ -11,7 +11,7 @@ from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results import former_numbers
 
 HEAD = ("summary.json of 0.8", "Python", "column of runs.csv and of `table()`")
-PLAYED = "played"  # levels of the sound that plays, which are those of a source
+PLAYED = "played"  # levels of the record that is measured, which are those of a source
 SOURCES = ("levels.vibration", "levels.released_power")
 
 

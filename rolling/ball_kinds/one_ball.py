@@ -17,7 +17,7 @@ from rolling.kinds.heard_sound import FileGain, HeardSound
 from rolling.kinds.kind import Kind
 from rolling.kinds.needed_marches import March, MarchStore
 from rolling.kinds.page_parts import PageParts
-from rolling.kinds.run_folder import LISTEN, RESULT, RunFolder
+from rolling.kinds.run_folder import LISTEN, RELEASED, RESULT, RunFolder
 from rolling.marches.next_pieces import own_part
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
@@ -38,6 +38,7 @@ from rolling.results import (
 from rolling.results.former_numbers import former_numbers
 from rolling.results.result_arrays import series_of
 from rolling.results.run_result import PASSES, Run, make_run, read_run, write_run
+from rolling.results.stored_numbers import read_stored
 from rolling.run.taken import OTHER_CONTACT, TakenMarches
 from rolling.scene import file
 from rolling.scene.messages import SceneError
@@ -215,11 +216,11 @@ class OneBall(Kind):
         return former_numbers(content)
 
     def sounds(self, run: Run) -> list[HeardSound]:
-        """Return the record for the ear."""
-        return [listening.ListenSound(run)]
+        """Return the vibration for the ear, and the release; the one that plays is first."""
+        return [*listening.listen_sounds(run)]
 
     def file_gains(self, stored: StoredNumbers) -> Iterator[FileGain]:
-        """Yield the gains of listen.wav, unless it is silent."""
+        """Yield the gains of the files for the ear, unless they are silent."""
         return listening.listen_gains(stored)
 
     def write_long(
@@ -228,7 +229,8 @@ class OneBall(Kind):
         """Let the ball roll on beyond the solved track, and write long.wav."""
         long = run.listen(seconds, speed, seed)
         path = listening.write_long(run, long)
-        progress.line(listening.describe_long_record(run, long))
+        stated = run.stated()
+        progress.line(listening.describe_long_record(stated, long))
         for text in long.numbers.limits or ():
             progress.line(f"warning: {text}")
         return path
@@ -262,10 +264,13 @@ class OneBall(Kind):
         return run_lines.further_lines(done)
 
     def listen_lines(self, done: Sequence[RunFolder]) -> list[str]:
-        """Name listen.wav of the first run, with what is heard."""
-        is_release = done[0].scene.sound.source == "release"
-        content = "released power" if is_release else "vibration"
-        sounds = [("listen", LISTEN, content), ("pass by pass", PASSES, "")]
+        """Name the sounds of the first run, with what is heard."""
+        stored = read_stored(done[0].folder)
+        sounds = [
+            ("listen", LISTEN, listening.content_words(stored)),
+            ("listen to the release", RELEASED, ""),
+            ("pass by pass", PASSES, ""),
+        ]
         return shared_lines.listen_lines(done, sounds)
 
     def quantities(self, numbers: RunNumbers) -> dict[str, Quantity]:
@@ -284,7 +289,7 @@ class OneBall(Kind):
         """Say what one hears of a run, or why it is silent."""
         from rolling.report import text
 
-        return text.heard(run, is_alone)
+        return text.heard(run, is_alone, listening.listen_sounds(run)[0].stated)
 
     def figures(self) -> Mapping[str, FigureKind]:
         """Return the figures that compare runs, those of one run, and those on request."""

@@ -11,6 +11,7 @@ import numpy as np
 from acoustics import resampling, wav
 from acoustics.arrays import Array
 from acoustics.texts import printable
+from acoustics.uncertainty import level_uncertainty
 from rolling.archive.archive_file import archive_bytes, largest_size, read_archive, refusing
 from rolling.archive.definition import (
     LETTERS,
@@ -274,13 +275,18 @@ def housing_sound(run: SolvedBearing) -> PlainSound | None:
     rate = wav.SAMPLE_RATE_HZ
     record = run.housing.pressure
     samples = min(len(record), round(run.scene.listened * rate))
+    faded = resampling.fade(record[:samples], round(FADE_S * rate))
+    levels = run.housing.levels
+    of_record = level_uncertainty(record[:samples], rate, levels, False)
     return PlainSound(
         file=HOUSING,
         unit="Pa",
         group="housing",
-        record=resampling.fade(record[:samples], round(FADE_S * rate)),
+        record=faded,
         heard=f"housing plate at {run.scene.sound.distance_m:g} m",
         title=_title(run),
+        stated_db=levels.laeq_db,
+        spread_db=of_record.laeq_db or 0.0,
     )
 
 

@@ -98,7 +98,7 @@ def forecasts(scene: Scene, doubts: Iterable[Doubt]) -> Forecasts:
 def _is_of_vibration(scene: Scene, doubt: Doubt) -> bool:
     """Tell whether a doubt of the check touches the vibration.
 
-    The grid's error of the level is that of the sound that plays.
+    The grid's error of the level is that of the record that is measured.
     """
     is_of_grid = doubt.key == resolution.LEVEL_KEY
     return not (is_of_grid and scene.sound.source == "release")

@@ -74,9 +74,9 @@ def grid_of_level(scene: Scene, reason: str | None = None) -> Doubt:
 
 
 def grid_of_silent_vibration() -> Doubt:
-    """Return the doubt about a vibration that is computed while the release plays."""
-    advice = "`sound.source: vibration` plays the vibration"
-    return _unknown_grid("because it is estimated for the sound that plays", advice)
+    """Return the doubt about a vibration that is computed while the release is measured."""
+    advice = "`sound.source: vibration` measures the vibration"
+    return _unknown_grid("because it is estimated for the record that is measured", advice)
 
 
 def _unknown_grid(why: str, advice: str = "") -> Doubt:

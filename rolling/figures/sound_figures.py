@@ -392,7 +392,7 @@ def _bands(run: Run, a_weighted: bool) -> _Levels:
 def _spreads(run: Run) -> _Levels:
     """Return the standard uncertainties of the third octaves of a run [dB]."""
     bands = run.numbers.played_bands
-    assert bands is not None  # each source that plays has third octaves
+    assert bands is not None  # each source that is measured has third octaves
     return bands.uncertainty_by_name
 
 

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from acoustics import wav
 from acoustics.arrays import Array
 from acoustics.level import laeq_db
+from rolling.kinds.stated_level import StatedLevel
 from rolling.numbers.file_facts import SoundFacts
 
 
@@ -77,6 +78,11 @@ class PlainSound(HeardSound):
         Title of the file.
     comment : str
         What the comment of the file says before its full scale. Default: what one hears.
+    stated_db : float, dB
+        LAeq that is stated for a sound pressure, to which one gain brings the record. Default: none
+        is stated.
+    spread_db : float, dB
+        Its standard uncertainty, which is the largest gain.
     """
 
     file: str
@@ -86,27 +92,43 @@ class PlainSound(HeardSound):
     heard: str
     title: str
     comment: str = ""
+    stated_db: float | None = None
+    spread_db: float = 0.0
 
-    @property
+    @cached_property
+    def level(self) -> StatedLevel:
+        """Level of the record [dB re 20e-6 of its unit], beside the level that is stated."""
+        return StatedLevel(
+            own_db=laeq_db(self.record, wav.SAMPLE_RATE_HZ),
+            stated_db=self.stated_db,
+            spread_db=self.spread_db,
+        )
+
+    @cached_property
     def samples(self) -> Array:
         """The record at 48 kHz, in its unit."""
-        return self.record
+        return self.record * 10 ** (self.level.gain_db / 20)
 
     @property
     def words(self) -> str:
-        """What one hears."""
-        return self.heard
+        """What one hears, with the level of a sound pressure."""
+        return self._with_level(self.heard)
+
+    def _with_level(self, text: str) -> str:
+        """Return a text with the level of the samples where they are sound pressure."""
+        return f"{text}, {self.level.words}" if self.unit == "Pa" else text
 
     @cached_property
     def own_gain(self) -> float:
         """Gain that makes all runs equally loud [full scale per unit]."""
-        return wav.listening_gain(self.record)
+        return wav.listening_gain(self.samples)
 
     def wav(self, common: float | None = None) -> bytes:
         """Return its file with a common gain [full scale per unit], or with its own gain."""
         gain = self.own_gain if common is None else common
-        comment = f"{self.comment or self.heard}; {full_scale_words(gain, self.unit)}"
-        return wav.listening(self.record, gain, comment, self.title)
+        text = self._with_level(self.comment or self.heard)
+        comment = f"{text}; {full_scale_words(gain, self.unit)}"
+        return wav.listening(self.samples, gain, comment, self.title)
 
     def facts(self, common: float | None = None) -> SoundFacts:
         """Return length and gains of this file."""
@@ -116,6 +138,8 @@ class PlainSound(HeardSound):
             unit=self.unit,
             own_full_scale=1 / self.own_gain,
             full_scale=1 / gain,
+            level_db=self.level.level_db if self.unit == "Pa" else None,
+            stated_gain_db=self.level.gain_db,
         )
 
 

@@ -19,6 +19,7 @@ PAGE = "report.html"  # of all runs of a folder
 TABLE = "runs.csv"
 BANDS = "bands.csv"
 LISTEN = "listen.wav"
+RELEASED = "released.wav"
 MAX_FAILURE = 1_000_000  # bytes of a failed.json
 MAX_NUMBERS = 10_000_000  # bytes of a numbers.json or summary.json
 

@@ -51,8 +51,9 @@ class ShownRun:
     def play(self) -> Any:
         """Return a player for a notebook; in a script, name a sound file and open a player for it.
 
-        A ball is heard by its record, for at least five seconds, in laps, or as the long record of
-        a scene with `sound.listen_s`. A bearing is heard by its housing plate, or by the
+        A ball is heard by its vibration, computed or estimated, and by the released power where
+        nothing vibrates: for at least five seconds, in laps, or as the long record of a scene with
+        `sound.listen_s`. A bearing is heard by its housing plate, or by the
         acceleration of its ring where it has none. The gain makes all runs equally loud, so levels
         are compared by their numbers. A run without files writes a temporary one. The system's
         player is opened on a terminal only, and the script goes on at once.
@@ -61,9 +62,9 @@ class ShownRun:
         -------
         player : IPython.display.Audio, or None
         """
-        from rolling.results import listening
+        from rolling.results import player
 
-        return listening.play(self)
+        return player.play(self)
 
     def save(self, folder: Path | str, report: bool = True) -> Path:
         """Write the run into a new folder, as `rolling.save_run` does, and return the folder.

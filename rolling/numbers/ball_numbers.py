@@ -239,11 +239,11 @@ class BandNumbers:
 
     vibration: BandQuantity | None = group("vibration, without weighting", default=None)
     vibration_a: BandQuantity | None = group(
-        "vibration, A-weighted, where it is the sound that plays", default=None
+        "vibration, A-weighted, unless it is computed and the release is measured", default=None
     )
     released_power: BandQuantity | None = group("released power, without weighting", default=None)
     released_power_a: BandQuantity | None = group(
-        "released power, A-weighted, where it is the sound that plays",
+        "released power, A-weighted, where it is the record that is measured",
         default=None,
     )
     released_power_at_listener: BandQuantity | None = group(
@@ -269,7 +269,7 @@ class BandNumbers:
 
 @dataclass(frozen=True, kw_only=True)
 class ErrorNumbers:
-    """Errors of the level of the sound that plays; positive where the stated value is too high."""
+    """Errors of the level that is measured; positive where the stated value is too high."""
 
     grid_db: float | None = number(
         "error of LAeq from the grid",
@@ -584,7 +584,7 @@ class SurfaceNumbers:
 
 @dataclass(frozen=True, kw_only=True)
 class EarNumbers:
-    """Loudness and its relatives, with `sound.loudness`, of the sound that plays."""
+    """Loudness and its relatives, with `sound.loudness`, of the record that is measured."""
 
     loudness_sone: float | None = number(
         "loudness of a steady sound",
@@ -788,6 +788,9 @@ class EstimateNumbers:
         "rms fluctuation of the force over the load; above 0.3 the estimate is too high"
     )
     bodies: str = number("ball and plate that the chain assumes", "")
+    stiffness_n_m: float | None = number(
+        "mean stiffness of the contact, with which the vibration plays", "N/m", default=None
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -897,6 +900,19 @@ class ListeningNumbers:
 
 
 @dataclass(frozen=True, kw_only=True)
+class HeardNumbers:
+    """The sound that plays, which `listen.wav` has."""
+
+    source: Source = number("what plays: vibration or release", "")
+    level_db: float | None = number("level of the samples that play", DB_A, default=None)
+    gain_db: float = number("gain that brings the record to the level that is stated", DB)
+    departure_db: float = number("level that is stated over that of the record as made", DB)
+    long_s: float | None = number(
+        "length of a long record that plays, with `sound.listen_s`", "s", default=None
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class RunNumbers:
     """All numbers of a run of a ball, and the doubts about them.
 
@@ -910,7 +926,7 @@ class RunNumbers:
         The two numbers of a run.
     record, levels, bands, errors, energy, contact, effort, surface : data class
         Numbers by subject, which every run has.
-    ears, turns, motion, estimate, listening : data class or None
+    ears, turns, motion, estimate, listening, heard : data class or None
         Numbers of a subject that a run may not have.
     contact_loss_db : float, dB
         Change of the vibration by a loss factor of the contact where the scene states none.
@@ -937,7 +953,7 @@ class RunNumbers:
     record: RunRecord = group("what was solved, and the record of the sound files")
     levels: LevelNumbers = group("levels of both sources")
     bands: BandNumbers = group("third octaves")
-    errors: ErrorNumbers = group("errors of the level of the sound that plays")
+    errors: ErrorNumbers = group("errors of the level of the record that is measured")
     energy: EnergyNumbers = group("released power, and the energy ledger")
     contact: ContactNumbers = group("areas and pressures")
     effort: EffortNumbers = group("what the solver did, and how long it took")
@@ -959,8 +975,9 @@ class RunNumbers:
     channels: tuple[ChannelNumbers, ...] | None = group("levels of each channel", default=None)
     passes: tuple[PassNumbers, ...] | None = group("numbers of each pass", default=None)
     listening: ListeningNumbers | None = group(
-        "the long record, with `sound.listen_s`", default=None
+        "the long record of what is measured, with `sound.listen_s`", default=None
     )
+    heard: HeardNumbers | None = group("the sound that plays", default=None)
     doubts: tuple[Doubt, ...] = group("what limits the numbers", default=())
 
     def __repr__(self) -> str:
@@ -969,28 +986,28 @@ class RunNumbers:
 
     @property
     def played(self) -> SourceLevels:
-        """Levels of the sound that the files have."""
+        """Levels of the record that is measured, that of `record.source`."""
         levels = self.levels
         own = levels.vibration if self.record.source == "vibration" else levels.released_power
         return own or SourceLevels()
 
     @property
     def played_bands(self) -> BandQuantity | None:
-        """Third octaves of the sound that the files have, without weighting."""
+        """Third octaves of the record that is measured, without weighting."""
         if self.record.source == "vibration":
             return self.bands.vibration
         return self.bands.released_power
 
     @property
     def played_bands_a(self) -> BandQuantity | None:
-        """A-weighted third octaves of the sound that the files have."""
+        """A-weighted third octaves of the record that is measured."""
         if self.record.source == "vibration":
             return self.bands.vibration_a
         return self.bands.released_power_a
 
     @property
     def played_quantity(self) -> Quantity:
-        """The quantity of the sound that the files have."""
+        """The quantity of the record that is measured."""
         return self.vibration if self.record.source == "vibration" else self.released_power
 
     @property

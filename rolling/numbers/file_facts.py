@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from rolling.numbers.fields import group, number
 
@@ -26,10 +27,23 @@ class RaisedEnd:
 
 @dataclass(frozen=True, kw_only=True)
 class ListenFacts:
-    """Content of listen.wav, and its gain."""
+    """Content of a file for the ear, its level and its gain."""
 
     content: str = number("what the file holds", "")
     meaning: str = number("what a sample is, and what the gain does to the ear", "")
+    source: Literal["release", "vibration"] | None = number(
+        "what one hears; none in a file of an earlier program, which has the source of the record",
+        "",
+        default=None,
+    )
+    how: str = number("computed, estimated, upper bound or assumed", "", default="")
+    measure: str = number("what its level is: LAeq, or LAE re 1 s", "", default="")
+    level_db: float | None = number(
+        "level of its samples as sound pressure; none of silence", "dB(A)", default=None
+    )
+    stated_gain_db: float = number(
+        "gain that brought the record to the level that is stated", "dB", default=0.0
+    )
     duration_s: float = number("length", "s")
     rule: str = number("rule of the gain", "")
     pascal_per_full_scale: float = number("factor of the samples", "Pa")
@@ -77,6 +91,14 @@ class SoundFacts:
         "amplitude at full scale in this unit, with the gain that makes all runs equally loud"
     )
     full_scale: float = number("amplitude at full scale of the file in this unit")
+    level_db: float | None = number(
+        "LAeq of its samples as sound pressure; none of silence and of other quantities",
+        "dB(A)",
+        default=None,
+    )
+    stated_gain_db: float = number(
+        "gain that brought the record to the level that is stated", "dB", default=0.0
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,4 +115,6 @@ class FileFacts:
 
     signal: SignalFacts = group("signal.wav")
     listen: ListenFacts = group("listen.wav")
+    released_signal: SignalFacts | None = group("released_signal.wav", default=None)
+    released: ListenFacts | None = group("released.wav", default=None)
     channel_wavs: dict[str, ChannelFile] | None = group("WAVs of channels", default=None)

@@ -31,9 +31,11 @@ from rolling.report import (
 )
 from rolling.report.charts import Chart, chart_of
 from rolling.results import answer, description, run_lines, verdict
+from rolling.results.level_words import SILENT
 from rolling.results.listening import QUIET_DB, Raised
 from rolling.results.notes import REPEATS
 from rolling.results.run_result import Run
+from rolling.results.stated_sound import StatedSound
 from rolling.terminal import defaults
 
 LARGEST_CSV = 20_000  # bytes of a table on the page; of longer ones it has the curves as drawn
@@ -71,6 +73,8 @@ def ball_parts(runs: Sequence[Run]) -> PageParts:
         "provenance": text.provenance(runs),
         "views": views,
         "quiet_db": QUIET_DB,
+        "sounds": [view.stated for view in views],
+        "with_released": " ".join(str(view.number) for view in views if view.released),
         "lengths": {round(run.sound.duration, 4) for run in runs},
         "short": any(doubt.key == "short_loop" for view in views for doubt in view.repeats),
         "map_scale": scale,
@@ -129,6 +133,8 @@ class RunView:
     solved : float, s. Time in that record at which the solved track ends.
     ends : bool. Whether that record is of something that ends, and so does not go round.
     raised : Raised or None. Its end that is raised.
+    stated : StatedSound. What plays, at the level that is stated.
+    released : RunRecords or None. Records of the released power where the vibration plays.
     repeats : list. Notes on the repetition of that record.
     pictures : dict. Charts of the run by their names.
     live : dict. Data for the engine, or None.
@@ -145,10 +151,24 @@ class RunView:
     solved: float
     ends: bool
     raised: Raised | None
+    stated: StatedSound
+    released: page_sounds.RunRecords | None
     repeats: list[Doubt]
     pictures: dict[str, Chart]
     live: dict[str, Any] | None
     curves: list[Chart]
+
+    @property
+    def level(self) -> str:
+        """Level of what plays in words, without its unit."""
+        level_db = self.stated.level.level_db
+        return SILENT if level_db is None else f"{level_db:.1f}"
+
+    @property
+    def all_records(self) -> list[page_sounds.PageRecord]:
+        """Records of what plays, and of the released power beside it."""
+        released = [] if self.released is None else self.released.records
+        return [*self.records, *released]
 
     @property
     def is_measured(self) -> bool:
@@ -174,6 +194,8 @@ def _views(runs: Sequence[Run]) -> list[RunView]:
             solved=record.solved,
             ends=record.ends,
             raised=record.raised,
+            stated=record.stated,
+            released=record.released,
             repeats=repeats,
             pictures=_pictures(run, number, runs),
             live=live.live_of(run),
@@ -233,20 +255,29 @@ def _player(view: RunView, scale: dict[str, Any] | None) -> dict[str, Any]:
         with left_out_if_it_fails(f"of the slow motion of {run.label}"):
             slow_motion = film.film_of(run, scale["max_gpa"], scale["hardness"])
     played = run.numbers.played_bands
-    assert played is not None  # each source that plays has third octaves
+    assert played is not None  # each source that is measured has third octaves
     return {
         "label": view.label,
-        "lap": view.lap,
-        "solved": view.solved,
-        "ends": view.ends,
-        "raised": None if view.raised is None else view.raised.begin / run.sound.sample_rate,
-        "playback": view.playback,
+        **_playing(view),
+        "released": None if view.released is None else _playing(view.released),
         "live": view.live,
         "falls": not run.scene.keeps_its_load,
         "maps": run_maps,
         "film": slow_motion,
         "bands": _rounded(run.sound.levels.third_octave_db),
         "spreads": _rounded(played.uncertainty_by_name),
+    }
+
+
+def _playing(records: RunView | page_sounds.RunRecords) -> dict[str, Any]:
+    """Return the numbers of a sound for the player of the page."""
+    raised = records.raised
+    return {
+        "lap": records.lap,
+        "solved": records.solved,
+        "ends": records.ends,
+        "raised": None if raised is None else raised.begin / records.stated.sound.sample_rate,
+        "playback": records.playback,
     }
 
 

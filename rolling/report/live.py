@@ -244,6 +244,8 @@ def _remarks(run: Run, track: Data) -> list[str]:
     """Return sentences on the differences between the run and its play at a constant speed."""
     scene = run.scene
     remarks = list[str]()
+    if run.sound.source == "release":
+        remarks.append("What sounds here is the released power, and not the vibration.")
     if isinstance(scene.plate.loss_factor, tuple):
         remarks.append("The loss factor of the plate is set at 1 kHz; its curve moves with it.")
     if not scene.motion.is_constant(run.sound.duration):

@@ -16,9 +16,12 @@ import soundfile
 from acoustics import wav
 from acoustics.arrays import Array
 from acoustics.laps import Lap, crossfaded_lap
+from acoustics.level import laeq_db
+from rolling.kinds.run_folder import LISTEN
 from rolling.report import maps
 from rolling.results import listening
 from rolling.results.run_result import Run
+from rolling.results.stated_sound import StatedSound
 from rolling.sound.contact_sound import ContactSound, fade_length
 from rolling.sound.long_listening import Listening
 
@@ -28,8 +31,9 @@ _FULL = 2**23  # steps of full scale
 class PageRecord(NamedTuple):
     """A record on the page.
 
-    `name` is long, run or passes; `title` and `text` describe it, `src` is its sound in a data URI,
-    `full_pa` the pressure [Pa] of full scale in it, and `size` that of its WAV in words.
+    `name` is long, run, released-long, released-run or passes; `title` and `text` describe it,
+    `src` is its sound in a data URI, `full_pa` the pressure [Pa] of full scale in it, and `size`
+    that of its WAV in words.
     """
 
     name: str
@@ -42,14 +46,16 @@ class PageRecord(NamedTuple):
 
 
 class RunRecords(NamedTuple):
-    """Records of a run for the page, the first of which is heard: long, computed, by passes.
+    """Records of a sound of a run for the page, the first of which is heard: long, or computed.
 
-    `playback` are the gains of the first record, and `below_db` is the level of the loudest run
-    with this gain over its own. `lap` is the part of it to which its end leads back, and `solved`
-    the time [s] in it at which the solved track ends. `ends` tells whether it is of something that
-    ends, and so does not go round. `raised` is its end that is raised, if any.
+    `stated` is the sound at the level that is stated. `playback` are the gains of the first record,
+    and `below_db` is the level of the loudest run with this gain over its own. `lap` is the part of
+    it to which its end leads back, and `solved` the time [s] in it at which the solved track ends.
+    `ends` tells whether it is of something that ends, and so does not go round. `raised` is its end
+    that is raised, if any. `released` are those of the released power where the vibration plays.
     """
 
+    stated: StatedSound
     records: list[PageRecord]
     playback: dict[str, float | None]
     below_db: float
@@ -57,90 +63,121 @@ class RunRecords(NamedTuple):
     solved: float
     ends: bool
     raised: listening.Raised | None
+    released: "RunRecords | None" = None
+
+
+class _Heard(NamedTuple):
+    """A sound of a run, and the record of it that is heard.
+
+    `is_played` tells whether it plays first, and not the released power beside it.
+    """
+
+    run: Run
+    stated: StatedSound
+    ear: listening.EarRecord
+    is_played: bool
 
 
 def of_runs(runs: Sequence[Run]) -> list[RunRecords]:
     """Return the records of runs that are compared on a page.
 
-    Runs share a gain with the runs that are heard by the same source: nobody compares vibration and
-    release by ear, and the release is louder by tens of decibels.
+    Runs share a gain with the sounds of the same source: nobody compares vibration and release by
+    ear, and the release is louder by tens of decibels.
     """
-    longs = [listening.long_record_of(run) for run in runs]
-    ears = []  # the records that are heard
-    levels_db = []
-    for run, long in zip(runs, longs, strict=True):
-        if long is None:
-            ear = listening.record_in_laps_of(run)
-            if ear.raised is None:  # the page goes round by itself
-                ear = listening.EarRecord(run.sound.channels, "")
-            levels_db.append(run.record_laeq_db)
-        else:
-            ear = listening.long_ear_record(run, long)
-            levels_db.append(long.numbers.laeq_db)
-        ears.append(ear)
-    peaks_pa = [float(np.abs(ear.pressure).max()) for ear in ears]
-    sources = [run.sound.source for run in runs]
+    sounds = [_heard(run, sound) for run in runs for sound in listening.new_sounds(run)]
+    peaks_pa = [float(np.abs(sound.ear.pressure).max()) for sound in sounds]
+    sources = [sound.stated.source for sound in sounds]
+    # LAeq of the records, which a gain makes equal, also where an LAE is stated.
+    levels_db = [_laeq_db(sound) for sound in sounds]
     playbacks = gains_by_source(sources, peaks_pa, levels_db)
-    records = []
-    for number, (run, long, ear) in enumerate(zip(runs, longs, ears, strict=True)):
+    records: list[RunRecords] = []
+    for sound, playback, own_db in zip(sounds, playbacks, levels_db, strict=True):
         beside = [
             level
             for source, level in zip(sources, levels_db, strict=True)
-            if source == sources[number] and level is not None
+            if source == sound.stated.source and level is not None
         ]
-        own_db = levels_db[number]
-        heard_s = run.sound.duration if long is None else _seconds(long)
-        ends = run.ends_within(heard_s)
-        records.append(
-            RunRecords(
-                records=_records(run, ear),
-                playback=playbacks[number],
-                below_db=0.0 if own_db is None else max(beside) - own_db,
-                lap=lap(run.sound, long, len(ear.pressure), ends),
-                solved=solved(run.sound, long),
-                ends=ends,
-                raised=ear.raised,
-            )
-        )
+        below_db = 0.0 if own_db is None else max(beside) - own_db
+        of_sound = _records_of(sound, playback, below_db)
+        if sound.is_played:
+            records.append(of_sound)
+        else:
+            records[-1] = records[-1]._replace(released=of_sound)
     return records
 
 
-def _records(run: Run, ear: listening.EarRecord) -> list[PageRecord]:
-    """Return the records of a run, the one that is heard first."""
+def _heard(run: Run, sound: listening.ListenSound) -> _Heard:
+    """Return a sound of a run with the record that is heard on the page."""
+    ear = sound.for_the_ear
+    if sound.stated.long is None and ear.raised is None:  # the page goes round by itself
+        ear = listening.EarRecord(sound.stated.sound.channels, "")
+    return _Heard(run, sound.stated, ear, is_played=sound.file == LISTEN)
+
+
+def _laeq_db(sound: _Heard) -> float | None:
+    """Return the LAeq of the first channel of a sound that is heard [dB]; None for silence."""
+    stated = sound.stated
+    played = stated.sound if stated.long is None else stated.long
+    return laeq_db(played.pressure, played.sample_rate)
+
+
+def _records_of(sound: _Heard, playback: dict[str, float | None], below_db: float) -> RunRecords:
+    """Return the records of a sound with its gains."""
+    stated = sound.stated
+    heard_s = stated.sound.duration if stated.long is None else _seconds(stated.long)
+    ends = sound.run.ends_within(heard_s)
+    return RunRecords(
+        stated=stated,
+        records=_records(sound),
+        playback=playback,
+        below_db=below_db,
+        lap=lap(stated.sound, stated.long, len(sound.ear.pressure), ends),
+        solved=solved(stated.sound, stated.long),
+        ends=ends,
+        raised=sound.ear.raised,
+    )
+
+
+def _records(sound: _Heard) -> list[PageRecord]:
+    """Return the records of a sound, the one that is heard first."""
+    stated = sound.stated
+    prefix = "" if sound.is_played else "released-"
+    of = "" if sound.is_played else " of the released power"
     records = []
-    if ear.content:
-        full_pa = full_scale(float(np.abs(ear.pressure).max()))
+    if sound.ear.content:
+        full_pa = full_scale(float(np.abs(sound.ear.pressure).max()))
         record = PageRecord(
-            name="long",
-            title="long record",
-            text=f"long record: {ear.content}",
-            src=compressed(ear.pressure / full_pa),
+            name=f"{prefix}long",
+            title=f"long record{of}",
+            text=f"{stated.name}, long record, {stated.level.words}: {sound.ear.content}",
+            src=compressed(sound.ear.pressure / full_pa),
             full_pa=full_pa,
-            size=_wav_size(ear.pressure),
+            size=_wav_size(sound.ear.pressure),
             silent=False,
         )
         records.append(record)
-    channels = run.sound.channels
+    channels = stated.sound.channels
     full_pa = full_scale(float(np.abs(channels).max()))
+    level = "" if sound.ear.content else f", {stated.level.words}"
     record = PageRecord(
-        name="run",
-        title="solved record",
-        text=f"computed record of {run.sound.duration:.4g} s",
+        name=f"{prefix}run",
+        title=f"solved record{of}",
+        text=f"{stated.name}, record of the solved {stated.sound.duration:.4g} s{level}",
         src=lossless(channels / full_pa),
         full_pa=full_pa,
         size=_wav_size(channels),
         silent=not channels.any(),
     )
     records.append(record)
-    if run.result.passes is not None:
-        content, sentence = listening.passes_wav(run, 16)
+    if sound.run.result.passes is not None and stated.source == "release":
+        content, sentence = listening.passes_wav(sound.run, 16)
         with soundfile.SoundFile(io.BytesIO(content)) as file:
             samples = file.read()
             gain = listening.gain_of_comment(file.comment).full_scale_per_pa
         record = PageRecord(
             name="passes",
             title="passes",
-            text=f"pass by pass: {sentence}",
+            text=f"released power pass by pass: {sentence}",
             src=compressed(samples),
             full_pa=1.0 / gain,
             size=_wav_size(samples),

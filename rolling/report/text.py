@@ -1,7 +1,7 @@
 """Sentences and facts of the page as plain text, from the numbers and records of runs."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.resources import files
 from operator import attrgetter
 from pathlib import Path
@@ -14,9 +14,9 @@ from acoustics.texts import printable
 from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.numbers.views import NOTHING
 from rolling.results import description
-from rolling.results.level_words import level_name
 from rolling.results.run_quantities import heard_level_db
 from rolling.results.run_result import Run
+from rolling.results.stated_sound import StatedSound
 from rolling.scene import file
 from rolling.sound.wavelengths import mean_speed, weighted_lines
 from rolling.terminal.whole_files import read_regular
@@ -39,27 +39,44 @@ def titles(runs: Sequence[Any]) -> str:
     return printable(", ".join(dict.fromkeys(run.scene.title or run.scene.name for run in runs)))
 
 
-def heard(run: Run, is_alone: bool) -> str:
-    """Say what one hears of a run, and what is special about it unless the page has it alone."""
-    if main_level(run) is None:
-        return f"{_capitalized(run.label)} is silent: {silence(run)}."
-    if run.sound.source == "vibration":
-        sound = "the vibration of ball and plate"
-    elif run.numbers.record.q is None:
+def heard(run: Run, is_alone: bool, stated: StatedSound | None = None) -> str:
+    """Say what one hears of a run, and what is special about it unless the page has it alone.
+
+    `stated` is the sound. Default: what plays.
+    """
+    stated = stated or run.stated()
+    if stated.level.level_db is None:
+        return f"{_capitalized(run.label)} is silent: {silence(run, stated)}."
+    q = run.scene.sound.q
+    if stated.source == "vibration":
+        sound = f"the vibration of ball and plate, {stated.how}"
+    elif run.scene.sound.gain_pa_per_w_m2 is not None:
         sound = "the released power under the gain that the scene fixes"
-    elif run.numbers.record.q != 1:
-        sound = f"the released power, as if a share of {run.numbers.record.q:g} became sound"
+    elif q != 1:
+        sound = f"the released power, as if a share of {q:g} became sound"
     else:
         sound = "the released power, as if all of it became sound"
-    sentence = f"You hear {sound}."
+    sentence = f"You hear {sound}: {stated.level.words}."
+    reason = run.numbers.vibration.reason
+    if stated.source == "release" and reason:
+        sentence += f" No vibration plays: {reason}."
     if not is_alone:
         sentence = f"{sentence} {description.special(run.scene, run.numbers)}".rstrip()
     return sentence
 
 
-def common_gain(runs: Sequence[Run]) -> str:
+def released(stated: StatedSound) -> str:
+    """Say what the second button plays."""
+    if stated.level.level_db is None:
+        return "The released power does not fluctuate within hearing."
+    return (
+        f"The released power is an upper bound, and not what one would hear: {stated.level.words}."
+    )
+
+
+def common_gain(sounds: Iterable[StatedSound]) -> str:
     """Say what the gain that runs share does to the ear; vibration and release have one each."""
-    sources = {run.sound.source for run in runs}
+    sources = {stated.source for stated in sounds}
     if sources == {"vibration"}:
         return "All runs play with one gain, so a louder run sounds louder."
     if sources == {"release"}:
@@ -68,14 +85,16 @@ def common_gain(runs: Sequence[Run]) -> str:
             "Which ball is louder, only the vibration says."
         )
     return (
-        "Runs that play their vibration share one gain, so the louder one sounds louder. Runs that "
-        "play their released power share another; which of these balls is louder, only the "
-        "vibration says."
+        "Vibrations share one gain, so the louder one sounds louder. Released powers share "
+        "another; which of these balls is louder, only the vibration says."
     )
 
 
 def main_level(run: Run) -> float | None:
-    """Return the level of a run that is read first [dB]; None for silence."""
+    """Return the level of what plays of a run [dB]; None for silence."""
+    played = run.numbers.heard
+    if played is not None:
+        return played.level_db
     if run.sound.levels.laeq_db is None:
         return None
     return heard_level_db(run.numbers)
@@ -91,17 +110,18 @@ def _level_or_zero(run: Run) -> float:
     return main_level(run) or 0.0
 
 
-def silence(run: Run) -> str:
-    """State the reason of the silence of a run."""
+def silence(run: Run, stated: StatedSound | None = None) -> str:
+    """State the reason of the silence of a sound of a run, by default of what plays."""
     motion = run.numbers.motion
     if motion is not None and motion.flight_share == 1 and not motion.impacts:
         return f"the record of {rounded(run.sound.duration)} s ends before the ball hits the plate"
-    return f"the {run.sound.source} does not fluctuate within hearing"
+    source = (stated or run.stated()).source_words
+    return f"the {source} does not fluctuate within hearing"
 
 
-def level_head(runs: Sequence[Run]) -> str:
-    """Name the level of runs: of the vibration, of the released power, or of both."""
-    return " or ".join(dict.fromkeys(level_name(run.numbers) for run in runs))
+def level_head(sounds: Iterable[StatedSound]) -> str:
+    """Name the level of what plays: of the vibration, of the released power, or of both."""
+    return " or ".join(dict.fromkeys(f"{stated.measure} of the {stated.name}" for stated in sounds))
 
 
 # ---- facts

@@ -484,6 +484,8 @@ def _lost_contact(scene: Scene, numbers: RunNumbers) -> str:
 def _repeats(scene: Scene, numbers: RunNumbers) -> str:
     """Tell of a track that is so short that its repetition is heard as a tone."""
     is_long = numbers.listening is not None and bool(numbers.listening.seconds)
+    if numbers.heard is not None:
+        is_long = numbers.heard.long_s is not None
     keys = {doubt.key for doubt in numbers.doubts}
     if is_long or not keys & {"short_loop", "short_track"}:
         return ""
@@ -527,7 +529,7 @@ def _loudest_band_hz(numbers: RunNumbers) -> float | None:
 
 
 def _a_weighted(numbers: RunNumbers) -> dict[str, float | None]:
-    """Return the A-weighted third octaves of the sound that plays [dB(A)]."""
+    """Return the A-weighted third octaves of the record that is measured [dB(A)]."""
     bands = numbers.played_bands_a
     return {} if bands is None else bands.by_name
 

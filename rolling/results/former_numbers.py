@@ -70,7 +70,7 @@ _SAME: Mapping[str, Mapping[str, str]] = {
         "band_end_hz": "laeq_band_end_hz",
     },
 }
-_OF_SOUND = {  # levels of the sound that plays
+_OF_SOUND = {  # levels of the record that is measured
     "laeq_db": "laeq_db",
     "lae_db": "lae_db",
     "laf_max_db": "laf_max_db",

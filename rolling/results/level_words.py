@@ -30,7 +30,7 @@ class NumberText(NamedTuple):
     number_field : NumberField
         What is said of it.
     is_played : bool
-        Whether it is a level of the sound that plays.
+        Whether it is a level of the record that is measured.
     is_repeated : bool
         Whether it is one of the two numbers of the run again.
     """
@@ -115,24 +115,6 @@ def _text(row: Leaf, is_silent: bool) -> str:
     if spread is not None:
         return uncertain(row.value, spread)
     return row.number_field.text(row.value)
-
-
-def level_name(numbers: RunNumbers) -> str:
-    """Name the level of a run: LAeq of the vibration, or of the released power with its q.
-
-    A single event has the sound exposure level LAE.
-    """
-    of = measure(numbers)
-    reference = " (re 1 s)" if of == LAE else ""
-    if numbers.record.source == "vibration":
-        place = "at the listener" if numbers.levels.listeners else "on the axis"
-        return f"{of} {place}{reference}"
-    if numbers.record.q is None:
-        return f"{of} under the fixed gain{reference}"
-    q = f"q = {numbers.record.q:g}"
-    if of == LAE:
-        return f"LAE of the released power (re 1 s, {q})"
-    return f"level of the released power ({q})"
 
 
 def level_rows(numbers: RunNumbers) -> dict[str, str]:

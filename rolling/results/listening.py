@@ -1,5 +1,6 @@
-"""Records for the ear: listen.wav, at least five seconds of laps or a long record; long.wav.
+"""Records for the ear: at least five seconds of laps or a long record.
 
+listen.wav has what plays, and released.wav the released power. long.wav is made on request, and
 passes.wav has the passes over a plate that remembers.
 """
 
@@ -7,31 +8,38 @@ from __future__ import annotations
 
 import io
 import math
-import os
-import sys
-import webbrowser
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import soundfile
 
 from acoustics import level, resampling, wav
 from acoustics.arrays import Array
+from acoustics.level import lae_db
 from acoustics.numbers import decibels_a, rounded
-from rolling.kinds.heard_sound import FileGain, HeardSound, played_sound
-from rolling.kinds.registry import kind_of
-from rolling.kinds.run_folder import LISTEN, RunFolder
+from rolling.contact.track import Motion
+from rolling.kinds.heard_sound import FileGain, HeardSound
+from rolling.kinds.run_folder import LISTEN, RELEASED, RunFolder
+from rolling.numbers.ball_numbers import Source
 from rolling.numbers.file_facts import ListenFacts, RaisedEnd, SignalFacts
 from rolling.numbers.run_file import StoredNumbers
+from rolling.results.long_record import ends_within
 from rolling.results.solved_run import NumberedRun
+from rolling.results.stated_sound import (
+    StatedSound,
+    playing_source,
+    sound_to_listen,
+    stated_sound,
+)
+from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import FADE_S, ContactSound
 from rolling.sound.long_listening import Listening
-from rolling.terminal import progress
-from rolling.terminal.whole_files import make_below, read_regular, write_bytes, write_temporary
+from rolling.terminal.whole_files import make_below, read_regular, write_bytes
 
 # [s] of a pass for the ear, and of the silence after it
 PASS_S = 1.5
@@ -99,27 +107,30 @@ class Gain(NamedTuple):
 # ---- records
 
 
-def record_for_ear(run: NumberedRun) -> EarRecord:
-    """Return the long record of a run if its scene asks for it, or its record in laps."""
-    long = long_record_of(run)
-    if long is not None:
-        return long_ear_record(run, long)
-    return record_in_laps_of(run)
+def record_for_ear(stated: StatedSound, motion: Motion) -> EarRecord:
+    """Return the long record of a sound if its scene asks for one, or its record in laps.
+
+    `motion` is that of the ball, which may come to rest.
+    """
+    if stated.long is not None:
+        return long_ear_record(stated, stated.long)
+    return record_in_laps_of(stated, motion)
 
 
-def long_ear_record(run: NumberedRun, long: Listening) -> EarRecord:
+def long_ear_record(stated: StatedSound, long: Listening) -> EarRecord:
     """Return a long record for the ear."""
-    return _with_raised_end(run, EarRecord(long.channels, describe_long_record(run, long)))
+    content = describe_long_record(stated, long)
+    return _with_raised_end(stated.sound, EarRecord(long.channels, content))
 
 
-def _with_raised_end(run: NumberedRun, record: EarRecord) -> EarRecord:
+def _with_raised_end(sound: ContactSound, record: EarRecord) -> EarRecord:
     """Return a record whose end, after impacts that have died away, is raised so that it is heard.
 
     Records that go round stay as they are.
     """
-    if not run.sound.once or not record.pressure.any():
+    if not sound.once or not record.pressure.any():
         return record
-    rate = run.sound.sample_rate
+    rate = sound.sample_rate
     begin = _end_of_impacts(record.pressure, rate)
     end = min(len(record.pressure), begin + round(MAX_RAISED_S * rate))
     if end - begin < MIN_RAISED_S * rate:
@@ -155,37 +166,35 @@ def _faded(record: Array, samples: int) -> Array:
     return np.stack([resampling.fade(channel, samples) for channel in record.T], 1)
 
 
-def record_in_laps_of(run: NumberedRun) -> EarRecord:
-    """Return the record of a run in laps for the ear."""
-    content = describe_laps(run)
-    if run.scene.sound.listen_s is not None:
-        content += f"; no long record: {run.no_long}"
-    return _with_raised_end(run, EarRecord(record_in_laps(run), content))
+def record_in_laps_of(stated: StatedSound, motion: Motion) -> EarRecord:
+    """Return the record of a sound in laps for the ear."""
+    content = describe_laps(stated.sound, motion)
+    if stated.no_long:
+        content += f"; no long record: {stated.no_long}"
+    return _with_raised_end(stated.sound, EarRecord(record_in_laps(stated.sound, motion), content))
 
 
-def record_in_laps(run: NumberedRun) -> Array:
+def record_in_laps(sound: ContactSound, motion: Motion) -> Array:
     """Return the record of all channels [Pa], or as many of its laps as last five seconds.
 
     The record of what ends has no laps.
     """
-    sound = run.sound
     record = sound.channels
     samples = round(MIN_S * sound.sample_rate)
-    if run.ends_within(sound.duration) or len(record) >= samples:
+    if ends_within(sound, motion, sound.duration) or len(record) >= samples:
         return record
     lap = sound.lap.samples(record)
     count = math.ceil(samples / len(lap))
     return np.concatenate([lap] * count)
 
 
-def describe_laps(run: NumberedRun) -> str:
-    """Describe how listen.wav follows from the record."""
-    sound = run.sound
+def describe_laps(sound: ContactSound, motion: Motion) -> str:
+    """Describe how a file for the ear follows from the record."""
     lap = sound.lap
     rate = sound.sample_rate
-    if run.ends_within(sound.duration) or len(sound.pressure) >= MIN_S * rate:
+    if ends_within(sound, motion, sound.duration) or len(sound.pressure) >= MIN_S * rate:
         return f"the record, {sound.ends}"
-    count = len(record_in_laps(run)) // len(lap)
+    count = len(record_in_laps(sound, motion)) // len(lap)
     duration = rounded(sound.duration, 3)
     if sound.loops:
         return f"{count} laps of the record of {duration} s, which closes on itself"
@@ -198,24 +207,29 @@ def describe_laps(run: NumberedRun) -> str:
 
 
 def long_record_of(run: NumberedRun) -> Listening | None:
-    """Return the long record of a run, from listen.wav where that holds it; None without one."""
-    return _stored_long_record(run) or run.long
+    """Return the long record of a run, from its file where that holds it; None without one."""
+    return stored_long_record(run) or run.long
 
 
-def _stored_long_record(run: NumberedRun) -> Listening | None:
-    """Return the long record that listen.wav of a stored run holds; None without a whole one."""
+def stored_long_record(run: NumberedRun) -> Listening | None:
+    """Return the long record that a file of a stored run holds, as made; None without a whole one.
+
+    It is that of the record of the run: the other source has none that is kept.
+    """
     numbers = run.numbers.listening
     if run.stored is None or numbers is None or numbers.seconds is None:
         return None
     with suppress(OSError, ValueError, soundfile.LibsndfileError):
-        content = read_regular(run.folder / LISTEN, MAX_BYTES)
+        file_name, facts = _file_of_record(run.stored)
+        content = read_regular(run.folder / file_name, MAX_BYTES)
         with soundfile.SoundFile(io.BytesIO(content)) as file:
             if file.frames * file.channels > len(content):  # packed, so not of this program
                 return None
             samples = file.read()
             rate = file.samplerate
             gain = gain_of_comment(file.comment)
-        channels = np.atleast_2d(samples.T) / gain.full_scale_per_pa
+        to_stated = 10 ** (facts.stated_gain_db / 20)
+        channels = np.atleast_2d(samples.T) / (gain.full_scale_per_pa * to_stated)
         is_whole = abs(channels.shape[1] - numbers.seconds * rate) < 1
         if is_whole and np.isfinite(channels).all():
             right = channels[1] if len(channels) > 1 else None
@@ -223,13 +237,23 @@ def _stored_long_record(run: NumberedRun) -> Listening | None:
     return None
 
 
-def describe_long_record(run: NumberedRun, long: Listening) -> str:
-    """Describe length, level, kurtosis, impacts and the solved share of a long record."""
+def _file_of_record(stored: StoredNumbers) -> tuple[str, ListenFacts]:
+    """Return the file for the ear, with its facts, of the source of the record of a run."""
+    listen = stored.files.listen
+    released = stored.files.released
+    if released is not None and listen.source != stored.numbers.record.source:
+        return RELEASED, released
+    return LISTEN, listen
+
+
+def describe_long_record(stated: StatedSound, long: Listening) -> str:
+    """Describe length, level, kurtosis, impacts and the solved share of a long record as made."""
     numbers = long.numbers
-    is_event = run.numbers.record.single_event
-    own = decibels_a(run.sound.levels.laeq_db)
+    is_event = stated.is_event
+    own = decibels_a(stated.record.levels.laeq_db)
     if is_event:
-        own = f"has LAE {decibels_a(run.numbers.played.lae_db)} re 1 s"
+        exposure_db = lae_db(stated.record.pressure, stated.record.sample_rate)
+        own = f"has LAE {decibels_a(exposure_db)} re 1 s"
     if numbers.ends:
         own += " in its solved part"
     kurtosis = "-" if numbers.kurtosis is None else f"{numbers.kurtosis:.2f}"
@@ -243,7 +267,7 @@ def describe_long_record(run: NumberedRun, long: Listening) -> str:
             f"({rounded(100 * (numbers.solved_share or 0.0))} % of the time) are solved and the "
             f"others follow their statistics at random (seed {numbers.seed})"
         )
-    name = "vibration" if run.numbers.record.source == "vibration" else "released power"
+    name = stated.source_words
     level_words = f"LAeq of the {name} {decibels_a(numbers.laeq_db)}"
     if numbers.ends and is_event:
         level_words = f"LAE of the {name} {decibels_a(numbers.lae_db)} re 1 s"
@@ -262,68 +286,105 @@ def describe_long_record(run: NumberedRun, long: Listening) -> str:
 
 
 class ListenSound(HeardSound):
-    """The record for the ear of a run of a ball, and its listen.wav.
+    """A sound of a run of a ball for the ear, and its file.
 
     Its file has a long record that is made anew, so that the bytes do not depend on an earlier
     file; it plays the one that an earlier file holds.
+
+    Parameters
+    ----------
+    run : NumberedRun
+        The run.
+    source : vibration or release
+        What is heard. Default: what plays.
+    file : str
+        Name of the file. Default: listen.wav.
+    as_made : bool
+        Whether it plays as it was made, and not at the level that is stated, as in the files of an
+        earlier program. Default: at this level.
     """
 
-    file = LISTEN
     unit = "Pa"
+    group: Source
 
-    def __init__(self, run: NumberedRun) -> None:
+    def __init__(
+        self,
+        run: NumberedRun,
+        source: Source | None = None,
+        file: str = LISTEN,
+        as_made: bool = False,
+    ) -> None:
         self._run = run
-        self.group = run.numbers.record.source
+        self._as_made = as_made
+        self.file = file
+        self.group = source or playing_source(run, run.numbers)
 
     @cached_property
-    def _for_the_ear(self) -> EarRecord:
-        return record_for_ear(self._run)
+    def written(self) -> StatedSound:
+        """The sound at the level that is stated, made anew."""
+        return self._sound(None)
 
     @cached_property
-    def _written(self) -> EarRecord:
-        run = self._run
-        return record_in_laps_of(run) if run.long is None else long_ear_record(run, run.long)
+    def stated(self) -> StatedSound:
+        """The sound at the level that is stated, with the long record of an earlier file."""
+        known = stored_long_record(self._run)
+        if known is None or self.group != self._run.sound.source:
+            return self.written
+        return self._sound(known)
+
+    def _sound(self, known: Listening | None) -> StatedSound:
+        """Return the sound with a long record that is known, or made."""
+        stated = sound_to_listen(self._run, self._run.numbers, self.group, known)
+        return replace(stated, stated_db=None) if self._as_made else stated
+
+    @cached_property
+    def for_the_ear(self) -> EarRecord:
+        """The record that is heard."""
+        return record_for_ear(self.stated, self._run.scene.motion)
+
+    @cached_property
+    def _written_record(self) -> EarRecord:
+        return record_for_ear(self.written, self._run.scene.motion)
 
     @property
     def samples(self) -> Array:
         """The pressure [Pa]."""
-        return self._for_the_ear.pressure
+        return self.for_the_ear.pressure
 
     @property
     def words(self) -> str:
         """What the record holds."""
-        return self._for_the_ear.content
+        return f"{self.stated.name}, {self.stated.level.words}; {self.for_the_ear.content}"
 
     @property
     def level_db(self) -> float | None:
-        """LAeq of the record that is heard [dB(A)]: of the long record if there is one."""
-        long = self._run.numbers.listening
-        if long is not None and long.refused is None:
-            return long.laeq_db
-        return self._run.numbers.played.laeq_db
+        """Level of what is heard [dB(A)], before its end is raised; LAE of what ends."""
+        return self.stated.level.level_db
 
     def _gains(self, common: float | None) -> tuple[Gain, Gain]:
         """Return its own gain, and the gain that is used."""
-        own = own_gain(self._written)
+        own = own_gain(self._written_record)
         if common is not None and own.rule != SILENCE:
             return own, Gain(common, COMMON_GAIN)
         return own, own
 
     def wav(self, common: float | None = None) -> bytes:
-        """Return listen.wav with a common gain [full scale per Pa], or with its own gain."""
-        run = self._run
-        record = self._written
-        repeats = run.sound.loops or len(record.pressure) > len(run.sound.pressure)
+        """Return the file with a common gain [full scale per Pa], or with its own gain."""
+        sound = self.written.sound
+        record = self._written_record
+        repeats = sound.loops or len(record.pressure) > len(sound.pressure)
         _, used = self._gains(common)
-        return _wav(run, record, used, loops=repeats and run.long is None)
+        loops = repeats and self.written.long is None
+        return _wav(self._run, self.written, record, used, loops=loops)
 
     def facts(self, common: float | None = None) -> ListenFacts:
-        """Return the content of listen.wav and the meaning of its samples."""
-        record = self._written
-        rate = self._run.sound.sample_rate
+        """Return the content of the file and the meaning of its samples."""
+        record = self._written_record
+        stated = self.written
+        rate = stated.sound.sample_rate
         own, used = self._gains(common)
         scale = used.full_scale_per_pa
-        meaning = _meaning(self.group, own, used)
+        meaning = _meaning(stated, own, used)
         raised = None
         if record.raised is not None:
             meaning += (
@@ -338,6 +399,11 @@ class ListenSound(HeardSound):
         return ListenFacts(
             content=record.content,
             meaning=meaning,
+            source=self.group,
+            how=stated.how,
+            measure=stated.measure,
+            level_db=stated.level.level_db,
+            stated_gain_db=stated.level.gain_db,
             duration_s=len(record.pressure) / rate,
             rule=used.rule,
             pascal_per_full_scale=1.0 / scale,
@@ -349,22 +415,40 @@ class ListenSound(HeardSound):
         )
 
 
+def listen_sounds(run: NumberedRun) -> list[ListenSound]:
+    """Return the sounds of the files of a run for the ear, that of listen.wav first.
+
+    A run of an earlier program has the source of its record in listen.wav, and no other file.
+    """
+    stored = run.stored
+    if stored is not None and stored.files.released is None and run.release is not None:
+        return [ListenSound(run, _source_of(stored), as_made=True)]
+    return new_sounds(run)
+
+
+def new_sounds(run: NumberedRun) -> list[ListenSound]:
+    """Return the sounds of a run for the ear as its files have them when they are made now."""
+    sounds = [ListenSound(run)]
+    if run.release is not None:
+        sounds.append(ListenSound(run, "release", RELEASED))
+    return sounds
+
+
 def listen_gains(stored: StoredNumbers) -> Iterator[FileGain]:
-    """Yield the gains of the listen.wav of a run of a ball; a silent one shares none.
+    """Yield the gains of the files for the ear of a run of a ball; a silent one shares none.
 
     Vibration and release have gains of their own, because one does not compare the two by ear.
     """
-    listen = stored.files.listen
-    own = listen.own_gain_full_scale_per_pa
-    if own <= 0.0 or listen.rule == SILENCE:
-        return
-    yield FileGain(
-        file=LISTEN,
-        group=stored.numbers.record.source,
-        own=own,
-        used=listen.common_gain_full_scale_per_pa,
-        words=words_of_common_gain,
-    )
+    for file, facts in ((LISTEN, stored.files.listen), (RELEASED, stored.files.released)):
+        if facts is None or facts.own_gain_full_scale_per_pa <= 0.0 or facts.rule == SILENCE:
+            continue
+        yield FileGain(
+            file=file,
+            group=_source_of(stored) if file == LISTEN else "release",
+            own=facts.own_gain_full_scale_per_pa,
+            used=facts.common_gain_full_scale_per_pa,
+            words=words_of_common_gain,
+        )
 
 
 def words_of_common_gain(gain: float) -> str:
@@ -384,13 +468,13 @@ def own_gain(record: EarRecord) -> Gain:
     return Gain(gain, EQUAL_LOUDNESS)
 
 
-def _meaning(source: str, own: Gain, used: Gain) -> str:
-    """Say what the samples of listen.wav are, and what its gain does to the ear."""
+def _meaning(stated: StatedSound, own: Gain, used: Gain) -> str:
+    """Say what the samples of a file for the ear are, and what its gain does to the ear."""
     text = (
         "Samples times pascal_per_full_scale are sound pressure in Pa at the listener; "
-        f"{_CONSEQUENCES[used.rule]}."
+        f"{_CONSEQUENCES[used.rule]}. They are of the {stated.name}: {stated.level.words}."
     )
-    if source == "release":
+    if stated.source == "release":
         text += " The record is of the released power; which ball is louder, the vibration says."
     lowered_db = 20.0 * math.log10(own.full_scale_per_pa / used.full_scale_per_pa)
     if lowered_db > QUIET_DB:
@@ -402,17 +486,17 @@ def _meaning(source: str, own: Gain, used: Gain) -> str:
     return text
 
 
-def signal_facts(sound: ContactSound) -> SignalFacts:
-    """Say what the samples of signal.wav are, and whether a player clips them."""
+def signal_facts(sound: ContactSound, for_the_ear: str) -> SignalFacts:
+    """Say what the samples of a file in pascals are, and whether a player clips them."""
     peak_pa = float(np.abs(sound.channels).max())
     meaning = "Samples are sound pressure in Pa at the listener, for calculations, not for playing"
     if peak_pa > 1.0:
         meaning += f": the peak of {peak_pa:.3g} Pa lies above full scale, and a player clips it"
-    return SignalFacts(meaning=f"{meaning}; listen.wav is for the ear.", peak_pa=peak_pa)
+    return SignalFacts(meaning=f"{meaning}; {for_the_ear} is for the ear.", peak_pa=peak_pa)
 
 
 def write_long(run: NumberedRun, long: Listening) -> Path:
-    """Write long.wav, a long record for the ear, and return its path.
+    """Write long.wav, a long record of what plays for the ear, and return its path.
 
     A run of a sweep keeps the common gain of listen.wav, unless the record would clip.
 
@@ -421,24 +505,42 @@ def write_long(run: NumberedRun, long: Listening) -> Path:
     OSError : the file cannot be written. An earlier file is kept.
     """
     path = run.folder / "long.wav"
-    record = long_ear_record(run, long)
+    playing = playing_source(run, run.numbers)
+    stated = stated_sound(run, run.numbers, playing)
+    record = long_ear_record(stated, long)
     gain = own_gain(record)
     common = None
-    if run.stored is not None:
+    if run.stored is not None and _source_of(run.stored) == playing:
         common = run.stored.files.listen.common_gain_full_scale_per_pa
     if common is not None and common < gain.full_scale_per_pa:
         gain = Gain(common, COMMON_GAIN)
     make_below(run.home, run.folder)
-    write_bytes(path, _wav(run, record, gain, loops=False))
+    write_bytes(path, _wav(run, stated, record, gain, loops=False))
     return path
 
 
-def _wav(run: NumberedRun, record: EarRecord, gain: Gain, loops: bool) -> bytes:
+def content_words(stored: StoredNumbers) -> str:
+    """Say what the listen.wav of a stored run holds, a vibration with how it was found."""
+    if _source_of(stored) == "release":
+        return "released power"
+    return f"vibration, {stored.numbers.vibration.how}"
+
+
+def _source_of(stored: StoredNumbers) -> Source:
+    """Return what the listen.wav of a stored run holds."""
+    return stored.files.listen.source or stored.numbers.record.source
+
+
+def _wav(
+    run: NumberedRun, stated: StatedSound, record: EarRecord, gain: Gain, loops: bool
+) -> bytes:
     """Return a record as a WAV, with a loop where it repeats."""
-    comment = f"{comment_of_gain(gain)}; {record.content}; {wav_comment(run)}"
-    return wav.listening(
-        record.pressure, gain.full_scale_per_pa, comment, wav_title(run, run.label), loops=loops
+    comment = (
+        f"{comment_of_gain(gain)}; {stated.name}, {stated.level.words}; {record.content}; "
+        f"{wav_comment(run, stated.sound)}"
     )
+    title = wav_title(run, run.label)
+    return wav.listening(record.pressure, gain.full_scale_per_pa, comment, title, loops=loops)
 
 
 def comment_of_gain(gain: Gain) -> str:
@@ -486,63 +588,26 @@ def wav_title(run: RunFolder, label: str) -> str:
     return f"{run.scene.name}, {label}"
 
 
-def wav_comment(run: NumberedRun) -> str:
+def wav_comment(run: NumberedRun, sound: ContactSound) -> str:
     """Write the facts that the comment of a sound file holds: place, source and ends."""
-    return f"{wav_title(run, run.label)}; {_place(run)}, {_source(run)}; {run.sound.ends}"
+    where = _place(run.scene, sound)
+    return f"{wav_title(run, run.label)}; {where}, {_source(run.scene, sound)}; {sound.ends}"
 
 
-def _place(run: NumberedRun) -> str:
+def _place(scene: Scene, sound: ContactSound) -> str:
     """Name the place of the listeners."""
-    scene = run.scene
-    if run.sound.source != "vibration" or scene.sound.listener_mm is None:
+    if sound.source != "vibration" or scene.sound.listener_mm is None:
         return f"distance {scene.sound.distance_m:g} m"
-    if run.sound.right is None:
+    if sound.right is None:
         return f"listener at {scene.listener_place}"
     left, right = scene.sound.listener_mm[:2]
     return f"listeners left and right at {list(left)} and {list(right)} mm"
 
 
-def _source(run: NumberedRun) -> str:
+def _source(scene: Scene, sound: ContactSound) -> str:
     """Name the source of the sound, a release with its factor."""
-    scene = run.scene
-    if run.sound.factor is not None:
-        return f"q {scene.sound.q:g}, {run.sound.factor:.6g} Pa per W/m2 of fluctuation"
+    if sound.factor is not None:
+        return f"q {scene.sound.q:g}, {sound.factor:.6g} Pa per W/m2 of fluctuation"
     bodies = "plate and sphere" if scene.sound.ball else "plate"
     where = "on the axis" if scene.plate.edges_mm is None else "with edges"
     return f"vibration of {bodies} {where}"
-
-
-# ---- players
-
-
-def play(run: Any) -> Any:
-    """Return a player in a notebook; in a script, name a sound file and open a player for it.
-
-    Raises
-    ------
-    ValueError : the kind of the run has no sounds.
-    """
-    kind = kind_of(run.scene)
-    sound = played_sound(kind.sounds(run))
-    if sound is None:
-        raise ValueError(f"{kind.name}: runs of this kind have no sound")
-    if progress.in_notebook():
-        from IPython.display import Audio
-
-        samples = sound.samples * wav.listening_gain(sound.samples)
-        return Audio(samples.T, rate=wav.SAMPLE_RATE_HZ, normalize=False)
-    path = run.folder / sound.file
-    is_stored = run.stored is not None and path.is_file()
-    if not is_stored:
-        path = write_temporary(f"{run.scene.name}-listen-", ".wav", sound.wav())
-    print(f"listen: {path}   {sound.words}")
-    _open_player(path)
-    return None
-
-
-def _open_player(path: Path) -> None:
-    """Play a file by the player of the desktop, where a person sits at a terminal of one."""
-    has_display = {"DISPLAY", "WAYLAND_DISPLAY"} & {*os.environ}
-    has_desktop = sys.platform in ("darwin", "win32") or has_display
-    if has_desktop and sys.stdout.isatty() and "CI" not in os.environ:
-        webbrowser.open(path.resolve().as_uri())

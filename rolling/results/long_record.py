@@ -17,6 +17,7 @@ from rolling.scene import values_in_si
 from rolling.scene.scene import Scene
 from rolling.sound import long_listening
 from rolling.sound.contact_sound import FADE_S, ContactSound, contact_sound
+from rolling.sound.linear_sound import LinearVibration
 from rolling.sound.long_listening import Listening, LongTravel
 from rolling.sound.vibration_sound import Vibration
 from rolling.terminal import defaults, progress
@@ -79,13 +80,15 @@ def make_long_record(
     scene: Scene,
     result: Result,
     sound: ContactSound,
-    vibration: Vibration | None,
+    vibration: Vibration | LinearVibration | None,
     *,
     seconds: float,
     speed: Speed | None = None,
     seed: int = 0,
 ) -> Listening:
     """Make a long record of a run that has no reason against it, at its own speed or another.
+
+    A sound of a vibration goes on by its motion, or by the linear chain that estimates it.
 
     Raises
     ------
@@ -102,16 +105,21 @@ def make_long_record(
         )
     travel = LongTravel(motion=motion, seconds=seconds, seed=seed, turn_m=circumference_of(scene))
     with progress.Bar(seconds, "listening") as bar:
-        if vibration is not None and sound.source == "vibration":
-            record = long_listening.listen_to_vibration(
-                bodies_of(scene), listener_of(scene), vibration.law, travel, bar.update
-            )
-        else:
-            lap = result.solved_steps
+        lap = result.solved_steps
+        is_closed = scene.track.lap_steps <= lap and not sound.has_seam
+        if sound.source == "release" or vibration is None:
             energy, _ = released_energy(scene, result)
-            is_closed = scene.track.lap_steps <= lap and not sound.has_seam
             record = long_listening.listen_to_release(
                 energy[:lap], result.step, is_closed, listener_of(scene), travel, bar.update
+            )
+        elif isinstance(vibration, LinearVibration):
+            approach = result.series["approach"][:lap]
+            record = long_listening.listen_to_chain(
+                vibration, approach, is_closed, travel, bar.update
+            )
+        else:
+            record = long_listening.listen_to_vibration(
+                bodies_of(scene), listener_of(scene), vibration.law, travel, bar.update
             )
     ends = ends_within(sound, motion, seconds)
     numbers = replace(record.numbers, seed=seed, ends=ends)

@@ -163,7 +163,7 @@ def _uncertainty(numbers: RunNumbers, vibration: Vibration | None) -> Doubt:
 
 
 def _rule_of_length(numbers: RunNumbers, vibration: Vibration | None) -> str:
-    """Say how the length of the record that plays becomes an uncertainty."""
+    """Say how the length of the record that is measured becomes an uncertainty."""
     vibrating = vibration if numbers.record.source == "vibration" else None
     if vibrating is not None and vibrating.is_mean_of_comb:
         return f"Its comb is the spread of LAeq over speeds within {100 * NEAR_SPEEDS:g} %."

@@ -79,6 +79,7 @@ def doubts(
         *_motion(scene, numbers, vibration),
         *_comb_mean(sound, vibration),
         *_about(RELEASED_POWER, _solver(scene, sound)),
+        *_played_level(numbers),
     ]
     if numbers.played.laeq_db is not None:
         listed += _about(plays, [*_spread(numbers), *_errors(scene, numbers)])
@@ -282,6 +283,24 @@ def _estimate_of_errors(scene: Scene, sound: ContactSound, numbers: RunNumbers) 
         )
 
 
+def _played_level(numbers: RunNumbers) -> Iterator[Doubt]:
+    """Yield the doubt about a sound that does not play at the level that is stated."""
+    sound = numbers.heard
+    if sound is None or sound.gain_db == sound.departure_db:
+        return
+    quantity = VIBRATION if sound.source == "vibration" else RELEASED_POWER
+    size = abs(sound.departure_db)
+    where = "below" if sound.departure_db > 0 else "above"
+    yield Doubt(
+        "played_level",
+        f"what plays lies {size:.1f} dB {where} the level that is stated, more than its ±",
+        Severity.TRUST,
+        decibels=size,
+        advice="compare by the numbers, not by ear; a longer track brings both together",
+        about=(quantity,),
+    )
+
+
 def silent_vibration_doubts(numbers: RunNumbers) -> list[Doubt]:
     """Return the doubts about a vibration that does not play, computed or by a linear chain."""
     if numbers.record.source == "vibration" or numbers.vibration.value is None:
@@ -293,7 +312,7 @@ def silent_vibration_doubts(numbers: RunNumbers) -> list[Doubt]:
 
 
 def _computed(numbers: RunNumbers) -> Iterator[Doubt]:
-    """Yield the doubts about a vibration that is computed while the release plays."""
+    """Yield the doubts about a vibration that is computed while the release is measured."""
     parts = numbers.vibration.parts
     if numbers.motion is None or not parts:  # runs of version 0.8 have no ± of it
         return

@@ -19,13 +19,12 @@ from acoustics.modulation import MIN_PERIODS, envelope_spectrum, modulated_octav
 from acoustics.numbers import rounded
 from rolling.check import height_findings
 from rolling.dynamics import drop
-from rolling.in_si.assumed_bodies import bodies_text, with_bodies
+from rolling.in_si.assumed_bodies import bodies_text
 from rolling.in_si.physics_of_scene import bodies_of, listener_of, plate_of, smooth_contact_of
 from rolling.in_si.scene_surface import SceneSurface, scene_surface
 from rolling.marches import effort, marched_law
 from rolling.marches.passes import Passes
 from rolling.marches.result import Result, released_energy
-from rolling.marches.stiffness import solved_stiffness
 from rolling.numbers.ball_numbers import (
     BandNumbers,
     ContactNumbers,
@@ -52,7 +51,14 @@ from rolling.numbers.ball_numbers import (
 )
 from rolling.numbers.quantity import BandQuantity
 from rolling.results.description import runs_sentence
+from rolling.results.estimated_vibration import (
+    approach_of,
+    contact_stiffness,
+    linear_vibration,
+    vibration_estimate,
+)
 from rolling.results.instrument_spread import instrument_numbers
+from rolling.results.release_sound import shift_to_listener_db
 from rolling.results.run_doubts import doubts
 from rolling.results.run_errors import (
     error_bands,
@@ -63,6 +69,7 @@ from rolling.results.run_errors import (
 )
 from rolling.results.run_quantities import UNKNOWN, judged, with_quantities
 from rolling.results.solved_run import SolvedRun
+from rolling.results.stated_sound import playing_source, sound_to_listen
 from rolling.results.uncertainty_parts import played_parts, vibration_parts, with_band_parts
 from rolling.scene.scene import Scene
 from rolling.sound import radiators
@@ -83,15 +90,17 @@ def run_numbers(run: SolvedRun, release: ContactSound) -> RunNumbers:
     surface = scene_surface(scene)
     is_event = _is_event(run.sound)
     motion = None if vibration is None else _motion(run, vibration)
-    stiffness = _solved_stiffness(run)
+    stiffness = None if scene.dynamics is not None else contact_stiffness(scene, result)
     instrument = instrument_numbers(run)
     errors = run_errors(run)
     band = _missing_band(run)
     estimate = None
     contact_loss_db = 0.0
     of_estimate: dict[str, float | None] = {}
-    if scene.dynamics is None:
-        chain_estimate = _estimate(run, release, stiffness)
+    if stiffness is not None:
+        approach = approach_of(result, release)
+        linear = linear_vibration(scene, approach, result.step, release.closed, stiffness)
+        chain_estimate = vibration_estimate(linear, stiffness)
         contact_loss_db = chain_estimate.contact_loss_db
         of_estimate = dict(chain_estimate.parts_db)
         if instrument is not None and instrument.vibration is not None:
@@ -100,6 +109,7 @@ def run_numbers(run: SolvedRun, release: ContactSound) -> RunNumbers:
             laeq_db=chain_estimate.laeq_db,
             force_ratio=chain_estimate.force_ratio,
             bodies=bodies_text(scene),
+            stiffness_n_m=chain_estimate.stiffness_n_m,
         )
     elif vibration is not None:
         contact_loss_db = vibration.contact_loss_db
@@ -133,6 +143,10 @@ def run_numbers(run: SolvedRun, release: ContactSound) -> RunNumbers:
         of_vibration=vibration_parts(run, motion, instrument),
         of_estimate=of_estimate,
     )
+    playing = sound_to_listen(run, numbers, playing_source(run, numbers))
+    numbers = replace(numbers, heard=playing.numbers)
+    if estimate is not None and playing.source == "vibration":
+        numbers = replace(numbers, bands=_with_estimate(numbers.bands, playing.along_track))
     moving = result.moving if scene.moves_release else None
     return judged(numbers, doubts(scene, run.sound, numbers, vibration, moving))
 
@@ -192,7 +206,7 @@ def _levels(run: SolvedRun, release: ContactSound) -> LevelNumbers:
         stated = vibration.stated_levels
         of_vibration = SourceLevels(laeq_db=stated.laeq_db, level_db=stated.level_db)
         of_release = _levels_of_sound(run, run.sound)
-    shift = _shift_to_listener_db(scene)
+    shift = shift_to_listener_db(scene)
     at_listener = _shifted(release.levels.laeq_db, shift)
     difference, equal = _difference(scene, at_listener, of_vibration.laeq_db)
     compact_db = compact_source_db(bodies_of(scene), listener_of(scene), vibration)
@@ -214,7 +228,7 @@ def _levels(run: SolvedRun, release: ContactSound) -> LevelNumbers:
 
 
 def _levels_of_sound(run: SolvedRun, sound: ContactSound) -> SourceLevels:
-    """Return the levels of the sound that plays, with their uncertainty.
+    """Return the levels of the record that is measured, with their uncertainty.
 
     An open record begins in silence. If it ends before the time weighting has risen to the LAeq of
     the record, its maximum with this weighting says how short it is, and nothing of the sound.
@@ -304,17 +318,6 @@ def _to_mean_db(vibration: Vibration) -> float:
     return stated - own
 
 
-def _shift_to_listener_db(scene: Scene) -> float:
-    """Return the level of the release where the vibration is heard over that at distance_m [dB].
-
-    The release spreads over a sphere, so that its intensity falls with the square of the distance.
-    The square of the pressure follows the intensity, and under a fixed gain the pressure does.
-    """
-    ratio = scene.sound.distance_m / scene.vibration_distance_m
-    factor = 20.0 if scene.sound.gain_pa_per_w_m2 is None else 40.0
-    return factor * math.log10(ratio)
-
-
 def _shifted(level: float | None, shift_db: float) -> float | None:
     """Return a level [dB] with a shift added; None of silence."""
     return None if level is None else level + shift_db
@@ -340,7 +343,7 @@ def _bands(run: SolvedRun, release: ContactSound) -> BandNumbers:
     vibration = run.vibration_sound
     if vibration is None:
         return BandNumbers(released_power=own, released_power_a=own_a)
-    shift = _shift_to_listener_db(scene)
+    shift = shift_to_listener_db(scene)
     at_listener = {
         band: _shifted(level, shift) for band, level in release.levels.third_octave_db.items()
     }
@@ -357,6 +360,15 @@ def _bands(run: SolvedRun, release: ContactSound) -> BandNumbers:
     if sound.source == "vibration":
         return replace(bands, vibration=own, vibration_a=own_a)
     return replace(bands, released_power=own, released_power_a=own_a)
+
+
+def _with_estimate(bands: BandNumbers, sound: ContactSound) -> BandNumbers:
+    """Return third octaves with those of an estimated vibration; its ± is known of LAeq alone."""
+    return replace(
+        bands,
+        vibration=BandQuantity.of(sound.levels.third_octave_db, "dB"),
+        vibration_a=BandQuantity.of(sound.levels.third_octave_a_db, "dB(A)"),
+    )
 
 
 # ---- uncertainty
@@ -643,10 +655,10 @@ def _passes(run: SolvedRun, passes: Passes, stiffness: Array | None) -> tuple[Pa
     rows = []
     for k, sound in enumerate(run.pass_sounds):
         vibration_db = None
-        if scene.dynamics is None:
+        if stiffness is not None:
             approach = passes.series["approach"][k, places]
-            estimate = _linear_estimate(scene, approach, result.step, sound.closed, stiffness)
-            vibration_db = estimate.laeq_db
+            linear = linear_vibration(scene, approach, result.step, sound.closed, stiffness)
+            vibration_db = vibration_estimate(linear, stiffness).laeq_db
         row = PassNumbers(
             laeq_db=sound.levels.laeq_db,
             level_db=sound.levels.level_db,
@@ -733,42 +745,4 @@ def _with_force_law(run: SolvedRun, vibration: Vibration, numbers: MotionNumbers
         force_law_error_db=None if error is None else error.decibels,
         force_law_top_error=None if error is None else error.top,
         force_law_failure=marches.failure or None,
-    )
-
-
-def _solved_stiffness(run: SolvedRun) -> Array | None:
-    """Return the contact stiffness [N/m] of a rough contact whose vibration is estimated."""
-    if run.scene.dynamics is not None or run.scene.is_smooth:
-        return None
-    return solved_stiffness(run.scene, run.result)
-
-
-def _estimate(
-    run: SolvedRun, release: ContactSound, stiffness: Array | None
-) -> radiators.VibrationEstimate:
-    """Return the estimate of a vibration that a scene without dynamics leaves out."""
-    result = run.result
-    is_looped = release.closed and release.constant_speed
-    approach = result.series["approach"] if is_looped else result.whole_series("approach")
-    return _linear_estimate(run.scene, approach, result.step, release.closed, stiffness)
-
-
-def _linear_estimate(
-    scene: Scene, approach: Array, step: float, closed: bool, stiffness: Array | None
-) -> radiators.VibrationEstimate:
-    """Return the estimate of a vibration of a scene without dynamics, by a linear chain.
-
-    The stiffness [N/m] is that of the contact along the track, by default of a smooth contact.
-    """
-    described = with_bodies(scene)
-    if stiffness is None:
-        stiffness = np.array([smooth_contact_of(scene).stiffness_n_m])
-    return radiators.vibration_estimate(
-        bodies_of(described),
-        listener_of(described),
-        scene.motion,
-        approach=approach,
-        step=step,
-        closed=closed,
-        stiffness_n_m=stiffness,
     )

@@ -39,7 +39,7 @@ def with_quantities(
     numbers : RunNumbers
         All other numbers of the run.
     of_sound : dict, dB
-        Parts of the uncertainty of the sound that plays, by their source; None: unknown.
+        Parts of the uncertainty of the record that is measured, by their source; None: unknown.
     of_vibration : dict, dB
         Parts of the uncertainty of a computed vibration that does not play.
     of_estimate : dict, dB
@@ -81,7 +81,7 @@ def measure(numbers: RunNumbers) -> str:
 
 
 def heard_levels(numbers: RunNumbers) -> SourceLevels:
-    """Return the levels of the sound that plays, of the whole record of what ends.
+    """Return the levels of the record that is measured, of the whole record of what ends.
 
     What ends is heard as a whole, so the levels of its long record lead.
     """
@@ -132,7 +132,7 @@ def as_heard(numbers: RunNumbers) -> RunNumbers:
 
 
 def heard_level_db(numbers: RunNumbers) -> float | None:
-    """Return the level of the sound that plays [dB(A)]: LAE of an event, or LAeq."""
+    """Return the level of the record that is measured [dB(A)]: LAE of an event, or LAeq."""
     levels = heard_levels(numbers)
     return levels.lae_db if numbers.record.single_event else levels.laeq_db
 

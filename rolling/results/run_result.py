@@ -1,7 +1,7 @@
 """Finished runs: the results in Python, the input of figures and page, and their files.
 
-A run is written as result.h5, summary.json, signal.wav and listen.wav, and each quantity of its
-channels as a WAV.
+A run is written as result.h5 and summary.json, as signal.wav and listen.wav of what plays, as
+released_signal.wav and released.wav of the release, and each quantity of its channels as a WAV.
 """
 
 from __future__ import annotations
@@ -16,25 +16,27 @@ from typing import TYPE_CHECKING, Any
 from acoustics.traps import ignoring_underflow
 from rolling.contact.processor_time import ProcessorTime
 from rolling.in_si.physics_of_scene import bodies_of, listener_of
-from rolling.in_si.scene_surface import scene_surface
 from rolling.kinds.registry import kind_of
-from rolling.kinds.run_folder import LISTEN, RESULT, RunFolder
+from rolling.kinds.run_folder import LISTEN, RELEASED, RESULT, RunFolder
 from rolling.kinds.shown_run import ShownRun
 from rolling.marches import effort, marched_law
-from rolling.marches.result import Result, released_energy
-from rolling.numbers.ball_numbers import RunNumbers
+from rolling.marches.result import Result
+from rolling.numbers.ball_numbers import RunNumbers, Source
 from rolling.numbers.file_facts import FileFacts
 from rolling.numbers.run_file import StoredNumbers
-from rolling.results import listening, result_arrays, result_file, verdict
+from rolling.results import listening, result_arrays, result_file, stated_sound, verdict
 from rolling.results.channels import by_quantity, channel_wavs, wav_facts
 from rolling.results.former_numbers import former_names
 from rolling.results.level_words import level_rows
 from rolling.results.provenance import provenance
+from rolling.results.release_sound import sound_of_release
 from rolling.results.run_numbers import record_scatter, run_numbers
 from rolling.results.solved_run import NumberedRun, SolvedRun
+from rolling.results.stated_sound import StatedSound
 from rolling.results.stored_numbers import read_stored, write_stored
 from rolling.scene.scene import Scene
-from rolling.sound.contact_sound import ContactSound, contact_sound
+from rolling.sound.contact_sound import ContactSound
+from rolling.sound.long_listening import Listening
 from rolling.sound.vibration_sound import (
     Vibration,
     sound_of_vibration,
@@ -48,6 +50,8 @@ if TYPE_CHECKING:
     import xarray
 
 SIGNAL = "signal.wav"
+RELEASED_SIGNAL = "released_signal.wav"
+SIGNALS = {LISTEN: SIGNAL, RELEASED: RELEASED_SIGNAL}  # the same in pascals
 PASSES = "passes.wav"  # of a plate that remembers
 
 
@@ -95,8 +99,16 @@ class Run(NumberedRun, ShownRun):
     'sound.wav'
     """
 
-    def write_wav(self, path: Path | str, comment: str = "", title: str = "") -> Path:
-        """Write the record of the sound as a 32-bit float WAV in which 1.0 is 1 Pa.
+    def write_wav(
+        self,
+        path: Path | str,
+        comment: str = "",
+        title: str = "",
+        source: Source | None = None,
+    ) -> Path:
+        """Write a sound of the run as a 32-bit float WAV in which 1.0 is 1 Pa.
+
+        Its level is the one that is stated, as far as its ± allows.
 
         Parameters
         ----------
@@ -104,6 +116,8 @@ class Run(NumberedRun, ShownRun):
             File to write; an earlier file is replaced.
         comment, title : str
             Metadata of the file. Default: the meaning of its samples alone.
+        source : vibration or release
+            What the file holds. Default: what plays.
 
         Returns
         -------
@@ -114,9 +128,65 @@ class Run(NumberedRun, ShownRun):
         ------
         OSError
             The file cannot be written. An earlier file is kept.
+        ValueError
+            The run has no sound of this source.
         """
-        write_bytes(Path(path), self.sound.wav_bytes(comment, title))
+        sound = self.stated(source).sound
+        write_bytes(Path(path), sound.wav_bytes(comment, title))
         return Path(path)
+
+    def stated(self, source: Source | None = None) -> StatedSound:
+        """Return the sound of a source, by default of what plays, at the level that is stated."""
+        return stated_sound.stated_sound(
+            self, self.numbers, source or stated_sound.playing_source(self, self.numbers)
+        )
+
+    def listen(
+        self,
+        seconds: float = 20.0,
+        speed: float | tuple[float, float] | None = None,
+        seed: int = 0,
+        source: Source | None = None,
+    ) -> Listening:
+        """Let the ball roll on beyond the solved track, and return the long record.
+
+        The solved track comes first. Its random continuation has the spectra and cross-spectra of
+        the force law along the track, of the approach for a vibration that is estimated, or of the
+        release. The motion over it is computed, or estimated, as on the track.
+
+        Parameters
+        ----------
+        seconds : float, s
+            Length of the record, up to 120. Default: 20.
+        speed : float or pair of float, m/s
+            Speed, or speeds at start and end, which change evenly. Default: the scene's, which goes
+            on at its last speed.
+        seed : int
+            Number of the random continuation. Default: 0.
+        source : vibration or release
+            What is heard. Default: what plays.
+
+        Returns
+        -------
+        listening : Listening
+            Pressure [Pa] at `sample_rate`, and `numbers`, such as `laeq_db`.
+
+        Raises
+        ------
+        ListeningError
+            A number is not allowed, the run is silent, its solved track too short, or its release
+            unlike noise. It is a ValueError.
+
+        Examples
+        --------
+        >>> import rolling
+        >>> words = ["rolling.load_n=1", "rolling.duration_s=0.01"]
+        >>> scene = rolling.read_scene("quickstart", words)
+        >>> long = rolling.simulate(scene, workers=1, progress=False).listen(2, speed=(0.05, 0.1))
+        >>> f"{long.numbers.seconds:g} s, {long.numbers.solved_share:.1%} of it solved"
+        '2 s, 1.0% of it solved'
+        """
+        return stated_sound.listen(self, self.numbers, seconds, speed, seed, source)
 
     def to_dataframe(self) -> pd.DataFrame:
         """Tabulate the series along the track, one row per position.
@@ -185,18 +255,7 @@ def make_run(
     """
     began = ProcessorTime.now()
     scene = place.scene
-    energy, is_closed = released_energy(scene, result)
-    has_seam = scene_surface(scene).has_seam
-    release = contact_sound(
-        energy,
-        step=result.step,
-        motion=scene.motion,
-        listener=listener_of(scene),
-        tolerance=scene.tolerance,
-        closed=is_closed,
-        lap_steps=result.solved_steps,
-        has_seam=has_seam,
-    )
+    release = sound_of_release(scene, result)
     vibration = _vibration(scene, result, release)
     sound = release
     if vibration is not None and scene.sound.source == "vibration":
@@ -268,28 +327,48 @@ def write_run(run: Run) -> None:
     OSError : a file cannot be written. An earlier file of this name is kept.
     """
     began = ProcessorTime.now()
-    listen = listening.ListenSound(run)
-    contents = {LISTEN: listen.wav(), RESULT: result_file.write_result(run)}
+    contents = {RESULT: result_file.write_result(run)}
+    for_the_ear = {sound.file: sound for sound in listening.listen_sounds(run)}
+    contents |= {name: sound.wav() for name, sound in for_the_ear.items()}
     if run.result.passes is not None:
         contents[PASSES], _ = listening.passes_wav(run)
     contents |= channel_wavs(run, listening.wav_title(run, run.label))
     make_below(run.home, run.folder)
-    title = f"{listening.wav_title(run, run.label)}, sound pressure in pascals"
-    run.write_wav(run.folder / SIGNAL, listening.wav_comment(run), title)
+    signals = {
+        name: _write_signal(run, name, for_the_ear[file].group)
+        for file, name in SIGNALS.items()
+        if file in for_the_ear
+    }
     for name, content in contents.items():
         write_bytes(run.folder / name, content)
     groups = by_quantity(run.channels)
+    released = for_the_ear.get(RELEASED)
     facts = FileFacts(
-        signal=listening.signal_facts(run.sound),
-        listen=listen.facts(),
+        signal=listening.signal_facts(signals[SIGNAL], LISTEN),
+        listen=for_the_ear[LISTEN].facts(),
         channel_wavs={name: wav_facts(channels) for name, channels in groups.items()} or None,
     )
+    if released is not None:
+        facts = replace(
+            facts,
+            released_signal=listening.signal_facts(signals[RELEASED_SIGNAL], RELEASED),
+            released=released.facts(),
+        )
     stored = StoredNumbers(
         numbers=_with_sound(run.numbers, began),
         files=facts,
         provenance=provenance(run.scene, run.label),
     )
     write_stored(run.folder, stored)
+
+
+def _write_signal(run: Run, name: str, source: Source) -> ContactSound:
+    """Write a sound of a run in pascals, and return it."""
+    stated = run.stated(source)
+    title = f"{listening.wav_title(run, run.label)}, sound pressure in pascals"
+    comment = f"{stated.name}, {stated.level.words}; {listening.wav_comment(run, stated.sound)}"
+    write_bytes(run.folder / name, stated.sound.wav_bytes(comment, title))
+    return stated.sound
 
 
 def read_run(run: RunFolder, label: str) -> Run:

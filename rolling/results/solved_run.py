@@ -24,7 +24,7 @@ from rolling.numbers.quantity import Quantity
 from rolling.numbers.run_file import StoredNumbers
 from rolling.results import labels, long_record
 from rolling.results.channels import Channel, channels_of
-from rolling.results.long_record import ListeningError
+from rolling.results.release_sound import shift_to_listener_db, sound_of_release
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
 from rolling.sound.long_listening import Listening
@@ -153,6 +153,21 @@ class SolvedRun(RunFolder):
             vibration=self.vibration_sound,
         )
 
+    @cached_property
+    def release(self) -> ContactSound | None:
+        """Sound of the release, where the vibration is heard; None for a ball that falls."""
+        if self.sound.source == "release":
+            return self.sound
+        if not self.scene.has_release:
+            return None
+        release = sound_of_release(self.scene, self.result)
+        return release.scaled(shift_to_listener_db(self.scene))
+
+    @cached_property
+    def made_records(self) -> dict[str, Any]:
+        """Records of sources that are made already, which `stated_sound` keeps here."""
+        return {}
+
     @property
     def laps(self) -> float:
         """Number of times that the record holds the solved track, at least 1."""
@@ -183,58 +198,8 @@ class SolvedRun(RunFolder):
         seconds = self.scene.sound.listen_s
         if seconds is None or self.no_long:
             return None
-        return self.listen(seconds)
-
-    def listen(
-        self, seconds: float = 20.0, speed: float | tuple[float, float] | None = None, seed: int = 0
-    ) -> Listening:
-        """Let the ball roll on beyond the solved track, and return the long record.
-
-        The solved track comes first. Its random continuation has the spectra and cross-spectra of
-        the force law along the track, or of the release for a run without dynamics, and the motion
-        over it is computed as on the track.
-
-        Parameters
-        ----------
-        seconds : float, s
-            Length of the record, up to 120. Default: 20.
-        speed : float or pair of float, m/s
-            Speed, or speeds at start and end, which change evenly. Default: the scene's, which goes
-            on at its last speed.
-        seed : int
-            Number of the random continuation. Default: 0.
-
-        Returns
-        -------
-        listening : Listening
-            Pressure [Pa] at `sample_rate`, and `numbers`, such as `laeq_db`.
-
-        Raises
-        ------
-        ListeningError
-            A number is not allowed, the run is silent, its solved track too short, or its release
-            unlike noise. It is a ValueError.
-
-        Examples
-        --------
-        >>> import rolling
-        >>> words = ["rolling.load_n=1", "rolling.duration_s=0.01"]
-        >>> scene = rolling.read_scene("quickstart", words)
-        >>> long = rolling.simulate(scene, workers=1, progress=False).listen(2, speed=(0.05, 0.1))
-        >>> f"{long.numbers.seconds:g} s, {long.numbers.solved_share:.1%} of it solved"
-        '2 s, 1.0% of it solved'
-        """
-        long_record.refuse_long_record(seconds, speed, seed)
-        if self.no_long:
-            raise ListeningError(self.no_long)
         return long_record.make_long_record(
-            self.scene,
-            self.result,
-            self.sound,
-            self.vibration_sound,
-            seconds=seconds,
-            speed=speed,
-            seed=seed,
+            self.scene, self.result, self.sound, self.vibration_sound, seconds=seconds
         )
 
     @cached_property

@@ -41,7 +41,7 @@ def played_parts(
     band: MissingBand | None,
     errors: RunErrors | None,
 ) -> LevelParts:
-    """Return the uncertainties of the level of the sound that plays [dB] by their source."""
+    """Return the uncertainties of the level of the record that is measured [dB] by their source."""
     of_band = {}
     if band is not None:
         of_band = {"band": float(np.hypot(band.error_db, band.uncertainty_db))}
@@ -61,7 +61,7 @@ def vibration_parts(
 ) -> LevelParts:
     """Return the uncertainties of a computed vibration [dB], but for those of grid and solver.
 
-    Grid, solver and the end of the band, `of_band`, are known for the sound that plays.
+    Grid, solver and the end of the band, `of_band`, are known for the record that is measured.
     """
     if run.vibration_sound is None:
         return {}

@@ -761,9 +761,10 @@ class Sound(Section):
     Attributes
     ----------
     source : str, optional
-        What is heard. vibration: that of sphere and plate, which needs dynamics. release: the
-        released elastic energy, an upper bound. Default: vibration with dynamics, otherwise
-        release.
+        Whose record is measured, in levels, spectra and errors. vibration: that of sphere and
+        plate, which needs dynamics. release: the released elastic energy, an upper bound. The
+        vibration plays wherever there is one, computed or estimated. Default: vibration with
+        dynamics, otherwise release.
     ball : bool
         Whether the vibration of the sphere is heard beside that of the plate
     distance_m : float

@@ -8,7 +8,7 @@ fluctuation is no more than this error holds no sound of the surface: it counts 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -119,6 +119,20 @@ class ContactSound:
     source: Source = "release"
     right: Array | None = None
     once: bool = False
+
+    def scaled(self, gain_db: float) -> ContactSound:
+        """Return the sound at another level [dB]."""
+        if gain_db == 0:
+            return self
+        factor = 10 ** (gain_db / 20)
+        pressure = factor * self.pressure
+        return replace(
+            self,
+            pressure=pressure,
+            right=None if self.right is None else factor * self.right,
+            factor=None if self.factor is None else factor * self.factor,
+            levels=level.sound_levels(pressure, self.sample_rate, self.highest, self.closed),
+        )
 
     def wav_bytes(self, comment: str = "", title: str = "") -> bytes:
         """Return the record as a 32-bit float WAV in which 1.0 is 1 Pa.

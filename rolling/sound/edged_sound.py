@@ -179,22 +179,21 @@ def _stations(body: PlateBody, plate: RectangularPlate, points: Array) -> _Stati
     )
 
 
-def square_transfer(
+def transfers(
     bodies: BallOnPlate, listener: Listener, plate: RectangularPlate, frequency: Array
-) -> Array:
-    """Return the mean square pressure per mean square force [Pa2/N2] at the first place.
+) -> NDArray[np.complex128]:
+    """Return the pressure per force [Pa/N] at the first place, (contact points, frequencies).
 
-    It is the mean over the path of the contact. `plate` is that of the bodies, whose modes are
-    kept from call to call.
+    `plate` is that of the bodies, whose modes are kept from call to call.
     """
     place = listener.places_m[0]
     reference = _reference_distance(bodies.plate, listener)
     of_ball = _ball_transfer(bodies, listener, frequency, place)
-    transfers = [
+    of_points = [
         plate.pressure_transfer(frequency, point, place, reference) + of_ball
         for point in points_on_path(bodies.plate)
     ]
-    return np.asarray(np.mean(np.square(np.abs(transfers)), axis=0))
+    return np.asarray(of_points)
 
 
 def power_per_force(plate: RectangularPlate, points: Array, frequency: Array) -> Array:

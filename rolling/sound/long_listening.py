@@ -2,12 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from acoustics import level, radiation, resampling, wav
 from acoustics.arrays import Array, short_repr
 from acoustics.continued_rows import ContinuedRows
+from acoustics.spectrum import audible_phasors
 from acoustics.traps import ignoring_underflow
 from acoustics.uncertainty import kurtosis
 from rolling.contact.track import Motion
@@ -16,6 +18,8 @@ from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.long_motion import LongMotion
 from rolling.numbers.ball_numbers import ListeningNumbers
 from rolling.sound import contact_sound, vibration_sound
+from rolling.sound.linear_sound import LinearVibration
+from rolling.sound.radiators import roughness_transfers
 from rolling.sound.receivers import Listener
 
 _FINER = 4  # points of a release per sample of sound, so that a spline between them is exact
@@ -60,6 +64,14 @@ class Listening:
         if self.right is None:
             return self.pressure
         return np.stack((self.pressure, self.right), 1)
+
+    def scaled(self, gain_db: float) -> "Listening":
+        """Return the record at another level [dB]; its numbers stay those of the one made."""
+        if gain_db == 0:
+            return self
+        factor = 10 ** (gain_db / 20)
+        right = None if self.right is None else factor * self.right
+        return replace(self, pressure=factor * self.pressure, right=right)
 
 
 Advance = Callable[[float], object]  # called with the seconds of the record that became known
@@ -149,35 +161,86 @@ def listen_to_release(
 
     `release_energy` [J] is the energy of each solved step of `step` [m].
     """
-    rate = wav.SAMPLE_RATE_HZ
-    seconds = travel.seconds
-    fastest = travel.motion.fastest(seconds)
-    finer = int(np.clip(np.ceil(_FINER * rate * step / fastest), 1, 2 * _FINER))
     signal = release_energy / step
-    signal = signal - signal.mean()
-    ends = max(1, len(signal) // 100)
-    signal = resampling.undo_step_mean(signal) if closed else resampling.fade(signal, ends)
-    row = resampling.resample_closed(signal, finer * len(signal))[None]
-    spacing = step / finer
-    turn = None if travel.turn_m is None else round(travel.turn_m / spacing)
-    rows = ContinuedRows(row, closed, travel.seed, turn)
-    faded = contact_sound.faded(_in_time(travel, rows, spacing, advance), seconds)
+    rows = _continued_rows(signal - signal.mean(), step, closed, travel, is_step_mean=True)
+    faded = contact_sound.faded(_in_time(travel, rows, True, advance), travel.seconds)
     intensity = radiation.intensity(faded, listener.distance_m, listener.q)
-    audible = resampling.band_limit(intensity, rate)
+    audible = resampling.band_limit(intensity, wav.SAMPLE_RATE_HZ)
     pressure, _ = radiation.sound_pressure(audible, listener.gain_pa_per_w_m2)
-    numbers = _numbers(travel, pressure, step, rows, finer)
-    return Listening(pressure=pressure, sample_rate=rate, numbers=numbers)
+    return _listening(travel, pressure, rows)
+
+
+def listen_to_chain(
+    vibration: LinearVibration,
+    approach: Array,
+    closed: bool,
+    travel: LongTravel,
+    advance: Advance | None = None,
+) -> Listening:
+    """Let a continued approach move ball, contact and plate as a linear chain, and listen.
+
+    `approach` [m] is that at each solved position of a step. The lines of a long record lie so
+    close that each has the transfer at its own frequency.
+    """
+    signal = approach - approach.mean()
+    rows = _continued_rows(signal, vibration.step, closed, travel, is_step_mean=False)
+    faded = contact_sound.faded(_in_time(travel, rows, False, advance), travel.seconds)
+    samples = len(faded)
+    frequency, phasor = audible_phasors(faded, wav.SAMPLE_RATE_HZ)
+    chain = vibration.bodies.chain(vibration.stiffness_n_m)
+    transfers = roughness_transfers(vibration.bodies, vibration.listener, chain)
+    spectrum = np.zeros(samples // 2 + 1, dtype=complex)
+    first = round(float(frequency[0]) * samples / wav.SAMPLE_RATE_HZ)
+    spectrum[first : first + len(frequency)] = samples * phasor * transfers(frequency)[0]
+    return _listening(travel, np.fft.irfft(spectrum, samples), rows)
+
+
+class _Rows(NamedTuple):
+    """A continued row along the track, its step [m], and how many of its places a step has."""
+
+    rows: ContinuedRows
+    step: float
+    finer: int
+
+    @property
+    def spacing(self) -> float:
+        """Distance of its places [m]."""
+        return self.step / self.finer
+
+
+def _continued_rows(
+    signal: Array, step: float, closed: bool, travel: LongTravel, is_step_mean: bool
+) -> _Rows:
+    """Return the continuation of a signal along the track, at places or as means over steps [m]."""
+    fastest = travel.motion.fastest(travel.seconds)
+    finer = int(np.clip(np.ceil(_FINER * wav.SAMPLE_RATE_HZ * step / fastest), 1, 2 * _FINER))
+    ends = max(1, len(signal) // 100)
+    if not closed:
+        signal = resampling.fade(signal, ends)
+    elif is_step_mean:
+        signal = resampling.undo_step_mean(signal)
+    row = resampling.resample_closed(signal, finer * len(signal))[None]
+    turn = None if travel.turn_m is None else round(travel.turn_m / (step / finer))
+    return _Rows(ContinuedRows(row, closed, travel.seed, turn), step, finer)
+
+
+def _listening(travel: LongTravel, pressure: Array, continued: _Rows) -> Listening:
+    """Return a long record of one listener with its facts."""
+    numbers = _numbers(travel, pressure, continued.step, continued.rows, continued.finer)
+    return Listening(pressure=pressure, sample_rate=wav.SAMPLE_RATE_HZ, numbers=numbers)
 
 
 def _in_time(
-    travel: LongTravel, rows: ContinuedRows, spacing: float, advance: Advance | None
+    travel: LongTravel, continued: _Rows, is_per_metre: bool, advance: Advance | None
 ) -> Array:
-    """Return the release power [W] at the samples, from a release per metre at a spacing [m]."""
+    """Return a row at the samples: as it passes, or per time [W] from a release per metre."""
     from scipy.interpolate import CubicSpline  # slow to import, for long records only
 
     rate = wav.SAMPLE_RATE_HZ
     motion = travel.motion
     seconds = travel.seconds
+    rows = continued.rows
+    spacing = continued.spacing
     factor = contact_sound.oversampling(motion, seconds, spacing)
     decimator = resampling.Decimator(factor)
     samples = []
@@ -189,7 +252,8 @@ def _in_time(
         first = max(int(places[0]) - 24, 0)
         last = int(places[-1]) + 26
         spline = CubicSpline(np.arange(first, last), rows.between(first, last)[0])
-        samples.append(decimator.add(spline(places) * motion.speed(times)))
+        values = spline(places)
+        samples.append(decimator.add(values * motion.speed(times) if is_per_metre else values))
         if advance is not None:
             advance(len(times) / (rate * factor))
     return np.concatenate([*samples, decimator.end()])

@@ -6,10 +6,12 @@ two, and the level of the vibration that a run without dynamics leaves out.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from acoustics import level, wav
 from acoustics.arrays import Array
@@ -18,7 +20,7 @@ from acoustics.loss_factors import least_loss_factor
 from acoustics.plate_modes import FREE
 from acoustics.radiation import Body, ThinPlate, axis_transfer
 from acoustics.sound_power import band_power
-from acoustics.spectrum import audible_lines
+from acoustics.spectrum import audible_lines, audible_phasors
 from acoustics.unbaffled import baffle_uncertainty_db
 from acoustics.weighting import a_weighting_db
 from rolling.contact.track import Motion
@@ -65,22 +67,38 @@ def known_bands(highest: float) -> Array:
     return np.asarray(EDGES_HZ[1:] <= min(highest, wav.SAMPLE_RATE_HZ / 2))
 
 
-def roughness_gain(bodies: BallOnPlate, listener: Listener, chain: Chain) -> Gain:
-    """Return the power gain [Pa2/m2] from an approach under the constant load to the pressure.
+def roughness_transfers(
+    bodies: BallOnPlate, listener: Listener, chain: Chain
+) -> Callable[[Array], NDArray[np.complex128]]:
+    """Return the transfer [Pa/m] from an approach under the constant load to the pressure.
 
-    Sphere, contact and plate are a linear chain. With the stiffness of a smooth contact it serves
-    for ratios of powers, in which an error of the stiffness cancels.
+    Sphere, contact and plate are a linear chain. The transfer has a row for each contact point on a
+    plate with edges, and a single row otherwise, (contact points, frequencies).
     """
     rectangle = bodies.plate.with_edges
     radiating = sources(bodies, listener)
 
-    def gain(frequency: Array) -> Array:
-        force = chain.force(frequency, np.ones(len(frequency)))
+    def transfers(frequency: Array) -> NDArray[np.complex128]:
+        """Return the rows at frequencies [Hz]; the roughness is minus the approach."""
+        force = chain.force(frequency, np.full(len(frequency), -1.0))
         if rectangle is not None:
-            square = edged_sound.square_transfer(bodies, listener, rectangle, frequency)
-            return square * np.square(np.abs(force))
-        transfer = sum(axis_transfer(frequency, body, listener.distance_m) for body in radiating)
-        return np.square(np.abs(transfer * force))
+            return edged_sound.transfers(bodies, listener, rectangle, frequency) * force
+        on_axis = sum(axis_transfer(frequency, body, listener.distance_m) for body in radiating)
+        return np.atleast_2d(on_axis * force)
+
+    return transfers
+
+
+def roughness_gain(bodies: BallOnPlate, listener: Listener, chain: Chain) -> Gain:
+    """Return the power gain [Pa2/m2] of `roughness_transfers`, as a mean over contact points.
+
+    With the stiffness of a smooth contact it serves for ratios of powers, in which an error of the
+    stiffness cancels.
+    """
+    transfers = roughness_transfers(bodies, listener, chain)
+
+    def gain(frequency: Array) -> Array:
+        return np.asarray(np.mean(np.square(np.abs(transfers(frequency))), axis=0))
 
     return gain
 
@@ -123,6 +141,7 @@ def comb(law: ForceLaw, chain: Chain, bodies: BallOnPlate, gain: Gain, speed: fl
 
 PLACES = 8  # usual number of places between two lines of a record at which a resonance may lie
 MAX_PLACES = 512  # maximum number of these places
+FEWEST_POSITIONS = 5  # of an approach of which an estimate is made
 MAX_GAINS = 400_000  # maximum number of places of all lines together
 DENSE = 4.0  # samples of an approach in a period of the highest audible frequency, at least
 # Standard uncertainties of the estimate by tests/benchmarks/vibration_estimate_study.py: of the
@@ -161,10 +180,12 @@ def contact_loss(
     approach = law.approach(law.position_m, bodies.load_n)
     if closed:
         approach = np.append(approach, approach[0])
-    duration, _, frequency, mean_square = _approach_lines(motion, approach, law.spacing_m, closed)
+    lines = _approach_lines(motion, approach, law.spacing_m, closed)
+    frequency = lines.frequency
+    mean_square = lines.mean_square
     if not mean_square.sum() > 0:
         return None
-    points = _places_of_resonance(chain, frequency, 1 / duration)
+    points = _places_of_resonance(chain, frequency, 1 / lines.duration)
     gains = gain(points.ravel()).reshape(points.shape)
     without = mean_square * gains.mean(axis=1)
     ratio = force_gain(replace(chain, contact_loss_factor=UNKNOWN_LOSS), points)
@@ -240,12 +261,14 @@ class VibrationEstimate(NamedTuple):
     force_ratio : float. Rms of the contact force over the load.
     contact_loss_db : float, dB. Change of LAeq by a loss factor UNKNOWN_LOSS of the contact, half
         of which is in the uncertainty; 0 where the scene states a loss factor.
+    stiffness_n_m : float, N/m. Mean stiffness of the contact, with which the estimate is heard.
     """
 
     laeq_db: float | None
     parts_db: dict[str, float]
     force_ratio: float
     contact_loss_db: float
+    stiffness_n_m: float
 
     @property
     def uncertainty_db(self) -> float | None:
@@ -278,20 +301,27 @@ def vibration_estimate(
     stiffness_n_m : (positions,) array or float, N/m. Stiffness of the contact at positions along
         the track.
     """
-    silence = VibrationEstimate(laeq_db=None, parts_db={}, force_ratio=0.0, contact_loss_db=0.0)
-    if bodies.is_smooth or len(approach) < 5:
-        return silence
-    duration, looped, frequency, mean_square = _approach_lines(motion, approach, step, closed)
-    resolved_hz = motion.fastest(duration) / (2 * step)
-    if not mean_square.sum() > 0:
-        return silence
     stiffness = np.atleast_1d(stiffness_n_m)
     mean_stiffness = float(1 / np.mean(1 / stiffness))
-    chain = bodies.chain(mean_stiffness)
-    points = places_of_lines(bodies.plate, chain, frequency, 1 / duration)
+    moved = None
+    if not bodies.is_smooth and len(approach) >= FEWEST_POSITIONS:
+        chain = bodies.chain(mean_stiffness)
+        moved = chain_at_lines(bodies, listener, chain, motion, approach, step, closed)
+    if moved is None:
+        return VibrationEstimate(
+            laeq_db=None,
+            parts_db={},
+            force_ratio=0.0,
+            contact_loss_db=0.0,
+            stiffness_n_m=mean_stiffness,
+        )
+    lines = moved.lines
+    chain = moved.chain
+    points = moved.points
+    mean_square = lines.mean_square
+    resolved_hz = motion.fastest(lines.duration) / (2 * step)
     forces = force_gain(chain, points)
-    gain = roughness_gain(bodies, listener, chain)(points.ravel()).reshape(points.shape)
-    gain *= mean_square[:, None] * 10 ** (a_weighting_db(points) / 10) / forces
+    gain = moved.gain * mean_square[:, None] * 10 ** (a_weighting_db(points) / 10) / forces
 
     def weighted_squares(stiffnesses: Array) -> Array:
         """Return A-weighted mean squares of the lines at their places, as a mean over chains."""
@@ -312,7 +342,7 @@ def vibration_estimate(
     # stiffness where it changes within a period. The level lies between both.
     local = weighted_squares(stiffness)
     following = float(local.sum(axis=0).mean())
-    within = float(local[frequency < resolved_hz].sum(axis=0).mean())
+    within = float(local[lines.frequency < resolved_hz].sum(axis=0).mean())
     contact_loss_db = 0.0
     if bodies.contact_loss_factor is None:
         damped = replace(chain, contact_loss_factor=UNKNOWN_LOSS)
@@ -325,14 +355,94 @@ def vibration_estimate(
         "band": HALF * _apart_db(within, following),
         "contact_loss": HALF * abs(contact_loss_db),
     }
-    if looped:
+    if lines.looped:
         parts_db["comb"] = math.sqrt(np.mean([_apart_db(place, mean) ** 2 for place in at_mean]))
     return VibrationEstimate(
         laeq_db=level.level_db(math.sqrt(mean * following)),
         parts_db=parts_db,
         force_ratio=math.sqrt(float(mean_square @ forces.mean(axis=1))) / bodies.load_n,
         contact_loss_db=contact_loss_db,
+        stiffness_n_m=mean_stiffness,
     )
+
+
+class ApproachLines(NamedTuple):
+    """Audible lines of an approach as it passes in time.
+
+    duration : float, s. Duration of the approach.
+    looped : bool. Whether it repeats; otherwise it is faded.
+    first : int. Order of the first line, its frequency times the duration.
+    frequency : (lines,) array, Hz. Frequencies.
+    phasor : (lines,) complex array, m. Fourier coefficients.
+    """
+
+    duration: float
+    looped: bool
+    first: int
+    frequency: Array
+    phasor: NDArray[np.complex128]
+
+    @property
+    def mean_square(self) -> Array:
+        """Mean squares of the lines [m2]."""
+        return np.asarray(2 * np.square(np.abs(self.phasor)))
+
+
+class ChainAtLines(NamedTuple):
+    """A linear chain at the lines of an approach.
+
+    lines : ApproachLines. Lines of the approach.
+    chain : Chain. Ball, contact and plate.
+    points : (lines, places) array, Hz. Frequencies in the interval of each line.
+    gain : (lines, places) array, Pa2/m2. Mean square pressure at the listener per mean square
+        approach at these frequencies.
+    """
+
+    lines: ApproachLines
+    chain: Chain
+    points: Array
+    gain: Array
+
+
+def chain_at_lines(
+    bodies: BallOnPlate,
+    listener: Listener,
+    chain: Chain,
+    motion: Motion,
+    approach: Array,
+    step: float,
+    closed: bool,
+) -> ChainAtLines | None:
+    """Return a chain at the lines of an approach; None where it does not fluctuate within hearing.
+
+    The approach is that of `vibration_estimate`.
+    """
+    lines = _approach_lines(motion, approach, step, closed)
+    if not lines.mean_square.sum() > 0:
+        return None
+    points = places_of_lines(bodies.plate, chain, lines.frequency, 1 / lines.duration)
+    gain = roughness_gain(bodies, listener, chain)(points.ravel()).reshape(points.shape)
+    return ChainAtLines(lines=lines, chain=chain, points=points, gain=gain)
+
+
+def linear_pressure(
+    bodies: BallOnPlate, listener: Listener, moved: ChainAtLines, samples: int, laps: int = 1
+) -> Array:
+    """Return the sound pressure [Pa] of an approach that moves a linear chain, (samples,).
+
+    Each line of the approach keeps its phase through contact, ball and plate. Its size is that of
+    the mean square over the interval of the line, as `vibration_estimate` has it, so that a sharp
+    resonance between two lines is heard. The record holds the lines of so many `laps`.
+    """
+    lines = moved.lines
+    transfer = roughness_transfers(bodies, listener, moved.chain)(lines.frequency)[0]
+    size = np.sqrt(moved.gain.mean(axis=1))
+    spectrum = np.zeros(samples // 2 + 1, dtype=complex)
+    orders = laps * (lines.first + np.arange(len(lines.frequency)))
+    below = orders < (samples + 1) // 2
+    phasors = lines.phasor * size * np.exp(1j * np.angle(transfer))
+    spectrum[orders[below]] = samples * phasors[below]
+    return np.fft.irfft(spectrum, samples)
 
 
 def force_gain(chain: Chain, frequency: Array) -> Array:
@@ -346,30 +456,17 @@ def _apart_db(square: float, other: float) -> float:
     return abs(10 * math.log10(max(square, 1e-12 * other) / other))
 
 
-class _ApproachLines(NamedTuple):
-    """Audible lines of an approach as it passes in time.
-
-    duration : float, s. Duration of the record.
-    looped : bool. Whether the record repeats; otherwise it is faded.
-    frequency : (lines,) array, Hz. Frequencies.
-    mean_square : (lines,) array, m2. Mean squares.
-    """
-
-    duration: float
-    looped: bool
-    frequency: Array
-    mean_square: Array
-
-
-def _approach_lines(motion: Motion, approach: Array, step: float, closed: bool) -> _ApproachLines:
+def _approach_lines(motion: Motion, approach: Array, step: float, closed: bool) -> ApproachLines:
     """Return the lines of an approach [m] at the ends of steps [m], of whole laps if `closed`."""
     duration = motion.duration((len(approach) - 1) * step)
     looped = closed and motion.is_constant(duration)
     signal = approach_in_time(motion, approach, step, looped)
     if not looped:
         signal = faded(signal, duration)
-    frequency, mean_square = audible_lines(signal - signal.mean(), len(signal) / duration)
-    return _ApproachLines(duration, looped, frequency, mean_square)
+    # There are at least DENSE samples in a period, so no line that is heard lies at Nyquist.
+    frequency, phasor = audible_phasors(signal - signal.mean(), len(signal) / duration)
+    first = round(float(frequency[0]) * duration) if len(frequency) else 0
+    return ApproachLines(duration, looped, first, frequency, phasor)
 
 
 def approach_in_time(motion: Motion, approach: Array, step: float, looped: bool) -> Array:

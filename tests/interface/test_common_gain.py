@@ -47,20 +47,23 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "out"
 
 
-def listened(folder: Path) -> dict:
-    return summary(folder)["files"]["listen"]
+def listened(folder: Path, file: str = "listen") -> dict:
+    return summary(folder)["files"][file]
 
 
-@pytest.mark.law("listening: a louder run of a sweep is louder in listen.wav, by its LAeq.")
-def test_a_louder_run_sounds_louder(swept: Path) -> None:
-    """Levels of the files differ as LAeq does, within the rounding to 24 bits."""
+@pytest.mark.law("listening: a louder run of a sweep is louder in its files, by its LAeq.")
+@pytest.mark.parametrize(
+    ("file", "quantity"), [("listen", "vibration"), ("released", "released_power")]
+)
+def test_a_louder_run_sounds_louder(file: str, quantity: str, swept: Path) -> None:
+    """Levels of the files differ as those that are stated do, within the rounding to 24 bits."""
     heard = []
     stated = []
     for folder in sorted(swept.glob("load_n=*")):
-        samples, rate, comment = wav.read(folder / "listen.wav")
+        samples, rate, comment = wav.read(folder / f"{file}.wav")
         heard.append(laeq_db(samples, rate))
-        stated.append(summary(folder)["released_power"]["value"])
-        facts = listened(folder)
+        stated.append(summary(folder)[quantity]["value"])
+        facts = listened(folder, file)
         assert facts["rule"] == "the common gain of its sweep" and facts["rule"] in comment
         assert facts["common_gain_full_scale_per_pa"] == facts["gain_full_scale_per_pa"]
         assert facts["gain_full_scale_per_pa"] <= facts["own_gain_full_scale_per_pa"]
@@ -145,7 +148,8 @@ def test_a_run_far_below_the_others_says_that_it_may_be_inaudible(tmp_path: Path
     """At 1000 times the distance a run is 60 dB quieter; the largest gain may leave less."""
     text = TINY + "sweep: {sound.distance_m: [0.1, 100]}\n"
     assert run(write(tmp_path, text), tmp_path / "out") == 0
-    near, far = (listened(tmp_path / "out" / f"distance_m={d}") for d in ("0.1", "100"))
+    out = tmp_path / "out"
+    near, far = (listened(out / f"distance_m={d}", "released") for d in ("0.1", "100"))
     assert "may not hear" not in near["meaning"]
     lowered = far["own_gain_full_scale_per_pa"] / far["gain_full_scale_per_pa"]
     lowered_db = 20 * np.log10(lowered)

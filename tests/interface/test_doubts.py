@@ -265,8 +265,8 @@ STEEP = ("surface.roughness_ra_um=2", "numerics.error_estimate=true")
             "trust",
             "length of the record",
         ),
-        # A vibration that is computed while the release plays leads, and has its own errors.
-        (BESIDE_RELEASE, (), {}, "indicative", "estimated for the sound that plays"),
+        # A vibration that is computed while the release is measured leads, and has its own errors.
+        (BESIDE_RELEASE, (), {}, "indicative", "estimated for the record that is measured"),
         (
             {**BESIDE_RELEASE, "motion": {"comb_spread_db": 4.0}},
             *((), {}, "do not quote", "lies 4 dB (rms) from the mean"),

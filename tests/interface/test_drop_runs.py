@@ -56,8 +56,8 @@ def test_record(run: Run) -> None:
     before = round(4.2e-3 * SAMPLE_RATE_HZ)
     # What comes before is the ringing of the filters of the sound.
     assert pressure[:before].max() < 0.02 * pressure.max()
-    assert len(listening.record_in_laps(run)) == len(pressure)
-    assert "faded at its end" in listening.describe_laps(run)
+    assert len(listening.record_in_laps(run.sound, run.scene.motion)) == len(pressure)
+    assert "faded at its end" in listening.describe_laps(run.sound, run.scene.motion)
 
 
 def test_an_impact_that_yields_is_not_quoted(run: Run) -> None:

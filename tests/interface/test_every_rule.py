@@ -184,6 +184,9 @@ def judge_all() -> None:
     heard = changed(computed(40.0), {"bands": {"vibration_a": loud}})
     run_doubts.doubts(half_space, run.sound, heard, vibration)
     still = marched(TINY)
+    assert still.numbers.heard is not None
+    far_off = replace(still.numbers.heard, departure_db=9.0, gain_db=0.0)
+    run_doubts.doubts(still.scene, still.sound, replace(still.numbers, heard=far_off))
     turns = {"reason": "the speed changes"}
     told = changed(still.numbers, {"turns": turns, "surface": {"instrument": seen}})
     told = changed(told, {"errors": {"is_asked": True, "reason": "it is too short"}})

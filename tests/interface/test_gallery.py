@@ -17,7 +17,7 @@ from report_browser import axe_findings, until
 from report_runs import runs_of
 
 from rolling.report.gallery import gallery_page
-from rolling.results.listening import record_for_ear
+from rolling.results.listening import ListenSound
 
 PHONE = {"width": 390, "height": 844}
 
@@ -82,7 +82,7 @@ def test_one_sounds_at_a_time_with_equal_or_calibrated_gain(path: Path, opened) 
 def test_sounds_begin_like_the_record_and_stay_short(path: Path) -> None:
     """The MP3 follows the record, apart from the band above 19 kHz, 20 dB below the whole."""
     (filmed, *_), (sound, *_) = runs_of("filmed"), records(path)
-    record = record_for_ear(filmed).pressure[:20000]
+    record = ListenSound(filmed).samples[:20000]
     sound = sound[:20000] * (record @ sound[:20000]) / (sound[:20000] @ sound[:20000])
     assert np.std(sound - record) < 0.1 * np.std(record)
     assert all(len(samples) <= 8.1 * 48000 for samples in records(path))

@@ -314,10 +314,14 @@ def test_an_assumed_share_has_a_word_of_its_own() -> None:
     _, released = leading_numbers.shown_columns([assumed])
     assert released.cells[0].verdict == "assumed" and "assumed" in released.remark
     assert "assumed" in dict(leading_numbers.verdict_words([assumed]))
-    assert "as if a share of 0.5 became sound" in text.heard(assumed, is_alone=True)
+    assert "as if a share of 0.5 became sound" in text.heard(
+        assumed, is_alone=True, stated=assumed.stated("release")
+    )
     fixed = solved(run.scene.with_({"sound.gain_pa_per_w_m2": 0.1}))
     assert leading_numbers.shown_columns([fixed])[1].cells[0].verdict == "assumed"
-    assert "under the gain that the scene fixes" in text.heard(fixed, is_alone=True)
+    assert "under the gain that the scene fixes" in text.heard(
+        fixed, is_alone=True, stated=fixed.stated("release")
+    )
 
 
 @pytest.mark.parametrize("names", [["three"], ["one", "flying"], ["falling"], ["smooth"]])

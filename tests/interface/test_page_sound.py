@@ -31,7 +31,7 @@ def test_the_records_of_the_page_times_their_scale_are_the_records_of_the_runs(p
         record = embedded_record(path, k)
         scale = data_of(path)["runs"][k]["playback"]["full_scale_pa"]
         assert np.abs(record).max() == pytest.approx(10 ** (-1 / 20), abs=2**-23)
-        assert np.abs(record - run.sound.pressure / scale).max() <= 2**-24 * (1 + 1e-6)
+        assert np.abs(record - run.stated().sound.pressure / scale).max() <= 2**-24 * (1 + 1e-6)
 
 
 def test_gains_give_the_stated_levels_and_never_clip(pages, opened) -> None:
@@ -73,6 +73,30 @@ def test_gains_give_the_stated_levels_and_never_clip(pages, opened) -> None:
         added = played["equal"][k] - played["calibrated"][k]
         assert got["equal"][k][2] == pytest.approx(added, abs=0.05)
         assert stated[k]["equal_db"] == pytest.approx(added, abs=0.001)
+
+
+def test_a_second_button_plays_the_released_power(pages, opened) -> None:
+    """One sound is heard at a time, and each with the gain that the runs share for it."""
+    path = pages("three")
+    (first, *_) = data_of(path)["runs"]
+    assert first["playback"]["full_scale_pa"] < first["released"]["playback"]["full_scale_pa"]
+    with opened(path) as page:
+        play(page)
+        hear(page)
+        assert "You hear the vibration of ball and plate, estimated" in page.inner_text(".hear")
+        page.click("#play-released")
+        until(page, "tap.gains.length === 6")
+        hear(page)
+        gains = page.evaluate("tap.gains.slice(3).map((node) => node.gain.value)")
+        expected = [first["released"]["playback"]["calibrated"], 0, 0]
+        assert gains == pytest.approx(expected, abs=1e-3)
+        assert page.inner_text("#play") == "Play" and page.inner_text("#play-released") == "Pause"
+        page.click("#play")
+        until(page, "tap.gains.length === 9")
+        hear(page)
+        gains = page.evaluate("tap.gains.slice(6).map((node) => node.gain.value)")
+        assert gains == pytest.approx([first["playback"]["calibrated"], 0, 0], abs=1e-3)
+        assert page.inner_text("#play-released") == "Released power"
 
 
 def test_switching_keeps_the_playhead_and_the_sound(pages, opened) -> None:

@@ -468,7 +468,7 @@ def test_a_small_file_that_says_many_samples_is_refused_unread(
 
 def test_a_packed_sound_in_place_of_a_long_record_is_not_unpacked(run: Run, tmp_path: Path) -> None:
     """A file of this program takes three bytes for each sample; the record is made anew."""
-    assert listening._stored_long_record(run) is not None
+    assert listening.stored_long_record(run) is not None
     packed = io.BytesIO()
     channels = 16
     with soundfile.SoundFile(packed, "w", 48_000, channels, format="OGG") as file:
@@ -476,4 +476,4 @@ def test_a_packed_sound_in_place_of_a_long_record_is_not_unpacked(run: Run, tmp_
         file.write(np.zeros((round(SECONDS * 48_000), channels)))
     assert len(packed.getvalue()) < 300_000
     (tmp_path / "listen.wav").write_bytes(packed.getvalue())
-    assert listening._stored_long_record(replace(run, folder=tmp_path)) is None
+    assert listening.stored_long_record(replace(run, folder=tmp_path)) is None

@@ -26,6 +26,7 @@ from rolling.terminal import defaults
 
 SEEDS = TINY + "sweep: {surface.seed: [1, 2, 3]}\n"
 OF_A_RUN = {"result.h5", "numbers.json", "summary.json", "signal.wav", "listen.wav"}
+OF_A_RUN |= {"released.wav", "released_signal.wav"}
 OF_A_FOLDER = {"scene.yaml", "runs.csv", "bands.csv"}
 
 
@@ -460,7 +461,7 @@ def test_a_run_is_listened_to_for_as_long_as_wanted(
     assert (
         heard is not None
         and heard is not made
-        and "1.5 s over 450 mm" in describe_long_record(opened, heard)
+        and "1.5 s over 450 mm" in describe_long_record(opened.stated(), heard)
     )
     full_scale = stored(out).files.listen.pascal_per_full_scale
     assert np.abs(heard.pressure - made.pressure).max() <= full_scale * 2**-23

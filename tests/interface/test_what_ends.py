@@ -158,8 +158,8 @@ def test_what_ends_has_no_seam(name: str) -> None:
         played(run)
         assert record.lap["begin"] == 0
     if name == "rests at once":
-        assert len(listening.record_in_laps(run)) == len(run.sound.pressure)
-        assert listening.describe_laps(run).startswith("the record, ")
+        assert len(listening.record_in_laps(run.sound, run.scene.motion)) == len(run.sound.pressure)
+        assert listening.describe_laps(run.sound, run.scene.motion).startswith("the record, ")
 
 
 def test_a_stored_record_that_ends_has_its_numbers() -> None:

@@ -2,7 +2,7 @@
 
 import { $, $$, data, lengthOf, ownTime, runs, say, state } from "./core.js";
 import { glide, soundAlone } from "./audio.js";
-import { mix, pause, play, render, seek } from "./player.js";
+import { hear, mix, pause, play, render, seek } from "./player.js";
 import { listenToHeard, showHeard, showLoudness } from "./heard.js";
 import { copy, roundOf, saveRecord } from "./records.js";
 import { showStill, timeOfMap } from "./contact.js";
@@ -46,6 +46,15 @@ export function choose(number) {
 }
 
 const toggle = () => (state.wanted ? pause() : play());
+
+/** Play or pause the sound of a button, what plays first or the released power. */
+function pressPlay({ dataset }) {
+  const released = dataset.play === "released";
+  if (state.released === released) return toggle();
+  hear(released);
+  play();
+}
+
 const step = (share) => seek(ownTime(state.run) + share * lengthOf(state.run));
 const KEYS = { " ": toggle, ArrowLeft: () => step(-0.05), ArrowRight: () => step(0.05) };
 
@@ -74,7 +83,7 @@ function listen() {
   document.addEventListener("keydown", onKey);
   document.addEventListener("chart-seek", onChartSeek);
   document.addEventListener("chart-place", ({ detail }) => playPatch(detail));
-  on("[data-play]", "click", toggle);
+  on("[data-play]", "click", pressPlay);
   on("#seek", "input", (slider) => seek(Number(slider.value)));
   on("#volume", "input", (slider) => state.master && glide(state.master, Number(slider.value)));
   on("#choose, input[name=run], input[name=play-run]", "change", (choice) => choose(Number(choice.value)));

@@ -17,25 +17,28 @@ export function say(text) {
   $("#said").textContent = text;
 }
 
-// The playhead of all runs rests at `at`, or moves with the audio clock from zero at `origin` as long as there are `voices`. `wanted`: Play is pressed. `blind`: the run of a blind test. `starting`: number of sounds that are about to start.
-export const state = { run: 0, blind: null, wanted: false, at: 0, origin: 0, voices: null, context: null, master: null, starting: 0 };
+// The playhead of all runs rests at `at`, or moves with the audio clock from zero at `origin` as long as there are `voices`. `wanted`: Play is pressed. `blind`: the run of a blind test. `starting`: number of sounds that are about to start. `released`: the released power is heard in place of what plays first.
+export const state = { run: 0, released: false, blind: null, wanted: false, at: 0, origin: 0, voices: null, context: null, master: null, starting: 0 };
 
 /** Return the time of the audio clock that is heard now. */
 export const heardNow = () => state.context.currentTime - (state.context.outputLatency || 0);
 
 export const position = () => (state.voices ? Math.max(state.at, heardNow() - state.origin) : state.at);
 
+/** Return lap, gains and ends of the sound of a run that is heard: what plays first, or its released power. */
+export const soundOf = (number) => (state.released && runs[number].released) || runs[number];
+
 /** Return the length in seconds after which a record goes round, or ends. */
-export const lengthOf = (number) => runs[number].lap.end / RATE;
+export const lengthOf = (number) => soundOf(number).lap.end / RATE;
 
 /** Return the time in seconds within a run's record, which goes round in its own time or stays at its end. */
 export function ownTime(number, at = position()) {
-  const { lap: { begin, overlap }, ends } = runs[number], end = lengthOf(number), again = (begin + overlap) / RATE;
+  const { lap: { begin, overlap }, ends } = soundOf(number), end = lengthOf(number), again = (begin + overlap) / RATE;
   if (ends) return Math.min(at, end);
   return at < end ? at : again + modulo(at - again, end - again);
 }
 
 /** Return the time within the solved track, at whose end it stays while a long record goes on. */
-export const solvedTime = (number) => Math.min(ownTime(number), runs[number].solved);
+export const solvedTime = (number) => Math.min(ownTime(number), soundOf(number).solved);
 
 export const seconds = (time) => `${time.toFixed(lengthOf(state.run) < 1 ? 3 : 2)} s`;

@@ -1,6 +1,6 @@
 // ---- the record that is heard: its waveform and its spectrogram, on which a pointer or a key seeks ----
 
-import { $, lengthOf, runs, state } from "./core.js";
+import { $, lengthOf, soundOf, state } from "./core.js";
 import { RATE } from "../engine/rate.js";
 import { roundOf } from "./records.js";
 import { linesOfRecord } from "../engine/complex.js";
@@ -18,8 +18,8 @@ const SLICE_MS = 8; // of work at once, so that the page answers meanwhile
 // Sizes of the windows, long ones for low frequencies and short ones for high ones, as the ear resolves them, with the frequency up to which each is taken.
 const WINDOWS = [{ size: 8192, below: 250 }, { size: 2048, below: 2000 }, { size: 512, below: Infinity }];
 
-const outlines = new Map(); // promises of waveforms by number of the run
-const spectrograms = new Map(); // and of levels
+const outlines = new Map(); // waveforms by sound of a run
+const spectrograms = new Map(); // and promises of levels
 
 const middleOf = (row) => LOW_HZ * 2 ** ((row + 0.5) / ROWS_PER_OCTAVE);
 const heightOf = (hertz) => (ROWS_PER_OCTAVE * Math.log2(hertz / LOW_HZ)) / ROWS; // 0 at the bottom, 1 at the top
@@ -27,29 +27,29 @@ const hertzText = (hertz) => (hertz < 1000 ? `${hertz} Hz` : `${hertz / 1000} kH
 
 /** Show the chosen run's record: the waveform once it is decoded, the spectrogram once it is analysed. */
 export async function showHeard() {
-  const number = state.run, channels = await channelsOf(number);
-  if (!outlines.has(number)) outlines.set(number, outlineOf(channels));
-  if (number !== state.run) return;
+  const number = state.run, sound = soundOf(number), channels = await channelsOf(number);
+  if (!outlines.has(sound)) outlines.set(sound, outlineOf(channels));
+  if (sound !== soundOf(state.run)) return;
   const canvas = $("#heard-bands"), lowest = lowestOf(channels[0].length);
-  $("#heard-wave path").setAttribute("d", outlines.get(number));
+  $("#heard-wave path").setAttribute("d", outlines.get(sound));
   showLoudness();
   showAxes(lowest);
   showSolved();
   canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
-  if (!spectrograms.has(number)) spectrograms.set(number, spectrogramOf(channels[0]));
-  const levels = await spectrograms.get(number);
-  if (number === state.run) paint(levels, lowest);
+  if (!spectrograms.has(sound)) spectrograms.set(sound, spectrogramOf(channels[0]));
+  const levels = await spectrograms.get(sound);
+  if (sound === soundOf(state.run)) paint(levels, lowest);
 }
 
 /** Return the samples of a run's record by channel, without those behind its last lap. */
 async function channelsOf(number) {
-  const record = await roundOf(number), length = Math.min(record.length, runs[number].lap.end);
+  const { lap } = soundOf(number), record = await roundOf(number), length = Math.min(record.length, lap.end);
   return Array.from({ length: record.numberOfChannels }, (_, c) => record.getChannelData(c).subarray(0, length));
 }
 
 /** Let the waveform be as high as the record is loud at the present gain. */
 export function showLoudness() {
-  const gain = runs[state.run].playback[$("#equal")?.checked ? "equal" : "calibrated"];
+  const gain = soundOf(state.run).playback[$("#equal")?.checked ? "equal" : "calibrated"];
   $("#heard-wave path").style.transform = `scaleY(${gain})`;
 }
 
@@ -175,7 +175,7 @@ function showAxes(lowest) {
 
 /** Mark the solved part of a long record, and the place from which on it is raised. */
 function showSolved() {
-  const { solved, raised } = runs[state.run], length = lengthOf(state.run), isLong = solved < 0.99 * length;
+  const { solved, raised } = soundOf(state.run), length = lengthOf(state.run), isLong = solved < 0.99 * length;
   $("#heard-raised").hidden = raised === null;
   $("#heard-raised").style.left = `${(100 * raised) / length}%`;
   $("#heard-solved").hidden = !isLong;

@@ -190,7 +190,8 @@ function joinGraph() {
 
 /** Let the gain glide to the volume of the slider and the scale of the chosen run. */
 export function sendVolume() {
-  const scale = runs[live.number].playback.calibrated_pa ?? liveOf().fullScale;
+  const run = runs[live.number], { playback } = (liveOf().kind === "release" && run.released) || run;
+  const scale = playback.calibrated_pa ?? liveOf().fullScale;
   live.volume?.gain.setTargetAtTime(10 ** ($("#play-volume").value / 20) / scale, state.context.currentTime, FADE_S);
 }
 

@@ -1,20 +1,21 @@
 // ---- player: records loop in step, but those of what ends, and one of them is heard ----
 
-import { $, $$, lengthOf, ownTime, position, runs, seconds, solvedTime, state } from "./core.js";
+import { $, $$, lengthOf, ownTime, position, runs, seconds, solvedTime, soundOf, state } from "./core.js";
 import { RATE } from "../engine/rate.js";
 import { RESTING_MS, audioContext, glide, restContext, soundAlone, sounds, starting, stopVoice } from "./audio.js";
 import { roundOf } from "./records.js";
 import { showMap } from "./contact.js";
 import { setPlayhead } from "./chart_touch.js";
+import { showHeard } from "./heard.js";
 
 const STILL_MS = 2000; // without a sound after which the page says so
 const READY_S = 0.05; // within which a record is ready, and begins whole, although the clock of the audio went on
 
 const heardRun = () => state.blind ?? state.run;
-const gainOf = (number) => (number === heardRun() ? runs[number].playback[$("#equal")?.checked ? "equal" : "calibrated"] : 0);
+const gainOf = (number) => (number === heardRun() ? soundOf(number).playback[$("#equal")?.checked ? "equal" : "calibrated"] : 0);
 
 /** Tell whether the record of a run does not go round, and is over. */
-const hasEnded = (number) => runs[number].ends && ownTime(number) >= lengthOf(number);
+const hasEnded = (number) => soundOf(number).ends && ownTime(number) >= lengthOf(number);
 
 /** Make one run audible; only gains change. */
 export function mix() {
@@ -26,7 +27,8 @@ function startVoices() {
   const { context } = state, voices = runs.map(() => null);
   const first = context.currentTime;
   Object.assign(state, { voices, origin: first - state.at });
-  runs.forEach(async ({ lap: { begin, end, overlap }, ends }, number) => {
+  runs.forEach(async (_, number) => {
+    const { lap: { begin, end, overlap }, ends } = soundOf(number);
     const buffer = await roundOf(number);
     if (voices !== state.voices || hasEnded(number)) return;
     const source = new AudioBufferSourceNode(context, { buffer, loop: !ends, loopStart: (begin + overlap) / RATE, loopEnd: end / RATE });
@@ -90,11 +92,25 @@ function tick() {
   requestAnimationFrame(tick);
 }
 
+const WORDS = { played: "Play", released: "Released power" };
+
 function showButton() {
   for (const button of $$("[data-play]")) {
-    button.querySelector("span").textContent = state.wanted ? "Pause" : "Play";
-    button.toggleAttribute("data-playing", state.wanted);
+    const sounds = state.wanted && state.released === (button.dataset.play === "released");
+    button.querySelector("span").textContent = sounds ? "Pause" : WORDS[button.dataset.play];
+    button.toggleAttribute("data-playing", sounds);
   }
+}
+
+/** Hear what plays first, or the released power. */
+export function hear(released) {
+  if (state.released === released) return;
+  stopVoices();
+  state.released = released;
+  showHeard();
+  if (state.wanted) startVoices();
+  showButton();
+  render();
 }
 
 export function render() {

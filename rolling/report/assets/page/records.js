@@ -1,10 +1,10 @@
 // ---- records: decoding, looping, and saving ----
 
-import { $, runs, say } from "./core.js";
+import { $, runs, say, soundOf } from "./core.js";
 import { RATE } from "../engine/rate.js";
 import { download } from "./chart_save.js";
 
-const rounds = new Map(); // promises of buffers by number of the run
+const rounds = new Map(); // promises of buffers by sound of a run
 const COPIED_MS = 2000;
 
 /** Decode the samples of a player, without a click of the user. */
@@ -13,10 +13,11 @@ export function samplesOf(player) {
   return new OfflineAudioContext(1, 1, RATE).decodeAudioData(bytes.buffer);
 }
 
-/** Return a promise of the looping record of a run. */
+/** Return a promise of the looping record of a run, of the sound that is heard. */
 export function roundOf(number) {
-  if (!rounds.has(number)) rounds.set(number, samplesOf($(`audio[data-heard="${number}"]`)).then((record) => crossFade(record, runs[number].lap)));
-  return rounds.get(number);
+  const sound = soundOf(number), name = sound === runs[number] ? "heard" : "heard-release";
+  if (!rounds.has(sound)) rounds.set(sound, samplesOf($(`audio[data-${name}="${number}"]`)).then((record) => crossFade(record, sound.lap)));
+  return rounds.get(sound);
 }
 
 /** Cross-fade the end of a record with the beginning of its lap as in listen.wav. */
@@ -34,7 +35,7 @@ function crossFade(record, { begin, end, overlap, correlation }) {
 /** Save the record of a player as a WAV, at the gain at which the page plays its run. */
 export async function saveRecord({ dataset: { wav, of } }) {
   const player = document.getElementById(of), record = await samplesOf(player), full = Number(player.dataset.full);
-  const { calibrated, equal, calibrated_pa: common } = runs[Number(of.split("-").at(-1))].playback;
+  const run = runs[Number(of.split("-").at(-1))], { calibrated, equal, calibrated_pa: common } = ((of.startsWith("released") && run.released) || run).playback;
   const wanted = $("#equal")?.checked ? (common * calibrated) / equal : common;
   const scale = Math.max(full, wanted); // a record with a higher peak than the one that is heard must not clip
   const channels = Array.from({ length: record.numberOfChannels }, (_, c) => record.getChannelData(c).map((sample) => (sample * full) / scale));
