@@ -156,12 +156,13 @@ def sound_to_listen(
         no_long = made.no_long
         long = made.long
     stated = replace(stated, long_record=long, no_long=no_long)
-    if long is None or long.numbers.ends or stated.measure == LAEQ:
+    if long is None or long.numbers.ends:
         return stated
-    stated_db = stated.stated_db
-    if stated_db is not None:
-        stated_db -= exposure_db(numbers)
-    return replace(stated, measure=LAEQ, stated_db=stated_db)
+    if not made.record.constant_speed:  # it goes on at other speeds, for which no level is stated
+        return replace(stated, measure=LAEQ, stated_db=None)
+    if stated.measure == LAEQ or stated.stated_db is None:
+        return stated
+    return replace(stated, measure=LAEQ, stated_db=stated.stated_db - exposure_db(numbers))
 
 
 def _stated(numbers: RunNumbers, record: ContactSound) -> StatedSound:

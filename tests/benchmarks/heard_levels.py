@@ -111,6 +111,8 @@ def heard_level(run: Any, name: str, sound: HeardSound) -> HeardLevel:
         level = lae_db if facts.measure == "LAE" else laeq_db
         quantity = run.vibration if facts.source == "vibration" else run.released_power
         stated_db = quantity.value if facts.measure == quantity.measure else None
+        if sound.stated.stated_db is None:  # it goes on at other speeds, or ends later
+            stated_db = None
         what = f"{facts.source}, {facts.how}"
     else:
         pressure = first * facts.full_scale

@@ -24,6 +24,7 @@ from rolling import cli
 from rolling.bearing_kind.former_bearing import former_names
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.bearing_numbers import BearingNumbers
+from rolling.results.listening import content_words, listen_sounds
 from rolling.results.run_result import Run
 from rolling.results.stored_numbers import read_stored
 
@@ -355,3 +356,20 @@ def test_a_choice_of_bearings_does_not_go_on(
     assert cli.main(words) == 2
     assert "numbers of two programs are not mixed" in capsys.readouterr().err
     assert tree(copied / "choice_bearings") == before
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "source"),
+    [
+        ("ball", "released power", "release"),
+        ("dynamics", "vibration, computed", "vibration"),
+        ("fall", "vibration, computed", "vibration"),
+    ],
+)
+def test_a_sound_file_keeps_its_own_source(name: str, words: str, source: str) -> None:
+    """A listen.wav of version 0.8 has the release of a run without dynamics, as it was made."""
+    run = rc.open_run(FOLDERS / name)
+    assert content_words(run.stored) == words
+    (sound,) = listen_sounds(run)
+    assert (sound.file, sound.group) == ("listen.wav", source)
+    assert sound.stated.level.gain_db == 0.0
