@@ -186,6 +186,42 @@ def level_uncertainty(
     )
 
 
+class ExpectedUncertainty(NamedTuple):
+    """Standard uncertainties of levels that a record of a known spectrum is going to have.
+
+    laeq_db : float, dB. Of LAeq.
+    third_octave_db : (31,) array, dB. Of the third octaves; that of a single line without any.
+    """
+
+    laeq_db: float
+    third_octave_db: Array
+
+
+def expected_uncertainty(frequency_hz: Array, mean_square: Array) -> ExpectedUncertainty:
+    """Return the uncertainty of levels before there is a record, from the spectrum of its noise.
+
+    The variances are those of `level_uncertainty`. There the mean squares of lines are random, and
+    here they are expected values, so N equal lines need no correction: N = (sum P)^2 / sum P^2.
+
+    Parameters
+    ----------
+    frequency_hz : array (n,), Hz. Frequencies of the lines of the record.
+    mean_square : array (n,), any unit. Expected mean squares of the lines, not all zero.
+    """
+    weighted = mean_square * 10.0 ** (a_weighting_db(frequency_hz) / 10.0)
+    weighted = weighted / weighted.sum()
+    count = np.maximum(1.0, 1.0 / np.array([np.sum(np.square(weighted))]))
+    share = third_octave_mean_square(frequency_hz, weighted)
+    squares = third_octave_mean_square(frequency_hz, np.square(weighted))
+    in_band = np.ones(len(share))
+    loud = squares > 0.0
+    in_band[loud] = np.maximum(np.square(share[loud]) / squares[loud], 1.0)
+    return ExpectedUncertainty(
+        laeq_db=_db(float((_of_few_lines(count) / count)[0])),
+        third_octave_db=_DB * np.sqrt(_of_few_lines(in_band) / in_band),
+    )
+
+
 def steady_uncertainty_db(power: Array, sample_rate_hz: float) -> float | None:
     """Return the standard uncertainty of the level of a mean power, from its density at 0 Hz [dB].
 

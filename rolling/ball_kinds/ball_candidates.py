@@ -14,6 +14,7 @@ from rolling.kinds.run_folder import RunFolder
 from rolling.results import labels
 from rolling.results.labels import SEED
 from rolling.scene import step_rule
+from rolling.scene.length_choice import longest_choice
 from rolling.scene.messages import SceneError, plain_number, quoted
 from rolling.scene.scene import Scene
 
@@ -63,6 +64,7 @@ def candidates_of(scenes: Sequence[Scene]) -> list[BallCandidate]:
         runs = [runs[0], _without_faults(runs[0])]
         names = ["the scene with faults", "the scene without faults"]
     candidates = [candidate(name, run.scene) for name, run in zip(names, runs, strict=True)]
+    candidates = with_one_length(candidates)
     mistakes = [*_incomparable(candidates)]
     if mistakes:
         raise SceneError(mistakes)
@@ -74,7 +76,10 @@ def _runs_of(scene: Scene) -> list[RunFolder]:
     if SEED in scene.sweep:
         seed = labels.value_at(scene.runs()[0].scene, SEED)
         scene = scene.with_({SEED: seed})
-    return [RunFolder(values, run.with_auto_steps(), Path()) for values, run in scene.runs()]
+    return [
+        RunFolder(values, run.with_auto_steps().with_auto_length(), Path())
+        for values, run in scene.runs()
+    ]
 
 
 def _labels(runs: Sequence[RunFolder]) -> list[str]:
@@ -138,6 +143,34 @@ def candidate(label: str, scene: Scene) -> BallCandidate:
         loss_factors=loss_factors,
         added=added,
     )
+
+
+def with_one_length(candidates: Sequence[BallCandidate]) -> list[BallCandidate]:
+    """Return candidates with one length where `auto` chooses it.
+
+    It is the longest that a scene states, because records of other lengths are no pair; where none
+    states one, the longest that a candidate needs.
+    """
+    choices = [candidate.scene.length_choice for candidate in candidates]
+    needs = [choice for choice in choices if choice is not None]
+    stated = [
+        candidate.scene.duration
+        for candidate, choice in zip(candidates, choices, strict=True)
+        if choice is None
+    ]
+    if not needs:
+        return list(candidates)
+    shared = longest_choice(needs)
+    made = []
+    for own, choice in zip(candidates, choices, strict=True):
+        scene = own.scene
+        if choice is not None and stated:
+            seconds = float(f"{max(stated):.12g}")
+            scene = scene.with_({"rolling.duration_s": seconds, "rolling.distance_mm": None})
+        elif choice is not None:
+            scene = scene.with_length(shared)
+        made.append(replace(own, scene=scene))
+    return made
 
 
 def with_steps_shared_by(own: BallCandidate, candidates: Sequence[BallCandidate]) -> BallCandidate:

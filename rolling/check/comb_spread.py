@@ -33,17 +33,12 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import loss_text
 from rolling.scene.surfaces import HeightFile
 from rolling.sound.radiators import sources
+from rolling.surface.contact_average import asperity_density
 
 KEY = "comb"  # of the finding
 _SPEEDS_OF_MODES = 20  # a plate with modes is slow to compute
 _FEWEST_STEPS = 8  # of a lap
 _DRAWS = 16  # random strengths of the lines of a law
-# Beyond the waves that fit into the contact, asperities that take the load from each other leave an
-# approach with a power of TAIL (q a)^-5 times the whole, for wave number q and semi-axis a of the
-# contact. On five solved tracks (Hertz radius 1.5 to 4 correlation lengths, roughness 0.03 to 0.4
-# of the Hertz deflection) octaves from q a = 4 to 64 lie within 5 dB of it.
-TAIL = 35.0
-TAIL_FROM = 4.0  # q a
 _WAVES = 300  # at which the density of a law is computed
 _NAME = "comb of the lap"
 
@@ -133,10 +128,10 @@ def _lines(scene: Scene, lap_m: float) -> Array | None:
     strengths = np.random.default_rng(0).exponential(size=(_DRAWS, linear.shape[-1]))
     waves = 2 * math.pi / lap_m * np.arange(1, linear.shape[-1] + 1)
     length, _ = contact_axes(scene)
-    share = TAIL * (waves * length) ** -5.0 * (2 * math.pi * length / lap_m)
-    tail = np.where(waves * length > TAIL_FROM, linear.sum() * share, 0.0)
+    tail = linear.sum() * asperity_density(waves, length) * (2 * math.pi / lap_m)
     # The lines of a file are known, those of a law and of the tail are random.
-    return np.maximum(linear if from_file else linear * strengths, tail * strengths)
+    lines: Array = np.maximum(linear if from_file else linear * strengths, tail * strengths)
+    return lines
 
 
 def _lines_of_laws(scene: Scene, lap_m: float) -> Array:

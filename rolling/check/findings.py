@@ -344,6 +344,9 @@ def _track(scene: Scene) -> Iterator[Finding]:
     yield Finding("surface", "surface", f"{sides}, {track.n_along} x {track.n_across} nodes")
     yield Finding("distance", "distance rolled", f"{si(track.distance, 'm')}{closed}")
     yield Finding("duration", "duration", si(duration, "s"))
+    if scene.length_choice is not None:
+        name = f"{scene.length_choice.key.partition('.')[2]}: auto"
+        yield Finding("length_choice", name, scene.length_choice.text)
     yield Finding("samples", "sound samples", f"{round(duration * SAMPLE_RATE)}")
     if scene.sound.room_db is not None:
         yield Finding("room", "room noise", f"{_room_laeq_db(scene.sound.room_db):.0f} dB(A)")

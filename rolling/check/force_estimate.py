@@ -16,13 +16,12 @@ from rolling.dynamics.comb import NEAR_SPEEDS
 from rolling.in_si.physics_of_scene import bodies_of, smooth_contact_of
 from rolling.scene.laws import HeightLaw
 from rolling.scene.scene import Scene
-from rolling.surface import made
+from rolling.surface.contact_average import averaged_density, rough_axes
 
 NOTHING = 1e-200  # spectral density [m3] of a surface that the contact averages out
 SPEEDS = 61  # number of speeds, as a sharp resonance needs them
-# points along, across, and over the resonance
+# points along, and over the resonance
 WAVES = 160
-ACROSS = 160
 LINES = 40_000
 
 
@@ -59,25 +58,14 @@ def force_rms(scene: Scene) -> float | None:
 
 
 def contact_axes(scene: Scene) -> tuple[float, float]:
-    """Return the semi-axes [m] of the contact of a rough surface, along and across.
-
-    The highest asperities carry where smooth surfaces would be an rms height apart.
-    """
-    whole = cost.roughness(scene)[0]
-    length, width = smooth_contact_of(scene).semi_axes_m()
-    return math.sqrt(length**2 + scene.radius * whole), math.sqrt(
-        width**2 + scene.radius_across * whole
+    """Return the semi-axes [m] of the contact of a rough surface, along and across."""
+    return rough_axes(
+        semi_axes_m=smooth_contact_of(scene).semi_axes_m(),
+        radii_m=(scene.radius, scene.radius_across),
+        rq_m=cost.roughness(scene)[0],
     )
 
 
 def mean_heights(scene: Scene, law: HeightLaw, along: Array) -> Array:
     """Return the two-sided spectral density [m3] of the heights that the contact averages."""
-    widest = math.pi / scene.spacing
-    across = np.concatenate(([0.0], np.geomspace(1e-4 * widest, widest, ACROSS)))
-    length, width = contact_axes(scene)
-    q = np.hypot(length * along[:, None], width * across)
-    pressure = 3 * (np.sin(q) - q * np.cos(q)) / q**3
-    own = law.in_si
-    sides = [made.plane_density(own, along[:, None], side) for side in (across, -across)]
-    density: Array = np.trapezoid((sides[0] + sides[1]) * pressure**2, across, axis=1)
-    return density
+    return averaged_density(law.in_si, along, contact_axes(scene), scene.spacing)

@@ -440,6 +440,9 @@ class EffortNumbers:
     step_choice: str | None = number(
         "who chose the length of a step: the scene, or auto with its reason", "", default=None
     )
+    length_choice: str | None = number(
+        "who chose the length of the track: the scene, or auto with its reason", "", default=None
+    )
     step_lowest_speed_m_s: float | None = number(
         "lowest speed at which the steps that auto chose may be heard anew; none at steps of "
         "one node, and for a number of the scene",

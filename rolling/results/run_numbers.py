@@ -579,6 +579,7 @@ def _effort(scene: Scene, result: Result) -> EffortNumbers:
         convolutions_mean=float(result.whole_series("convolutions").mean()),
         step_nodes=scene.step_nodes,
         step_choice=scene.step_reason,
+        length_choice=scene.length_reason,
         step_lowest_speed_m_s=choice.lowest if choice is not None and choice.lowest else None,
         step_ms=float(np.median(times) * 1e3) if len(times) else None,
         march_cpu_s=result.effort.march_s,

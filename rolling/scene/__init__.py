@@ -4,8 +4,8 @@ messages, models
     mistakes in words; the model of a section, the keys that it knows, its mistakes by key
 library
     scenes, materials and finishes by name
-track_length
-    the track of a scene, of the length that its keys ask for
+track_length, length_choice
+    the track of a scene, of the length that its keys ask for; the length that `auto` took
 laws, surfaces, sections
     strict models: the laws and single faults of heights, the kinds of surface, and the sections
     sphere, plate, rolling, numerics, recovery, dynamics and sound, with units in names of keys

@@ -209,6 +209,7 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
         A key needs a new solution, a value is not allowed, or the sphere comes to rest before the
         track ends.
     """
+    scene = scene.with_shared_length()
     free = [key for key in RESOUND_KEYS if key not in _bound_keys(scene)]
     solved = {*all_keys(Scene)} - {*free, "sound"}
     names = [override.partition("=")[0].strip() for override in overrides]
@@ -218,7 +219,7 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
     changed = _with_overrides(scene.to_dict(), places, overrides, Scene)
     mistakes += changed.mistakes
     data = changed.data
-    if scene.rolling.duration_s is not None and not mistakes:
+    if scene.rolling.stated_duration_s is not None and not mistakes:
         data["rolling"]["duration_s"] = _time_of_same_track(scene, data)
     resounded = Scene.from_dict(data, scene.folder, places, mistakes)
     if scene.numerics.step_nodes != "auto":
@@ -264,15 +265,16 @@ def _lowest_speed(run: Scene) -> float:
 
 def _time_of_same_track(scene: Scene, changed: Mapping[str, Any]) -> float:
     """Return the time [s] that the track of a scene takes with the speed of changed values."""
-    assert scene.rolling.duration_s is not None  # asked for by the caller
+    duration = scene.rolling.stated_duration_s
+    assert duration is not None  # asked for by the caller
     try:
         sphere = Sphere.model_validate(changed["sphere"])
         motion = motion_of(sphere, Rolling.model_validate(changed["rolling"]))
     except ValidationError:
-        return scene.rolling.duration_s  # `from_dict` refuses the new speed
+        return duration  # `from_dict` refuses the new speed
     distance = scene.track.distance
     if isinstance(scene.surface, HeightFile):
-        distance = float(scene.motion.distance(scene.rolling.duration_s))
+        distance = float(scene.motion.distance(duration))
     try:
         return float(f"{motion.duration(distance):.12g}")
     except ValueError as error:

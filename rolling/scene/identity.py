@@ -27,6 +27,7 @@ _NOT_CONTACT = {
     "dynamics",
     "numerics.error_estimate",
     "numerics.slowest_m_s",
+    "numerics.within_db",
     "rolling.speed_m_s",
     "rolling.duration_s",
     "rolling.distance_mm",
@@ -72,29 +73,29 @@ def contact_keys(scene: Scene) -> dict[str, Any]:
 def scene_identity(scene: SweptScene) -> str:
     """Return the SHA-256 of all values of all runs; height files count with their digests.
 
-    Steps that `auto` chose count as the same number in the scene.
+    A number that `auto` chose counts as the same number in the scene.
     """
     return digest(list(_runs(scene)))
 
 
 def differences(old: SweptScene, new: SweptScene) -> list[str]:
     """List the keys where two scenes differ, as "key: got VALUE of new, has VALUE of old"."""
-    before = _flat(_with_whole_numbers(_with_chosen_steps(old)))
-    after = _flat(_with_whole_numbers(_with_chosen_steps(new)))
+    before = _flat(_with_whole_numbers(_with_shared_choices(old)))
+    after = _flat(_with_whole_numbers(_with_shared_choices(new)))
     keys = list(dict.fromkeys([*after, *before]))
     if before.get("surface.kind") != after.get("surface.kind"):
         keys = [key for key in keys if key == "surface.kind" or not key.startswith("surface.")]
     # A path of a height file stands at the end of a key, or in the swept section.
     keys = [key for key in keys if not ("surface.path" in key or key.split(".")[-1] == "path")]
-    if _chooses_steps(old) and _chooses_steps(new):
-        keys.remove("numerics.step_nodes")  # the runs tell whether it chose the same
+    # The runs tell whether auto chose the same.
+    keys = [key for key in keys if key not in old.chosen_keys & new.chosen_keys]
     lines = [
         f"{key}: got {quoted(after.get(key))}, has {quoted(before.get(key))}"
         for key in keys
         if before.get(key) != after.get(key)
     ]
     if lines:
-        return [*lines, *_other_steps(old, new)]
+        return [*lines, *_other_choices(old, new)]
     old_runs = [name for name, _ in _runs(old)]
     new_runs = [name for name, _ in _runs(new)]
     if old_runs != new_runs:
@@ -103,11 +104,6 @@ def differences(old: SweptScene, new: SweptScene) -> list[str]:
         section = next(iter(new.height_paths), "surface")
         return [f"{section}.path: the heights are others than those of the earlier run"]
     return []
-
-
-def _chooses_steps(scene: SweptScene) -> bool:
-    """Tell whether `auto` chooses the steps of a scene."""
-    return scene.chooses_steps
 
 
 def contains(small: SweptScene, large: SweptScene) -> bool:
@@ -128,35 +124,44 @@ def _runs(scene: SweptScene) -> Iterator[tuple[str, Any]]:
     runs: Sequence[SweepRun[Any]] = scene.runs()
     for (values, forms), run in zip(product(scene.sweep), runs, strict=True):
         swept = with_paths(with_values(data, forms), lambda path: file_digest(scene.folder / path))
-        if run.scene.taken_steps is not None:
-            swept["numerics"] = {**swept["numerics"], "step_nodes": run.scene.taken_steps}
+        swept = _with_taken(swept, run.scene.taken_values)
         yield run_name(values), _with_whole_numbers(swept)
 
 
-def _with_chosen_steps(scene: SweptScene) -> dict[str, Any]:
-    """Return the plain values of a scene, with a number for auto where all runs share it."""
-    data = scene.to_dict()
-    chosen = {run.scene.taken_steps for run in scene.runs()} - {None}
-    if len(chosen) == 1 and "numerics.step_nodes" not in scene.sweep:
-        data["numerics"] = {**data["numerics"], "step_nodes": chosen.pop()}
+def _with_taken(data: dict[str, Any], taken: Mapping[str, float]) -> dict[str, Any]:
+    """Return plain values with the numbers that stand for auto, by dotted key."""
+    for key, value in taken.items():
+        section, _, name = key.partition(".")
+        data = data | {section: {**data[section], name: value}}
     return data
 
 
-def _other_steps(old: SweptScene, new: SweptScene) -> Iterator[str]:
-    """Yield a line where a sweep grows by a run that is too slow for the steps of earlier runs."""
-    steps = {run_name(run.values): run.scene.taken_steps for run in new.runs()}
+def _with_shared_choices(scene: SweptScene) -> dict[str, Any]:
+    """Return the plain values of a scene, with a number for auto where all runs share it."""
+    taken = [run.scene.taken_values for run in scene.runs()]
+    shared = {
+        key: value
+        for key, value in taken[0].items()
+        if key not in scene.sweep and all(of_run.get(key) == value for of_run in taken)
+    }
+    return _with_taken(scene.to_dict(), shared)
+
+
+def _other_choices(old: SweptScene, new: SweptScene) -> Iterator[str]:
+    """Yield a line where a sweep grows by a run for which auto takes another number."""
+    now = {run_name(run.values): run.scene.taken_values for run in new.runs()}
+    told = set[str]()
     for values, scene in old.runs():
         name = run_name(values)
-        before = scene.taken_steps
-        after = steps.get(name)
-        if before is None or after is None or before == after:
-            continue
-        yield (
-            f"numerics.step_nodes: auto takes {plain_number(after)} for the slowest run, and"
-            f" {name} has {plain_number(before)}: `--set numerics.step_nodes="
-            f"{plain_number(before)}` keeps its march"
-        )
-        return
+        for key, before in scene.taken_values.items():
+            after = now.get(name, {}).get(key)
+            if after is None or before == after or key in told:
+                continue
+            told.add(key)
+            yield (
+                f"{key}: auto takes {plain_number(after)} for all runs, and {name} has"
+                f" {plain_number(before)}: `--set {key}={plain_number(before)}` keeps its march"
+            )
 
 
 def _with_whole_numbers(value: Any) -> Any:

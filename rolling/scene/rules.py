@@ -19,10 +19,19 @@ from rolling.scene.sections import (
     Sphere,
     refuse_free_factors,
 )
-from rolling.scene.surfaces import HeightFile, MadeSurface, refuse_ball
+from rolling.scene.surfaces import (
+    BallHeightFile,
+    Gaussian,
+    HeightFile,
+    SelfAffine,
+    Smooth,
+    refuse_ball,
+)
 
 EDGE_RADII = 10  # contact radii from the contact to the nearest edge of the plate, at least
 MAX_MODES = 20_000  # of a plate with edges; a second of sound takes them half a minute
+MadeSurfaces = Gaussian | SelfAffine | Smooth
+ANY_NODES = 1000  # of a track on which a scene is judged whose length auto takes
 MAX_COMPUTED_MODES = 3000  # of a plate with free or clamped edges, which take half a minute
 
 # Sections of a scene that are valid so far, by name; one that has mistakes is missing.
@@ -31,13 +40,7 @@ Sections = Mapping[str, Any]
 
 def refuse_rolling(rolling: Rolling, sections: Sections) -> None:
     """Refuse a track without a length, a missing load, and a contact too near an edge."""
-    has_length = rolling.duration_s or rolling.distance_mm or rolling.resistance
-    if not has_length and isinstance(sections.get("surface"), MadeSurface):
-        raise mistake(
-            "missing; give it or a rolling.distance_mm",
-            at="rolling.duration_s",
-            needs=["rolling.distance_mm", "rolling.resistance"],
-        )
+    _refuse_length(rolling, sections)
     sphere = sections.get("sphere")
     if sphere is None:
         return
@@ -53,7 +56,7 @@ def refuse_rolling(rolling: Rolling, sections: Sections) -> None:
                 at="sphere.density_kg_m3",
             )
     rest = values_in_si.motion_of(sphere, rolling).rest_time
-    duration = rolling.duration_s
+    duration = rolling.stated_duration_s
     if rolling.resistance and duration and duration > rest * (1 + ROUNDING):
         raise mistake(
             f"the sphere comes to rest after {rounded(rest, 6)} s, rolling.duration_s is"
@@ -63,6 +66,44 @@ def refuse_rolling(rolling: Rolling, sections: Sections) -> None:
     plate = sections.get("plate")
     if plate is not None and plate.edges_mm is not None:
         _refuse_edges(rolling, sphere, plate)
+
+
+def _refuse_length(rolling: Rolling, sections: Sections) -> None:
+    """Refuse a length of auto, or none, where the levels of no longer track would be known."""
+    surface = sections.get("surface")
+    key = rolling.length_key
+    if key is None or not isinstance(surface, MadeSurfaces):
+        return
+    reason = _reason_against_auto(rolling, surface, sections)
+    if not reason:
+        return
+    if getattr(rolling, key) is None:
+        raise mistake(
+            f"missing; give it or a rolling.distance_mm: auto is not for {reason}",
+            at="rolling.duration_s",
+            needs=["rolling.distance_mm", "rolling.resistance"],
+        )
+    raise mistake(f"got auto, which is not for {reason}: give a number", at=f"rolling.{key}")
+
+
+def _reason_against_auto(rolling: Rolling, surface: MadeSurfaces, sections: Sections) -> str:
+    """Return for which kind of scene auto has no length; empty where it has one."""
+    sphere = sections.get("sphere")
+    plate = sections.get("plate")
+    of_ball = None if sphere is None else sphere.surface
+    if rolling.falls:
+        return "a fall"
+    if rolling.resistance or isinstance(rolling.speed_m_s, tuple):
+        return "a speed that changes"
+    if plate is not None and plate.plasticity == "permanent":
+        return "a plate that remembers"
+    if surface.faults:
+        return "a plate with faults, which come once in a lap of any length"
+    if isinstance(of_ball, BallHeightFile):
+        return "a made surface below a sphere from a file"
+    if surface.law is None and (of_ball is None or of_ball.law is None):
+        return "surfaces without random heights"
+    return ""
 
 
 def _refuse_edges(rolling: Rolling, sphere: Sphere, plate: Plate) -> None:
@@ -117,6 +158,9 @@ def refuse_numerics(numerics: Numerics, sections: Sections) -> None:
             )
         refuse_ball(sphere.surface, sphere.radius_mm, surface.spacing_um)
     if rolling is not None and not isinstance(surface, HeightFile):
+        if rolling.length_key is not None:  # what else is wrong shows on any length
+            any_length = {"duration_s": None, "distance_mm": ANY_NODES * 1e-3 * surface.spacing_um}
+            rolling = rolling.model_copy(update=any_length)
         given = numerics.step_nodes
         step_nodes = 1.0 if isinstance(given, str) else given  # auto keeps the track of one node
         values_in_si.track_of(sphere, surface, rolling, step_nodes, Path())

@@ -16,7 +16,10 @@ from pydantic import (
 
 from rolling.scene import rules, step_rule, transducers, values_in_si
 from rolling.scene import sweep as sweeps
+from rolling.scene.length_choice import LengthChoice, longest_choice
 from rolling.scene.sections import (
+    AUTO,
+    LENGTH_KEYS,
     Dynamics,
     Numerics,
     Rolling,
@@ -81,6 +84,7 @@ class Scene(values_in_si.SceneQuantities):
     ] = Field(default={})
 
     _step_choice: step_rule.StepChoice | None = PrivateAttr(default=None)
+    _length_choice: LengthChoice | None = PrivateAttr(default=None)
 
     # Each rule sees the sections before its own that are valid.
 
@@ -153,19 +157,63 @@ class Scene(values_in_si.SceneQuantities):
     def runs(self) -> list[SweepRun[Self]]:
         """List the runs of the scene; the last swept key varies fastest.
 
-        A scene without a sweep is its own only run. In place of `step_nodes: auto` each run has the
-        number of nodes that its own contact and the slowest speed of all runs allow.
+        A scene without a sweep is its own only run. In place of a length of `auto` all runs have
+        the longest that one of them needs. In place of `step_nodes: auto` each run has the number
+        of nodes that its own contact and the slowest speed of all runs allow.
 
         Raises
         ------
         SceneError
             A run has mistakes; those of the first such run are named.
         """
-        runs = super().runs()
+        runs = self._with_shared_length(super().runs())
         if all(isinstance(run.numerics.step_nodes, float) for _, run in runs):
             return runs
         slowest = min(run.slowest_speed for _, run in runs)
         return [SweepRun(values, run._with_steps_for(slowest)) for values, run in runs]
+
+    def _with_shared_length(self, runs: list[SweepRun[Self]]) -> list[SweepRun[Self]]:
+        """Return runs with one length in place of `auto`, the longest that one of them needs."""
+        choices = {k: run.length_choice for k, (_, run) in enumerate(runs)}
+        needs = [choice for choice in choices.values() if choice is not None]
+        if not needs:
+            return runs
+        shared = longest_choice(needs)
+        return [
+            SweepRun(values, run if choices[k] is None else run.with_length(shared))
+            for k, (values, run) in enumerate(runs)
+        ]
+
+    @property
+    def length_choice(self) -> LengthChoice | None:
+        """Length that `auto` chose, with the reason; None where the scene has a length."""
+        if not self.chooses_length:
+            return self._length_choice
+        need = self.length_need
+        return LengthChoice(
+            seconds=need.seconds,
+            distance_m=need.seconds * self.motion.speeds[0],
+            key=f"rolling.{self.rolling.length_key}",
+            reason=need.reason,
+        )
+
+    @property
+    def length_reason(self) -> str:
+        """Words on who chose the length of the track, and why."""
+        choice = self.length_choice
+        return "a length of the scene" if choice is None else f"auto, {choice.text}"
+
+    def with_shared_length(self) -> Self:
+        """Return a scene with the number in place of a length that `auto` took for its runs."""
+        choice = next((run.length_choice for _, run in self.runs() if run.length_choice), None)
+        return self.with_length(choice) if choice and self.chooses_length else self
+
+    def with_length(self, choice: LengthChoice) -> Self:
+        """Return a scene with `auto` that takes a length, that of its sweep or of a choice."""
+        seconds = choice.seconds_at(self.motion.speeds[0])
+        scene = self.model_copy(update={"rolling": self.rolling_for(seconds)})
+        scene._length_choice = choice
+        return scene
 
     @property
     def step_choice(self) -> step_rule.StepChoice | None:
@@ -189,6 +237,15 @@ class Scene(values_in_si.SceneQuantities):
         scene = self.model_copy(update={"numerics": self.numerics.model_copy(update=steps)})
         scene._step_choice = choice
         return scene
+
+    def with_auto_length(self) -> Self:
+        """Return a run of a scene with a length of `auto` where auto chose it."""
+        choice = self._length_choice
+        if choice is None:
+            return self
+        key = choice.key.partition(".")[2]
+        lengths = {**dict.fromkeys(LENGTH_KEYS), key: AUTO}
+        return self.model_copy(update={"rolling": self.rolling.model_copy(update=lengths)})
 
     def with_auto_steps(self) -> Self:
         """Return a run of a scene with `step_nodes: auto` where auto chose its steps.

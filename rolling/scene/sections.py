@@ -474,6 +474,12 @@ LOAD = f"greater than 0, or {WEIGHT}"
 Load = Annotated[float | Literal["weight"], *number_or(WEIGHT, LOAD, exclusiveMinimum=0)]
 
 
+AUTO: Literal["auto"] = "auto"
+LENGTH = f"greater than 0, or {AUTO}"
+Length = Annotated[float | Literal["auto"], *number_or(AUTO, LENGTH, exclusiveMinimum=0)]
+LENGTH_KEYS = ("duration_s", "distance_mm")  # which auto may stand for
+
+
 class Rolling(Section):
     """Load, speed and duration of the rolling.
 
@@ -490,11 +496,13 @@ class Rolling(Section):
     drop_mm : float, optional
         Height [mm] from which the sphere falls at the start. It needs dynamics, and the sound of
         the vibration.
-    duration_s : float, optional
-        Time rolled [s]. It may be left out with distance_mm, with resistance (until the sphere
-        rests), and with a height file (once round it).
-    distance_mm : float, optional
-        Distance rolled [mm], in place of a duration. Every speed then meets the same surface.
+    duration_s : float or "auto", optional
+        Time rolled [s]. auto takes the shortest closed track on which the levels are known within
+        numerics.within_db; the runs of a sweep share the longest. Default: auto; with resistance
+        until the sphere rests; with a height file once round it.
+    distance_mm : float or "auto", optional
+        Distance rolled [mm], in place of a duration. Every speed then meets the same surface. auto
+        takes the distance that auto takes for a duration.
     start_um : float
         Start position along the track [um]
     across_um : float
@@ -515,8 +523,8 @@ class Rolling(Section):
     speed_m_s: Speed
     resistance: float | None = Field(default=None, ge=0, le=1)
     drop_mm: float | None = Field(default=None, gt=0)
-    duration_s: float | None = Field(default=None, gt=0)
-    distance_mm: float | None = Field(default=None, gt=0)
+    duration_s: Length | None = None
+    distance_mm: Length | None = None
     start_um: float = 0.0
     across_um: float = 0.0
     passes: int | None = Field(default=None, ge=1, le=MAX_PASSES)
@@ -525,6 +533,25 @@ class Rolling(Section):
     def falls(self) -> bool:
         """Whether the sphere falls at the start."""
         return self.drop_mm is not None
+
+    @property
+    def stated_duration_s(self) -> float | None:
+        """Duration [s] where it is a number."""
+        return None if isinstance(self.duration_s, str) else self.duration_s
+
+    @property
+    def stated_distance_mm(self) -> float | None:
+        """Distance [mm] where it is a number."""
+        return None if isinstance(self.distance_mm, str) else self.distance_mm
+
+    @property
+    def length_key(self) -> str | None:
+        """Key that auto stands for, or that a scene without a length leaves to it; None without."""
+        for key in LENGTH_KEYS:
+            if getattr(self, key) == AUTO:
+                return key
+        has_length = self.duration_s or self.distance_mm or self.resistance
+        return None if has_length else LENGTH_KEYS[0]
 
     @model_validator(mode="after")
     def _check_length(self) -> Self:
@@ -542,6 +569,7 @@ class Rolling(Section):
 
 
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
+WITHIN_DB = 0.3  # usual wanted ± of LAeq by the length of the record
 LEAST_TOLERANCE = 1e-12
 MOST_TOLERANCE = 1e-1
 TOLERANCE = f"auto, or a number >= {rounded(LEAST_TOLERANCE)} and <= {rounded(MOST_TOLERANCE)}"
@@ -583,6 +611,9 @@ class Numerics(Section):
         Distance between two solved positions, in nodes [-]: 1 to 64, or one over a whole number
         down to 1/16. auto takes 4, 2 or 1, the most that the slowest speed of the scene and its
         sweep allows.
+    within_db : float
+        Wanted ± of LAeq by the length of the record [dB], for which a length of auto is chosen. The
+        wanted ± of the third octaves within 10 dB of the loudest one is 10/3 of it.
     slowest_m_s : float, optional
         Lowest speed [m/s] for which auto chooses steps, so that the run can be heard anew at this
         speed. Default: the slowest that is heard in the scene and its sweep.
@@ -611,6 +642,7 @@ class Numerics(Section):
     """
 
     step_nodes: StepNodes = "auto"
+    within_db: float = Field(default=WITHIN_DB, ge=0.05, le=5)
     slowest_m_s: float | None = Field(default=None, gt=0)
     tolerance: Tolerance = "auto"
     edges: Literal["sharp", "blended"] = "blended"

@@ -110,17 +110,17 @@ class SweptScene(Section):
         return {}
 
     @property
-    def taken_steps(self) -> float | None:
-        """Nodes of a step of the march of a run, given or chosen; None where it has many marches.
+    def taken_values(self) -> dict[str, float]:
+        """Values of a run by dotted key, given or chosen, for which a scene may say `auto`.
 
-        Runs with other steps are other runs.
+        Runs with other such values are other runs. The default has none.
         """
-        return None
+        return {}
 
     @property
-    def chooses_steps(self) -> bool:
-        """Whether the steps follow from other values of the scene."""
-        return False
+    def chosen_keys(self) -> frozenset[str]:
+        """Dotted keys whose values follow from other values of the scene. The default has none."""
+        return frozenset()
 
     @classmethod
     def misspelt_section(cls, data: Mapping[str, Any]) -> str | None:

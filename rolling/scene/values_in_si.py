@@ -3,7 +3,7 @@
 import math
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
@@ -15,16 +15,29 @@ from rolling.scene.automatic_tolerance import automatic_tolerance
 from rolling.scene.height_grid import height_grid, refuse_turn
 from rolling.scene.laws import HeightLaw, SurfaceFault, refuse_misplaced
 from rolling.scene.messages import SceneError, dotted
-from rolling.scene.sections import Dynamics, Numerics, Plate, Recovery, Rolling, Sound, Sphere
-from rolling.scene.surfaces import BallHeightFile, HeightFile, Surface, turn_nodes
+from rolling.scene.sections import (
+    LENGTH_KEYS,
+    Dynamics,
+    Numerics,
+    Plate,
+    Recovery,
+    Rolling,
+    Sound,
+    Sphere,
+)
+from rolling.scene.surfaces import BallHeightFile, HeightFile, MadeSurface, Surface, turn_nodes
 from rolling.scene.swept import DEFAULT_NAME, PATTERN, SceneName, SweptScene
-from rolling.scene.track_length import file_track, made_track, wanted_distance
+from rolling.scene.track_length import WantedDistance, file_track, made_track, wanted_distance
+
+if TYPE_CHECKING:
+    from rolling.sound.needed_record import Need
 
 STEEL_GPA = 210.0
 STEEL_POISSON = 0.3
 STEEL_DENSITY = 7850.0  # [kg/m3]
 GRAVITY = 9.80665  # [m/s2]
 _FREE = 5 / 7  # of the force over the mass: a solid sphere that rolls has 7/5 of its mass
+AUTO_NODES = 4  # of which a track of auto has a whole number, as long as the longest steps of auto
 HEARD_MODES_HZ = 30e3  # highest frequency of the modes of a plate with edges
 
 
@@ -131,7 +144,7 @@ class SceneQuantities(SweptScene):
             The height file is missing or holds no heights, or the sphere never gets round it.
         """
         try:
-            track = track_of(self.sphere, self.surface, self.rolling, self.step_nodes, self.folder)
+            track = track_of(self.sphere, self.surface, self.rolled, self.step_nodes, self.folder)
             ball = self.sphere.surface
             if isinstance(ball, BallHeightFile):
                 refuse_turn(self.folder / ball.path, ball.path, track)
@@ -261,14 +274,61 @@ class SceneQuantities(SweptScene):
         return given
 
     @property
-    def taken_steps(self) -> float:
-        """Nodes from one position to the next."""
-        return self.step_nodes
+    def taken_values(self) -> dict[str, float]:
+        """Numbers that stand for `auto` by dotted key, or those of the scene."""
+        rolled = self.rolled
+        lengths = {f"rolling.{key}": getattr(rolled, key) for key in LENGTH_KEYS}
+        stated = {key: length for key, length in lengths.items() if length is not None}
+        if isinstance(self.surface, HeightFile):
+            stated = {key: length for key, length in stated.items() if length != "auto"}
+        return {"numerics.step_nodes": self.step_nodes, **stated}
 
     @property
-    def chooses_steps(self) -> bool:
-        """Whether `auto` chooses the steps."""
-        return self.numerics.step_nodes == "auto"
+    def chosen_keys(self) -> frozenset[str]:
+        """Dotted keys for which `auto` chooses numbers."""
+        keys = set[str]()
+        if self.numerics.step_nodes == "auto":
+            keys.add("numerics.step_nodes")
+        if self.chooses_length:
+            keys.add(f"rolling.{self.rolling.length_key}")
+        return frozenset(keys)
+
+    @property
+    def chooses_length(self) -> bool:
+        """Whether `auto` chooses the length of the track; once round a file is no choice."""
+        return isinstance(self.surface, MadeSurface) and self.rolling.length_key is not None
+
+    @property
+    def length_need(self) -> "Need":
+        """Time [s] that the levels of the scene need alone, with the reason."""
+        from rolling.in_si.length_rule import needed_length
+
+        return needed_length(self)
+
+    @property
+    def rolled(self) -> Rolling:
+        """Section `rolling` with a number in place of a length that `auto` chooses."""
+        if not self.chooses_length:
+            return self.rolling
+        return self.rolling_for(self.length_need.seconds)
+
+    def rolling_for(self, seconds: float) -> Rolling:
+        """Return the section `rolling` of a scene whose `auto` takes at least a time [s].
+
+        The track has a number of nodes that the longest steps divide, or whole turns of a ball with
+        a surface, so that it closes on itself.
+        """
+        speed = self.motion.speeds[0]
+        unit = AUTO_NODES
+        if self.sphere.surface is not None:
+            unit = turn_nodes(self.sphere.radius_mm, self.spacing_um)
+        units = max(1, math.ceil(seconds * speed / (unit * self.spacing) - 1e-6))
+        distance = units * unit * self.spacing
+        key = self.rolling.length_key or LENGTH_KEYS[0]
+        value = 1e3 * distance if key == "distance_mm" else distance / speed
+        lengths: dict[str, float | None] = {**dict.fromkeys(LENGTH_KEYS)}
+        lengths[key] = float(f"{value:.12g}")
+        return self.rolling.model_copy(update=lengths)
 
     @property
     def slowest_speed(self) -> float:
@@ -280,10 +340,9 @@ class SceneQuantities(SweptScene):
     def heard_speed(self) -> float:
         """Speed [m/s] that the sphere reaches for all but 1 % of the time."""
         motion = self.motion
-        rolling = self.rolling
-        wanted = wanted_distance(
-            rolling.duration_s, rolling.distance_mm, rolling.resistance, motion
-        )
+        if self.chooses_length:  # at one speed
+            return motion.speeds[0]
+        wanted = wanted_length(self.rolling, motion)
         if wanted is None:  # once round a height file
             return motion.usual_speed(motion.times[-1] or 1.0)
         return motion.usual_speed(motion.duration(min(wanted.distance, motion.final_distance)))
@@ -291,7 +350,7 @@ class SceneQuantities(SweptScene):
     @property
     def node_track(self) -> Track:
         """Positions of the sphere with steps of one node."""
-        return track_of(self.sphere, self.surface, self.rolling, 1.0, self.folder)
+        return track_of(self.sphere, self.surface, self.rolled, 1.0, self.folder)
 
     @property
     def tolerance(self) -> float:
@@ -364,6 +423,13 @@ def plate_modes(plate: Plate) -> float:
     return area * HEARD_MODES_HZ / (2 * math.sqrt(stretch) * plate.thickness_mm * 1e-3)
 
 
+def wanted_length(rolling: Rolling, motion: Motion) -> WantedDistance | None:
+    """Return the distance that a section asks for; None without one."""
+    return wanted_distance(
+        rolling.stated_duration_s, rolling.stated_distance_mm, rolling.resistance, motion
+    )
+
+
 def track_of(
     sphere: Sphere, surface: Surface, rolling: Rolling, step_nodes: float, folder: Path
 ) -> Track:
@@ -372,7 +438,7 @@ def track_of(
     A wrong length or a misplaced single fault raises a mistake.
     """
     motion = motion_of(sphere, rolling)
-    wanted = wanted_distance(rolling.duration_s, rolling.distance_mm, rolling.resistance, motion)
+    wanted = wanted_length(rolling, motion)
     ball = sphere.surface
     turn = 0
     if ball is not None and surface.spacing_um is not None:

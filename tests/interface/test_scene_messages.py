@@ -80,7 +80,16 @@ PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n   
             "radius_mm: 1000",
             "sound.distance_m: got 1, allowed: more than 1, the",
         ),
-        ("  duration_s: 0.01\n", "", "14: rolling.duration_s: missing; give it or a"),
+        (
+            "speed_m_s: 0.1\n  duration_s: 0.01\n",
+            "speed_m_s: [[0, 0.1], [1, 0.2]]\n",
+            "rolling.duration_s: missing; give it or a rolling.distance_mm: auto is not for",
+        ),
+        (
+            "  duration_s: 0.01\n",
+            "  duration_s: auto\n  drop_mm: 1\n",
+            "rolling.duration_s: got auto, which is not for a fall: give a number",
+        ),
         ("duration_s: 0.01", "duration_s: 1.0e-4", "track is 8 nodes, 16 um: at least 0.00016"),
         ("duration_s: 0.01", "duration_s: 1e9", "got 1000000000, which is more than 1e9 nodes"),
         ("speed_m_s: 0.1", "speed_m_s: [[0, 1e-3], [0.01, 0]]", "the sphere comes to rest after 5"),

@@ -76,7 +76,7 @@ def test_values_of_numpy_and_paths_are_taken() -> None:
             "surface.width_um: got 8.5, allowed: a whole number of nodes of 1 um, at least 8",
         ),
         (
-            lambda: built(rolling=Rolling(load_n=1, speed_m_s=1)),
+            lambda: built(rolling=Rolling(load_n=1, speed_m_s=((0, 1), (1, 2)))),
             "rolling.duration_s: missing; give it or a rolling.distance_mm",
         ),
         (
