@@ -186,6 +186,16 @@ def level_uncertainty(
     )
 
 
+def uncertainty_of_lines_db(mean_square: Array) -> float:
+    """Return the standard uncertainty of the level of lines of Gaussian noise [dB].
+
+    Parameters
+    ----------
+    mean_square : array (n,), any unit. Mean squares of the lines of a record, not all zero.
+    """
+    return _db(_variance(mean_square, mean_square, 0.0))
+
+
 class ExpectedUncertainty(NamedTuple):
     """Standard uncertainties of levels that a record of a known spectrum is going to have.
 

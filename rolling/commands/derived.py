@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 import warnings
 from collections.abc import Callable, Sequence
@@ -144,6 +145,20 @@ def _page_file(
 
     content = report_page.page(open_runs(done, kept.read), unsolved)
     whole_files.write_bytes(path, content)
+
+
+@ignoring_underflow
+def write_first_page(kept: KeptRuns, pilots: Sequence[RunFolder], notice: str, path: Path) -> str:
+    """Write the page of pilots with a notice into a file, and return the file.
+
+    Its time is long past, so that no whole page passes for up to date because of it.
+    """
+    from rolling.report import report_page  # slow to import, for pages only
+
+    content = report_page.page(open_runs(pilots, kept.read), notice=notice)
+    whole_files.write_bytes(path, content)
+    os.utime(path, (0, 0))
+    return str(path)
 
 
 def write_tables(runs: Sequence[RunFolder], folder: Path) -> list[Path]:

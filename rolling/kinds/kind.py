@@ -46,6 +46,17 @@ class Still(NamedTuple):
     is_chart: bool = False
 
 
+class Pilot(NamedTuple):
+    """A short run that gives the first answer, and is no part of the run for which it stands.
+
+    scene : scene. The scene of the short run.
+    words : str. What it has solved, such as 1,000 steps.
+    """
+
+    scene: Any
+    words: str
+
+
 class Kind(ABC):
     """A kind of scene.
 
@@ -149,6 +160,13 @@ class Kind(ABC):
     @abstractmethod
     def marches(self, scene: Any, film: bool = False) -> list[March]:
         """Return the marches that a scene without a sweep needs, those of its first sound first."""
+
+    def pilot(self, scene: Any) -> Pilot | None:
+        """Return a short run that tells a first answer of a scene without a sweep.
+
+        None, the default, where a scene has none, or is short itself.
+        """
+        return None
 
     @abstractmethod
     def march_store(

@@ -21,13 +21,14 @@ from rolling.report.templates import environment, joined_script
 from rolling.results import verdict
 
 
-def page(runs: Sequence[Any], unsolved: Sequence[str] = ()) -> bytes:
+def page(runs: Sequence[Any], unsolved: Sequence[str] = (), notice: str = "") -> bytes:
     """Write the page of one run or several of one kind of scene.
 
     Parameters
     ----------
     runs : sequence of runs, at least one, in the order of the page. Their labels differ.
     unsolved : sequence of str. Labels of runs that are not solved. Default: none.
+    notice : str. What a reader has to know first. Default: nothing.
 
     Returns
     -------
@@ -52,6 +53,7 @@ def page(runs: Sequence[Any], unsolved: Sequence[str] = ()) -> bytes:
         "runs": runs,
         "labels": [printable(run.label or run.scene.name) for run in runs],
         "unsolved": [printable(label) for label in unsolved],
+        "notice": notice,
         "sentences": kind.sentences(runs),
         "columns": leading_numbers.shown_columns(runs),
         "meanings": leading_numbers.meanings(runs),

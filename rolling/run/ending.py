@@ -19,9 +19,11 @@ class Ending(ExitStack):
     folder : Path. The run folder.
     kept : KeptRuns. Runs that the command has heard.
     pool : Pool. The processes of this machine, once some have solved; None without.
+    first_page : function. It writes a page of pilots in a process; None without a page.
     """
 
     pool: Pool | None = None
+    first_page: Callable[..., Any] | None = None
 
     def __init__(self, folder: Path) -> None:
         super().__init__()

@@ -107,6 +107,7 @@ class _OneMarch:
 
 
 FIRST_SOUND = "first sound"  # begins the key of its task
+FIRST_PAGE = "first page", ""  # key of its task, which is of no run
 
 
 class RunLoop:
@@ -154,6 +155,7 @@ class RunLoop:
         self._in_hand: dict[Future[Any], _TaskInHand] = {}
         self._wanting: dict[tuple[str, str], list[int]] = {}  # marches by the key of their piece
         self._endings: dict[tuple[str, str], int] = {}  # runs by the key of their last task
+        self._urgent: deque[Task] = deque()  # tasks for the next free process
         self._suspects: deque[Task] = deque()  # tasks that may have killed their process
         self._breaks: Counter[tuple[str, str]] = Counter()  # of the pool, by the key of a task
         # Expected seconds of the first march of each group, which the others share. Pieces take
@@ -222,7 +224,7 @@ class RunLoop:
         """
         while self._finished:
             yield self._finished.popleft()
-        while self._backlog or self._later or self._suspects or self._in_hand:
+        while self._backlog or self._later or self._urgent or self._suspects or self._in_hand:
             self._hand_out(pool)
             done, _ = wait(self._in_hand, POLL_SECONDS, FIRST_COMPLETED)
             pool.poll()
@@ -364,8 +366,16 @@ class RunLoop:
         surface = self._marches[numbers[0]].surface if numbers else key
         self._backlog.put(surface, [Task(key=key, function=function, arguments=arguments)])
 
+    def queue_page(self, function: Callable[..., str], *arguments: Any) -> None:
+        """Queue the page of what is known so far before all else; its failure is none of a run."""
+        self._urgent.append(Task(FIRST_PAGE, function, arguments))
+
     def _end(self, task: Task, value: Any, reason: str) -> None:
         """Act on the end of a task on the files of a run."""
+        if task.key == FIRST_PAGE:
+            if value:
+                progress.line(f"the first page, which the whole one will replace: {value}")
+            return
         run = self._endings[task.key]
         if task.key[0] == FIRST_SOUND:
             if value:
@@ -422,7 +432,9 @@ class RunLoop:
                 team = next(iter(pool.teams))
             else:
                 counts = Counter(in_hand.team for in_hand in self._in_hand.values())
-                taken = self._backlog.take(pool.teams, counts, pool.slots)
+                taken = self._take_urgent(pool, counts)
+                if taken is None:
+                    taken = self._backlog.take(pool.teams, counts, pool.slots)
                 if taken is None and not self._backlog and self._later:
                     self._queue_later()
                     continue
@@ -442,6 +454,15 @@ class RunLoop:
                 self._suspects.appendleft(task)
                 self._repeat_lost_tasks(pool)
 
+    def _take_urgent(self, pool: Pool, counts: Counter[Hashable]) -> tuple[Hashable, Any] | None:
+        """Take an urgent task for the idlest team that has a free slot; None without one."""
+        if not self._urgent:
+            return None
+        idlest = min(pool.teams, key=lambda team: counts[team] / pool.teams[team])
+        if counts[idlest] >= pool.slots * pool.teams[idlest]:
+            return None
+        return idlest, self._urgent.popleft()
+
     def _queue_later(self) -> None:
         """Queue the marches that no first sound needs."""
         for group in self._later:
@@ -452,7 +473,7 @@ class RunLoop:
         """Tell whether a run still needs a task."""
         if task.piece is not None:
             return bool(self._wanting.get(task.key))
-        return self._endings[task.key] not in self.failures
+        return task.key == FIRST_PAGE or self._endings[task.key] not in self.failures
 
     def _collect(self, future: Future[Any], pool: Pool) -> None:
         """Store the value of a task, or fail what needs it; raise BrokenExecutor for retry."""
@@ -479,7 +500,7 @@ class RunLoop:
         self._bar.update(task.seconds)
         progress.detail(f"done: {' '.join(task.key)}")
         if task.piece is None:
-            if not has_solution:
+            if not has_solution and task.key in self._endings:
                 self.without_solution.add(self._endings[task.key])
             self._end(task, value, reason)
             return
@@ -503,7 +524,7 @@ class RunLoop:
             self._breaks[task.key] += 1
             if self._breaks[task.key] < MAX_BREAKS:
                 self._suspects.appendleft(task)
-            elif task.piece is None:
+            elif task.piece is None and task.key in self._endings:
                 self.fail(self._endings[task.key], KILLED)
             else:
                 for number in self._wanting.pop(task.key, []):

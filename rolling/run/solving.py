@@ -23,7 +23,8 @@ from rolling.results import labels
 from rolling.run import folder as folders
 from rolling.run.cluster import Cluster
 from rolling.run.ending import Ending
-from rolling.run.executor import RunFiles, RunLoop, ended_by_signal
+from rolling.run.executor import FinishedRun, RunFiles, RunLoop, ended_by_signal
+from rolling.run.pilots import Pilots
 from rolling.run.pools import Pool, local_pool
 from rolling.run.worker import finish_and_keep_run, finish_run
 from rolling.scene.messages import SceneError
@@ -213,15 +214,21 @@ def _solve_lacking(
     names = [label_of[run.folder] for run in lacking]
     film = len(runs) <= defaults.MAX_RUNS_ON_PAGE
     marches = [kind.marches(run.scene, film) for run in lacking]
+    piloted = lacking if film and ending is not None else []
+    pilots = Pilots(kind, folder, piloted, names[: len(piloted)])
+    if pilots.all:  # the whole marches wait for them
+        marches = [[march._replace(is_first=False) for march in of_run] for of_run in marches]
+    first = [pilot.place for pilot in pilots.lacking]
+    pilots.make_folder()
     refusals.refuse_few_addresses(contacts_of(marches))
     store = kind.march_store(folder, [run for run in runs if run.is_done], sources)
     is_compared = ending is not None and len(runs) <= defaults.MAX_RUNS_COMPARED
     run_files = RunFiles(
-        runs=lacking,
-        labels=names,
+        runs=[*first, *lacking],
+        labels=[*(pilot.label for pilot in pilots.lacking), *names],
         folder=folder,
         finish=finish_and_keep_run if is_compared else finish_run,
-        is_heard_early=ending is not None,
+        is_heard_early=ending is not None and not pilots.all,
     )
     advice = f"finished pieces are kept in {folder}; the same command goes on"
     count = 0
@@ -233,12 +240,17 @@ def _solve_lacking(
             elif pool is None:
                 pool = stack.enter_context(local_pool(workers, contacts_of(marches)))
             stack.enter_context(ended_by_signal())
-            loop = RunLoop(marches, store, bar, run_files)
-            for number, _, digest in loop.finished_runs(pool):
+            needed = [kind.marches(place.scene) for place in first] + marches
+            loop = RunLoop(needed, store, bar, run_files)
+            for finished in loop.finished_runs(pool):
+                number = finished.number - len(first)
+                if number < 0:
+                    _tell_pilot(pilots, finished, loop, ending)
+                    continue
                 count += 1
-                if ending is not None and digest:
-                    ending.kept.digests[lacking[number].folder] = digest
-                if count == 1 and len(lacking) > 1:
+                if ending is not None and finished.digest:
+                    ending.kept.digests[lacking[number].folder] = finished.digest
+                if count == 1 and len(lacking) > 1 and not pilots.all:
                     sound = lacking[number].folder / LISTEN
                     progress.line(f"the first sound, {names[number]}: {sound}")
     except OSError as error:
@@ -249,12 +261,27 @@ def _solve_lacking(
     except KeyboardInterrupt:
         progress.line(advice)
         raise
-    for number, reason in loop.failures.items():
+    # A pilot that failed is no run.
+    failures = {number - len(first): reason for number, reason in loop.failures.items()}
+    failures = {number: reason for number, reason in failures.items() if number >= 0}
+    for number, reason in failures.items():
         run = lacking[number]
         with suppress(OSError, FolderError):  # of a folder that cannot be written
             whole_files.make_below(run.home, run.folder)
             whole_files.write_json(run.folder / FAILED, {"reason": reason})
-    return {names[number]: reason for number, reason in loop.failures.items()}
+    return {names[number]: reason for number, reason in failures.items()}
+
+
+def _tell_pilot(
+    pilots: Pilots, finished: FinishedRun, loop: RunLoop, ending: Ending | None
+) -> None:
+    """Say what a pilot found, and queue the page of all pilots after the last one."""
+    pilot = pilots.lacking[finished.number]
+    if finished.digest:
+        pilots.kept.digests[pilot.place.folder] = finished.digest
+    pilots.tell(pilot)
+    if pilots.are_told and ending is not None and ending.first_page is not None:
+        loop.queue_page(ending.first_page, *pilots.page_arguments)
 
 
 def open_runs(

@@ -22,6 +22,7 @@ from acoustics.radiation import Body, ThinPlate, axis_transfer
 from acoustics.sound_power import band_power
 from acoustics.spectrum import audible_lines, audible_phasors
 from acoustics.unbaffled import baffle_uncertainty_db
+from acoustics.uncertainty import uncertainty_of_lines_db
 from acoustics.weighting import a_weighting_db
 from rolling.contact.track import Motion
 from rolling.dynamics.ball_on_plate import BallOnPlate, PlateBody
@@ -334,7 +335,8 @@ def vibration_estimate(
         """Return the A-weighted mean square at each place, for a multiple of the mean stiffness."""
         return np.asarray(weighted_squares(np.array([factor * mean_stiffness])).sum(axis=0))
 
-    at_mean = squares_at(1.0)
+    of_lines = weighted_squares(np.array([mean_stiffness]))
+    at_mean = of_lines.sum(axis=0)
     softer = squares_at(1 - STIFFNESS_ERROR)
     stiffer = squares_at(1 + STIFFNESS_ERROR)
     mean = float(at_mean.mean())
@@ -355,8 +357,13 @@ def vibration_estimate(
         "band": HALF * _apart_db(within, following),
         "contact_loss": HALF * abs(contact_loss_db),
     }
+    comb_db = 0.0
     if lines.looped:
-        parts_db["comb"] = math.sqrt(np.mean([_apart_db(place, mean) ** 2 for place in at_mean]))
+        comb_db = math.sqrt(np.mean([_apart_db(place, mean) ** 2 for place in at_mean]))
+        parts_db["comb"] = comb_db
+    # Lines that are strong or weak by chance are in the comb as well, so the larger of both counts.
+    record_db = uncertainty_of_lines_db(of_lines.mean(axis=1))
+    parts_db["record"] = math.sqrt(max(0.0, record_db**2 - comb_db**2))
     return VibrationEstimate(
         laeq_db=level.level_db(math.sqrt(mean * following)),
         parts_db=parts_db,

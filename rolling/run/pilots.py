@@ -1,0 +1,97 @@
+"""First answers: short runs that are solved before the runs of a folder for which they stand.
+
+A pilot is a run of its own, in the folder of the pieces. It is no part of the record of its run.
+Its number with a wide ± is said on the terminal, its sound stands in the place of that of its run,
+and a page of all pilots in the place of the page, until the whole ones replace them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+from acoustics.texts import printable
+from rolling.kinds.kind import Kind
+from rolling.kinds.registry import kind_of
+from rolling.kinds.run_folder import LISTEN, PAGE, RunFolder
+from rolling.results.stored_numbers import read_stored
+from rolling.run import folder as folders
+from rolling.run.kept_runs import KeptRuns
+from rolling.terminal import progress
+from rolling.terminal.whole_files import FolderError, make_below, read_regular, write_bytes
+
+FIRST = "first"  # folder of the pilots, in that of the pieces
+NOTICE = (
+    "These are first answers, of short tracks that have a surface of their own, so their ± is wide."
+    " The whole runs replace this page."
+)
+_MAX_SOUND = 2**28  # bytes of a sound that is copied
+
+
+class PilotRun(NamedTuple):
+    """A pilot, and the run for which it stands.
+
+    place : RunFolder. Scene and folder of the pilot.
+    run : RunFolder. The run for which it stands.
+    label : str. Label of both.
+    words : str. What the pilot has solved.
+    """
+
+    place: RunFolder
+    run: RunFolder
+    label: str
+    words: str
+
+
+class Pilots:
+    """Pilots of the runs of a folder that are not done."""
+
+    def __init__(
+        self, kind: Kind, folder: Path, runs: Sequence[RunFolder], labels: Sequence[str]
+    ) -> None:
+        """Find the pilots of runs; those of an earlier command are known already."""
+        self._page = folder / PAGE
+        self._folder = folder
+        self._first = folder / folders.PIECES / FIRST
+        self.kept = KeptRuns(self._first)
+        self.all: list[PilotRun] = []
+        for run, label in zip(runs, labels, strict=True):
+            pilot = kind.pilot(run.scene)
+            if pilot is not None:
+                below = self._first / run.folder.relative_to(folder)
+                place = RunFolder(run.values, pilot.scene, below)
+                self.all.append(PilotRun(place, run, label, pilot.words))
+        self._told = set[Path]()
+        self.lacking = [pilot for pilot in self.all if not pilot.place.is_done]
+
+    def make_folder(self) -> None:
+        """Make the folder of the pilots, which a link must not lead elsewhere."""
+        if self.lacking:
+            make_below(self._folder, self._first)
+
+    def tell(self, pilot: PilotRun) -> None:
+        """Say the number that leads in a pilot, and put its sound in the place of its run's."""
+        numbers = read_stored(pilot.place.folder).numbers
+        kind = kind_of(pilot.place.scene)
+        quantity = next(iter(kind.quantities(numbers).values()))
+        name = f"{printable(pilot.label)}: " if len(self.all) > 1 else ""
+        progress.line(f"{name}{quantity} after {pilot.words}; going on")
+        with suppress(OSError, FolderError):  # the sound of the run is what counts
+            sound = read_regular(pilot.place.folder / LISTEN, _MAX_SOUND)
+            make_below(pilot.run.home, pilot.run.folder)
+            write_bytes(pilot.run.folder / LISTEN, sound)
+            if not self._told:
+                progress.line(f"the first sound: {pilot.run.folder / LISTEN}")
+        self._told.add(pilot.place.folder)
+
+    @property
+    def are_told(self) -> bool:
+        """Whether all pilots are done."""
+        return bool(self.all) and all(pilot.place.is_done for pilot in self.all)
+
+    @property
+    def page_arguments(self) -> tuple[KeptRuns, list[RunFolder], str, Path]:
+        """Arguments of the function that writes their page."""
+        return self.kept, [pilot.place for pilot in self.all], NOTICE, self._page

@@ -1,0 +1,182 @@
+"""A run says its first answer after a pilot: a number with a wide ±, a sound, a page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import rolling as rc
+from rolling import figures
+from rolling.ball_kinds import pilot_track
+from rolling.commands import derived
+from rolling.commands import run as commands
+from rolling.kinds.run_folder import LISTEN, PAGE
+from rolling.report import report_page
+from rolling.results.run_result import Run
+from rolling.run import folder as folders
+from rolling.run import pilots, solving
+from rolling.scene.file import loads
+from rolling.scene.scene import Scene
+from rolling.terminal import progress
+
+TEXT = """\
+name: first
+sphere: {radius_mm: 2}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.5}
+surface: {kind: gaussian, roughness_ra_um: 0.08, correlation_length_um: 11, \
+spacing_um: 1.5, width_um: 192, seed: 77}
+rolling: {load_n: 4, speed_m_s: 0.2, distance_mm: 0.6}
+sound: {listen_s: 0.2}
+sweep: {rolling.load_n: [2, 4]}
+"""
+
+
+def scene_of(*overrides: str) -> Scene:
+    return loads(TEXT, overrides)
+
+
+@pytest.fixture
+def short_pilots(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let pilots be so short that a run takes a moment."""
+    monkeypatch.setattr(pilot_track, "STEPS", 40)
+    monkeypatch.setattr(pilot_track, "CONTACT_LENGTHS", 1)
+
+
+@pytest.fixture
+def said(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Return the lines that are said."""
+    lines: list[str] = []
+    monkeypatch.setattr(progress, "line", lines.append)
+    return lines
+
+
+# ---- which runs have a pilot
+
+
+def test_a_pilot_is_a_short_closed_track_of_its_own() -> None:
+    ((_, run),) = rc.read_scene("quickstart", ["sweep="]).runs()
+    pilot = pilot_track.pilot_of(run)
+    assert pilot is not None and pilot.scene.track.closed
+    assert pilot_track.STEPS <= pilot.scene.track.steps <= run.track.steps / 5
+    assert pilot.words == f"{pilot.scene.track.steps:,} steps"
+    assert pilot.scene.load == run.load and pilot.scene.step == run.step
+    assert not pilot.scene.numerics.error_estimate and pilot.scene.sound.listen_s is None
+
+
+@pytest.mark.parametrize(
+    ("name", "overrides"),
+    [
+        ("quickstart", ["sweep=", "rolling.duration_s=0.05"]),
+        ("marble-dropped", []),
+        ("measured-scan", []),
+        ("accelerating", []),
+        ("ball-with-pit", []),
+        ("bearing-grades", ["sweep=", "rolling.distance_mm=400"]),
+    ],
+    ids=["short", "fall", "file", "speed", "faults", "turns"],
+)
+def test_a_run_that_is_short_or_has_nothing_like_it_has_no_pilot(
+    name: str, overrides: list[str]
+) -> None:
+    _, run = rc.read_scene(name, overrides).runs()[0]
+    assert pilot_track.pilot_of(run) is None
+
+
+# ---- what a command says and writes
+
+
+@pytest.mark.usefixtures("short_pilots")
+def test_first_answers_stand_before_the_whole_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: list[str]
+) -> None:
+    folder = tmp_path / "run"
+    seen: list[tuple[bytes, list[bool], list[bool]]] = []
+    written = derived.write_first_page
+
+    def write_first_page(*arguments: object) -> str:
+        """Write the page, and note what the folder holds by then."""
+        path = written(*arguments)  # type: ignore[arg-type]
+        runs = folders.stored_runs(folder)
+        sounds = [(run.folder / LISTEN).is_file() for run in runs]
+        seen.append(((folder / PAGE).read_bytes(), [run.is_done for run in runs], sounds))
+        return path
+
+    def page_of(runs: list[Run], unsolved: object = (), notice: str = "") -> bytes:
+        """Return a page that is soon drawn."""
+        return f"{len(runs)} runs: {notice}".encode()
+
+    monkeypatch.setattr(report_page, "page", page_of)
+    monkeypatch.setattr(figures, "has_written_figures", lambda runs: False)
+    monkeypatch.setattr(commands, "write_first_page", write_first_page)
+    assert not commands.run_scene(scene_of(), folder, workers=1)
+    ((page, done, sounds),) = seen
+    assert done == [False, False] and sounds == [True, True]
+    assert page.decode() == f"2 runs: {pilots.NOTICE}"
+    told = [line for line in said if "going on" in line]
+    assert f"the first page, which the whole one will replace: {folder / PAGE}" in said
+    assert len(told) == 2
+    assert told[0].startswith("load 2 N: ") and told[1].startswith("load 4 N: ")
+    assert all(" dB(A), estimated after 40 steps; going on" in line for line in told)
+    # The whole runs replace all of it.
+    assert (folder / PAGE).read_bytes() == b"2 runs: "
+    assert not (folder / folders.PIECES).exists()
+    assert [run.is_done for run in folders.stored_runs(folder)] == [True, True]
+
+
+@pytest.mark.usefixtures("short_pilots")
+def test_a_pilot_is_no_part_of_the_run(tmp_path: Path) -> None:
+    scene = scene_of("sweep=")
+    folder = tmp_path / "run"
+    assert not commands.run_scene(scene, folder, workers=1, report=False)
+    stored = rc.open_run(folder)
+    alone = rc.simulate(scene, workers=1, progress=False)
+    assert stored.vibration == alone.vibration
+    assert (stored.series["release_energy"] == alone.series["release_energy"]).all()
+    assert b"Wait for the whole run." in report_page.page([alone], notice="Wait for the whole run.")
+
+
+@pytest.mark.usefixtures("short_pilots")
+def test_an_interrupted_command_keeps_its_first_answers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: list[str]
+) -> None:
+    folder = tmp_path / "run"
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    told = solving.Pilots.tell
+
+    def tell_and_stop(self: pilots.Pilots, pilot: pilots.PilotRun) -> None:
+        """Say what a pilot found, and stop after the last one as by Ctrl-C."""
+        told(self, pilot)
+        if self.are_told:
+            interrupt()
+
+    monkeypatch.setattr(solving.Pilots, "tell", tell_and_stop)
+    with pytest.raises(KeyboardInterrupt):
+        commands.run_scene(scene_of(), folder, workers=1)
+    assert [run.is_done for run in folders.stored_runs(folder)] == [False, False]
+    assert (folder / "load_n=2" / LISTEN).is_file()
+    said.clear()
+    assert not commands.run_scene(scene_of(), folder, workers=1, report=False)
+    assert "going on" not in "".join(said)  # they are known
+    assert [run.is_done for run in folders.stored_runs(folder)] == [True, True]
+
+
+@pytest.mark.usefixtures("short_pilots")
+def test_a_pilot_without_a_solution_does_not_stop_its_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pilot_of = pilot_track.pilot_of
+
+    def overloaded(scene: Scene) -> object:
+        """Return the pilot with a load that its surface does not bear."""
+        pilot = pilot_of(scene)
+        assert pilot is not None
+        return pilot._replace(scene=pilot.scene.with_(load_n=1e7))
+
+    monkeypatch.setattr("rolling.ball_kinds.rolling_ball.pilot_of", overloaded)
+    folder = tmp_path / "run"
+    assert not commands.run_scene(scene_of("sweep="), folder, workers=1, report=False)
+    assert rc.open_run(folder).vibration.value is not None
