@@ -262,9 +262,11 @@ def _choose(given: argparse.Namespace) -> int:
     if given.below is not None:
         return _below(scenes[0], given)
     with progress.step(LOADING):
-        from rolling.choice.choose_command import print_choice, write_choice
+        from rolling.choice.choose_command import print_choice, write_answer, write_choice
         from rolling.choice.choosing import choose_scenes
-    choice = choose_scenes(scenes, given.out, _budget(given, defaults.WITHIN_DB), given.workers)
+    choice = choose_scenes(
+        scenes, given.out, _budget(given, defaults.WITHIN_DB), given.workers, keep=write_answer
+    )
     choice = replace(choice, command=_repeating(given, choice.tried, choice.folder))
     write_choice(choice)
     print_choice(choice)

@@ -65,6 +65,12 @@ def print_advice(
         print(f"{path.suffix.removeprefix('.')}: {path}")
 
 
+def write_answer(choice: Choice) -> None:
+    """Write numbers and sentences of a choice that goes on, which outlast an interruption."""
+    whole_files.write_bytes(choice.folder / TABLE, csv_bytes(choice.table()))
+    whole_files.write_json(choice.folder / CHOICE, as_json(choice))
+
+
 def write_choice(choice: Choice) -> None:
     """Write the files of a choice into its folder, last choice.json."""
     from rolling.choice.choice_picture import picture

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from acoustics.pairs import FIRST_PAIRS, LOOKS, pairs_needed
+from acoustics.pairs import FEWEST_PAIRS, FIRST_PAIRS, LOOKS, pairs_needed
 from rolling.check import cost, forecast, refusals
 from rolling.choice import choice_sentences
 from rolling.choice.audition import Audition, audition_of
@@ -26,6 +26,7 @@ from rolling.run.executor import ended_by_signal
 from rolling.scene.identity import contact_keys, digest, scene_identity
 from rolling.terminal import progress
 
+GOES_ON = "it was interrupted"  # why a choice that is kept between batches has no more pairs
 LONG_S = 60.0  # time of the first marches, from which on it is said
 FORMAT = "rolling-contact-noise choice, format 4"
 FORMATS = (  # with those of older versions
@@ -50,6 +51,7 @@ def choose_scenes(
     folder: Path | None = None,
     budget: Budget = USUAL,
     workers: int = 0,
+    keep: Callable[[Choice], None] | None = None,
 ) -> Choice:
     """Choose between scenes; a folder keeps what is done.
 
@@ -59,6 +61,7 @@ def choose_scenes(
     folder : Path. Folder of the choice. Default: outputs/choice-DIGITS.
     budget : Budget. How long it goes on.
     workers : int. Number of processes; 0: one per core.
+    keep : function. It writes the present answer, after each batch of pairs. Default: none.
 
     Raises
     ------
@@ -73,7 +76,7 @@ def choose_scenes(
     specimens = audition.specimens(candidates)
     looks = budget.looks(specimens.count, specimens.noun)  # refused before anything is written
     with open_choice(candidates, target, workers) as work:
-        choice = _until_known(work, candidates, budget, looks)
+        choice = _until_known(work, candidates, budget, looks, keep)
         return replace(choice, audible=audition.audible(choice))
 
 
@@ -108,10 +111,11 @@ class OpenChoice:
         self._solver = solver
         self._known: dict[Path, Specimen] = {}
 
-    def hear(self, candidates: Sequence[Candidate], count: int) -> HeardPairs:
+    def hear(self, candidates: Sequence[Candidate], count: int, are_all: bool = True) -> HeardPairs:
         """Return what is heard of the first pairs of specimens; solve what is missing.
 
         A specimen whose contact has no solution is left out, with its partners in all candidates.
+        How many may be left out is judged where the pairs are all of a batch.
 
         Raises
         ------
@@ -119,7 +123,7 @@ class OpenChoice:
         OSError, KeyboardInterrupt : finished pieces are kept.
         """
         omitted: dict[int, OmittedPair] = {}
-        self._leave_out_failed(candidates, count, omitted)
+        self._leave_out_failed(candidates, count, omitted, are_all)
         wanted = []
         names = []
         for number in range(count):
@@ -129,7 +133,7 @@ class OpenChoice:
                 wanted.append(self._specimen(candidate, number))
                 names.append(f"{candidate.label}, specimen {number + 1}")
         self._solver.solve(wanted, names, stored=[*self._known.values()])
-        self._leave_out_failed(candidates, count, omitted)
+        self._leave_out_failed(candidates, count, omitted, are_all)
         contenders = []
         for candidate in candidates:
             numbers = [number for number in range(count) if number not in omitted]
@@ -145,7 +149,11 @@ class OpenChoice:
         return HeardPairs(contenders, [omitted[number] for number in sorted(omitted)])
 
     def _leave_out_failed(
-        self, candidates: Sequence[Candidate], count: int, omitted: dict[int, OmittedPair]
+        self,
+        candidates: Sequence[Candidate],
+        count: int,
+        omitted: dict[int, OmittedPair],
+        are_all: bool,
     ) -> None:
         """Add the pairs to `omitted` that are known, or foreseen, to have no solution."""
         for number in range(count):
@@ -157,7 +165,8 @@ class OpenChoice:
                 if reason:
                     omitted[number] = OmittedPair(number + 1, candidate.label, reason)
                     break
-        refuse_many([*omitted.values()], count, self.specimens.noun)
+        if are_all:
+            refuse_many([*omitted.values()], count, self.specimens.noun)
 
     def _specimen(self, candidate: Candidate, number: int) -> Specimen:
         """Return a specimen of a candidate, which may not be solved yet."""
@@ -220,14 +229,33 @@ def _say_how_long(contacts: Sequence[Any], audition: Audition) -> None:
 
 
 def _until_known(
-    work: OpenChoice, candidates: Sequence[Candidate], budget: Budget, looks: Sequence[int]
+    work: OpenChoice,
+    candidates: Sequence[Candidate],
+    budget: Budget,
+    looks: Sequence[int],
+    keep: Callable[[Choice], None] | None,
 ) -> Choice:
-    """Hear pairs until each difference is known well enough, or time or specimens end."""
+    """Hear pairs until each difference is known well enough, or time or specimens end.
+
+    The answer after each batch is said, and kept if wanted. That of the first two pairs ends
+    nothing, so no number that is stated depends on it.
+    """
     noun = work.specimens.noun
     clock = Clock(budget)
+
+    def tell(choice: Choice) -> None:
+        """Say the present answer, and keep it."""
+        progress.line(f"{choice.pairs} {noun}: {choice_sentences.in_short(choice)}")
+        if keep is not None:
+            keep(replace(choice, limit=GOES_ON, is_early=True))
+
+    if looks[0] > FEWEST_PAIRS and work.audition.marches_each:
+        pairs = work.hear(candidates, FEWEST_PAIRS, are_all=False)
+        if not pairs.omitted:
+            tell(_choice(work, pairs, budget))
     for count in looks:
         choice = _choice(work, work.hear(candidates, count), budget)
-        progress.line(f"{choice.pairs} {noun}: {choice_sentences.in_short(choice)}")
+        tell(choice)
         if pairs_needed_of(choice) <= choice.pairs:
             return choice
         if clock.is_over and count < looks[-1]:

@@ -92,13 +92,15 @@ def choose(
     ----------
     C. Stein, Annals of Mathematical Statistics 16, 1945, 243-258, for the number of pairs.
     """
+    from rolling.choice.choose_command import write_answer
     from rolling.choice.choosing import choose_scenes
     from rolling.run.budget import Budget
 
     listed = _listed(scenes)
     budget = Budget(within_db=within_db, minutes=minutes, pairs=pairs)
     with _kept_in(folder, progress) as kept:
-        return choose_scenes(listed, kept, budget, workers)
+        keep = None if folder is None else write_answer
+        return choose_scenes(listed, kept, budget, workers, keep)
 
 
 @ignoring_underflow

@@ -24,12 +24,13 @@ from rolling.ball_kinds.ball_specimens import BallSpecimens
 from rolling.check import narrow_surface
 from rolling.choice import choice_doubts as choice_doubts
 from rolling.choice import choice_picture, choice_sentences, omissions, specimen_solving
-from rolling.choice.choose_command import as_json
+from rolling.choice.choose_command import as_json, write_answer
 from rolling.choice.choosing import choose_scenes, open_choice
 from rolling.choice.heard_specimen import Specimen
 from rolling.choice.specimen_solving import RunSolver
 from rolling.contact.solver import ContactError
 from rolling.run.budget import Budget
+from rolling.terminal import progress
 from rolling.terminal.whole_files import FolderError, write_json
 from tests.support.marched_specimens import stand_in, write_heard
 
@@ -419,3 +420,55 @@ def test_what_is_heard_is_read_with_its_types(
     path.write_text(json.dumps(json.loads(path.read_text()) | {name: value}))
     with pytest.raises(FolderError, match=message):
         read_heard(specimen)
+
+
+# ---- the answer so far
+
+
+@pytest.fixture
+def said(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Return the lines that are said."""
+    lines: list[str] = []
+    monkeypatch.setattr(progress, "line", lines.append)
+    return lines
+
+
+def test_an_interrupted_choice_keeps_its_last_answer(
+    wide: rc.Scene, tmp_path: Path, marched: list[str], said: list[str]
+) -> None:
+    """It says an answer after each batch, from two pairs on, and the same command goes on."""
+    scenes = two(wide.with_(seed=7))
+    budget = Budget(within_db=0.01)
+    kept: list[int] = []
+
+    def keep(choice: rc.Choice) -> None:
+        """Keep an answer, and stop after that of four surfaces as by Ctrl-C."""
+        write_answer(choice)
+        kept.append(choice.pairs)
+        if len(kept) == 2:
+            raise KeyboardInterrupt
+
+    out = tmp_path / "out"
+    with pytest.raises(KeyboardInterrupt):
+        choose_scenes(scenes, out, budget, workers=1, keep=keep)
+    assert kept == [2, 3]  # the third is left out
+    told = [line for line in said if " quieter than " in line]
+    assert [line.split(":")[0] for line in told] == ["2 surfaces", "3 surfaces"]
+    assert "± " in told[0] and " dB(A) quieter than " in told[0]
+    stored = json.loads((out / "choice.json").read_text())
+    assert stored["pairs"] == 3 and stored["ended_early"]
+    assert "it was interrupted after 4 surfaces" in " ".join(
+        doubt["text"] for doubt in stored["doubts"]
+    )
+    assert (out / "choice.csv").read_text().count("\n") == 3
+    choice = choose_scenes(scenes, out, Budget(pairs=4), workers=1)
+    assert choice.sentences[0].split(",")[0] == stored["sentences"][0].split(",")[0]
+    assert not choice.is_early
+
+
+def test_two_pairs_are_too_few_to_judge_how_many_are_left_out(
+    wide: rc.Scene, tmp_path: Path, marched: list[str], said: list[str]
+) -> None:
+    choice = choose_scenes(two(wide.with_(seed=5)), tmp_path / "out", Budget(pairs=4), workers=1)
+    assert [pair.number for pair in choice.omitted] == [2]
+    assert [line.split(":")[0] for line in said if " quieter than " in line] == ["3 surfaces"]
