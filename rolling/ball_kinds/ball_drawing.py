@@ -86,11 +86,12 @@ def with_kept_track(scene: Scene) -> Scene:
     """Return a scene whose track has a length in place of a duration."""
     rolling = scene.rolling
     is_file = isinstance(scene.surface, HeightFile)
-    if rolling.distance_mm is not None or (is_file and rolling.duration_s is None):
+    duration_s = rolling.stated_duration_s
+    if rolling.stated_distance_mm is not None or (is_file and duration_s is None):
         return scene
     distance = scene.track.distance
-    if is_file and rolling.duration_s is not None:
-        distance = float(scene.motion.distance(rolling.duration_s))
+    if is_file and duration_s is not None:
+        distance = float(scene.motion.distance(duration_s))
     return scene.with_(
         {"rolling.duration_s": None, "rolling.distance_mm": float(f"{1e3 * distance:.12g}")}
     )

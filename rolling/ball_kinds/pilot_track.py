@@ -6,6 +6,7 @@ import math
 
 from rolling.check import cost
 from rolling.kinds.kind import Pilot
+from rolling.kinds.needed_marches import March
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.values_in_si import AUTO_NODES
@@ -50,4 +51,5 @@ def pilot_of(scene: Scene) -> Pilot | None:
             "sound.loudness": False,
         }
     )
-    return Pilot(scene=short, words=f"{short.track.steps:,} steps")
+    march = March(short, is_shared=False)
+    return Pilot(scene=short, marches=[march], words=f"{short.track.steps:,} steps")

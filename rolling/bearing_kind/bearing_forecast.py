@@ -72,8 +72,11 @@ def forecast_of(runs: Sequence[tuple[BearingScene, ContactPlan]]) -> BearingFore
     compilations = _compilations(bool(marches))
     beside_s = forecast.START + forecast.WORKER + sum(COMPILATION[part] for part in compilations)
     motions = 0
-    for number, (scene, plan) in enumerate(runs):
-        of_run = motions_of_run(scene, plan, is_first=number == 0)
+    piloted = set[str]()
+    for scene, plan in runs:
+        contacts = {contact_identity(contact) for contact in plan.stages[0]}
+        of_run = motions_of_run(scene, plan, has_pilot=not contacts <= piloted)
+        piloted |= contacts
         motions += of_run
         beside_s += of_run * (motion_seconds(scene.model, scene.moved) + _laying_seconds(plan))
         beside_s += FILES + PAGE_RUN + (FILES_SECOND + PAGE_SECOND) * scene.moved
@@ -98,14 +101,10 @@ def different_marches(plans: Sequence[ContactPlan]) -> dict[str, Scene]:
     return marches
 
 
-def motions_of_run(scene: BearingScene, plan: ContactPlan, is_first: bool) -> int:
-    """Return how often a run moves its ring: for its sound, early, and without its faults."""
-    motions = 1
-    if is_first and all(plan.stages):
-        motions += 1
-    if scene.has_faults:
-        motions += 1
-    return motions
+def motions_of_run(scene: BearingScene, plan: ContactPlan, has_pilot: bool) -> int:
+    """Return how often a run and its pilot move the ring, with and without faults."""
+    motions = 2 if scene.has_faults else 1
+    return 2 * motions if has_pilot and all(plan.stages) else motions
 
 
 def marches_seconds(marches: Iterable[Scene]) -> float:

@@ -73,5 +73,5 @@ def march_contacts(
 
 
 def march_of_contact(scene: Scene, is_first: bool = True) -> March:
-    """Return the march of a contact of a bearing, which a first sound needs or not."""
+    """Return the march of a contact of a bearing, which a first answer needs or not."""
     return March(scene, name=f"{scene.name}, {scene.load:g} N", is_first=is_first)

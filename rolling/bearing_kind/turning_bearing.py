@@ -18,7 +18,7 @@ from rolling.bearing_kind.former_bearing import former_bearing
 from rolling.check.findings import Findings
 from rolling.kinds.figure_kind import FigureKind
 from rolling.kinds.heard_sound import HeardSound
-from rolling.kinds.kind import Still
+from rolling.kinds.kind import Pilot, Still
 from rolling.kinds.needed_marches import March
 from rolling.kinds.page_parts import PageParts
 from rolling.kinds.run_folder import LISTEN, RunFolder
@@ -29,7 +29,7 @@ from rolling.numbers.run_file import BEARING_KIND, StoredBearing
 from rolling.results import shared_lines
 from rolling.run.march_files import ContactMarch, Marches, MarchesInFiles
 from rolling.scene.bearing_scene import BearingScene
-from rolling.terminal import defaults, whole_files
+from rolling.terminal import defaults
 
 if TYPE_CHECKING:
     from rolling.archive.definition import Series
@@ -90,32 +90,26 @@ class TurningBearing(MarchesInFiles):
         marches = [march_of_contact(contact) for contact in first]
         return marches + [march_of_contact(contact, is_first=False) for contact in rest]
 
+    def pilot(self, scene: BearingScene) -> Pilot | None:
+        """Return the run of the contacts at one load, where others change its nonlinear part."""
+        first, rest = contact_plan(scene).stages
+        if not first or not rest:
+            return None
+        marches = [march_of_contact(contact) for contact in first]
+        return Pilot(scene=scene, marches=marches, words="the contacts at one load")
+
     # ---- runs
 
     def make_run(self, place: RunFolder, label: str, marched: Sequence[ContactMarch]) -> BearingRun:
         """Move the ring over the tracks of all marches, and make its numbers."""
         return bearing_simulation.make_run(place, label, self._by_identity(place.scene, marched))
 
-    def _by_identity(self, scene: BearingScene, marched: Sequence[ContactMarch | None]) -> Marches:
-        """Return the marches of a scene that are there by their contact identities."""
-        by_identity = {}
-        for march, known in zip(self.marches(scene), marched, strict=True):
-            if known is not None:
-                by_identity[contact_identity(march.scene)] = known
-        return by_identity
-
-    def write_first_sound(
-        self, place: RunFolder, label: str, marched: Sequence[ContactMarch | None]
-    ) -> Path:
-        """Write the sound of contacts at one load."""
-        marches = self._by_identity(place.scene, marched)
-        plan = contact_plan(place.scene)
-        bearing = bearing_simulation.move_bearing(place, label, plan, marches)
-        whole_files.make_below(place.home, place.folder)
-        stored_run.write_acceleration(bearing, place.folder)
-        sound = stored_run.ring_sound(bearing)
-        whole_files.write_bytes(place.folder / sound.file, sound.wav())
-        return place.folder / sound.file
+    def _by_identity(self, scene: BearingScene, marched: Sequence[ContactMarch]) -> Marches:
+        """Return the marches of a scene by their contact identities; a pilot has the first ones."""
+        return {
+            contact_identity(march.scene): known
+            for march, known in zip(self.marches(scene), marched, strict=False)
+        }
 
     def write_run(self, run: BearingRun) -> None:
         """Write the files of a run into its folder."""

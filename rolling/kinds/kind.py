@@ -50,10 +50,12 @@ class Pilot(NamedTuple):
     """A short run that gives the first answer, and is no part of the run for which it stands.
 
     scene : scene. The scene of the short run.
+    marches : list of March. The marches that it needs, the first ones of its scene.
     words : str. What it has solved, such as 1,000 steps.
     """
 
     scene: Any
+    marches: list[March]
     words: str
 
 
@@ -159,7 +161,7 @@ class Kind(ABC):
 
     @abstractmethod
     def marches(self, scene: Any, film: bool = False) -> list[March]:
-        """Return the marches that a scene without a sweep needs, those of its first sound first."""
+        """Return the marches that a scene without a sweep needs, those of its pilot first."""
 
     def pilot(self, scene: Any) -> Pilot | None:
         """Return a short run that tells a first answer of a scene without a sweep.
@@ -206,17 +208,14 @@ class Kind(ABC):
         label : str
             Label of the run.
         marched : sequence
-            What the store kept of each march, in the order of `marches`.
+            What the store kept of each march, in the order of `marches`; of a pilot, of its own
+            marches.
 
         Raises
         ------
         ContactError
             The marches make no run.
         """
-
-    def write_first_sound(self, place: RunFolder, label: str, marched: Sequence[Any]) -> Path:
-        """Write a sound of the first marches of a run, None for the others; return its file."""
-        raise NotImplementedError(f"{self.name}: all marches belong to the first sound")
 
     @abstractmethod
     def write_run(self, run: Any) -> None:

@@ -21,7 +21,7 @@ class March(NamedTuple):
         Whether runs that need an equal contact share what is kept of its march. A march that gets
         more than its track, such as that of a run with dynamics, is of one run.
     is_first : bool
-        Whether the first sound of a run needs it.
+        Whether the first answer needs it.
     film : bool
         Whether it gets a slow motion.
 

@@ -21,7 +21,7 @@ from rolling.marches.result import Result
 from rolling.run import folder as folders
 from rolling.run.backlog import Backlog
 from rolling.run.pools import Pool, Task
-from rolling.run.worker import KILLED, MAX_BREAKS, finish_run, first_sound, solve_piece
+from rolling.run.worker import KILLED, MAX_BREAKS, finish_run, solve_piece
 from rolling.scene.messages import SceneError
 from rolling.terminal import progress, shortage
 
@@ -55,14 +55,12 @@ class RunFiles:
     finish : function or None. It makes the sound of a complete run from its folder, label and
         marches, and writes its files, in a process of the pool. It may return the digest of a run
         that is kept. None for runs that have no files but those of their marches.
-    is_heard_early : bool. Whether the first run is heard as soon as its first marches allow.
     """
 
     runs: Sequence[RunFolder]
     labels: Sequence[str]
     folder: Path
     finish: Callable[[RunFolder, str, Sequence[Any]], str | None] | None = finish_run
-    is_heard_early: bool = False
 
     @property
     def pieces(self) -> Path:
@@ -106,7 +104,6 @@ class _OneMarch:
         self.runs: list[int] = []
 
 
-FIRST_SOUND = "first sound"  # begins the key of its task
 FIRST_PAGE = "first page", ""  # key of its task, which is of no run
 
 
@@ -116,8 +113,8 @@ class RunLoop:
     Marches that need equal pieces share them. Those of one contact identity begin together: the
     shortest first, so that a person soon hears a run, and then the longest, so that no process
     waits at the end. They begin when a team of the pool has no other task for a surface of its own,
-    so that a sweep of many runs keeps few results in memory. Marches that the first sound of a run
-    does not need begin when nothing else is left to hand out.
+    so that a sweep of many runs keeps few results in memory. Marches that no pilot
+    needs begin when nothing else is left to hand out.
 
     Attributes
     ----------
@@ -163,7 +160,7 @@ class RunLoop:
         self._unplanned_seconds: dict[int, float] = {}
         self._step_seconds: dict[str, float] = {}  # expected, by contact identity
         self._backlog = Backlog()  # of tasks, and of groups of marches that have to begin
-        self._later: list[list[int]] = []  # groups that no first sound needs
+        self._later: list[list[int]] = []  # groups that no pilot needs
         self._find_known()
         self._queue_groups()
 
@@ -211,7 +208,7 @@ class RunLoop:
             self._backlog.put_last(self._marches[group[0]].surface, group)
 
     def _is_first(self, group: Sequence[int]) -> bool:
-        """Tell whether a first sound needs one of some marches."""
+        """Tell whether a first answer needs one of some marches."""
         return any(self._marches[number].march.is_first for number in group)
 
     def finished_runs(self, pool: Pool) -> Iterator[FinishedRun]:
@@ -338,17 +335,6 @@ class RunLoop:
                 self._finished.append(FinishedRun(run, marched))
             else:
                 self._queue_ending(("finish", str(run)), run, self._files.finish, marched)
-        elif run == 0 and self._files is not None and self._files.is_heard_early:
-            self._hear_early(run)
-
-    def _hear_early(self, run: int) -> None:
-        """Queue the first sound of a run once, when the marches that it needs are whole."""
-        key = FIRST_SOUND, str(run)
-        first = [number for number in self._of_run[run] if self._marches[number].march.is_first]
-        if key in self._endings or not all(number in self._kept for number in first):
-            return
-        marched = [self._kept.get(number) for number in self._of_run[run]]
-        self._queue_ending(key, run, first_sound, marched)
 
     def _queue_ending(
         self,
@@ -377,10 +363,6 @@ class RunLoop:
                 progress.line(f"the first page, which the whole one will replace: {value}")
             return
         run = self._endings[task.key]
-        if task.key[0] == FIRST_SOUND:
-            if value:
-                progress.line(f"the first sound, of contacts at one load: {value}")
-            return
         if reason:
             self.fail(run, reason)
             return
@@ -464,7 +446,7 @@ class RunLoop:
         return idlest, self._urgent.popleft()
 
     def _queue_later(self) -> None:
-        """Queue the marches that no first sound needs."""
+        """Queue the marches that no first answer needs."""
         for group in self._later:
             self._backlog.put_last(self._marches[group[0]].surface, group)
         self._later = []

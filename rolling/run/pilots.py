@@ -14,8 +14,10 @@ from typing import NamedTuple
 
 from acoustics.texts import printable
 from rolling.kinds.kind import Kind
+from rolling.kinds.needed_marches import March
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import LISTEN, PAGE, RunFolder
+from rolling.marches.piece import contact_identity
 from rolling.results.stored_numbers import read_stored
 from rolling.run import folder as folders
 from rolling.run.kept_runs import KeptRuns
@@ -24,8 +26,8 @@ from rolling.terminal.whole_files import FolderError, make_below, read_regular, 
 
 FIRST = "first"  # folder of the pilots, in that of the pieces
 NOTICE = (
-    "These are first answers, of short tracks that have a surface of their own, so their ± is wide."
-    " The whole runs replace this page."
+    "These are first answers: of short tracks with a surface of their own, or of the contacts of a"
+    " bearing at one load. The whole runs replace this page."
 )
 _MAX_SOUND = 2**28  # bytes of a sound that is copied
 
@@ -36,17 +38,19 @@ class PilotRun(NamedTuple):
     place : RunFolder. Scene and folder of the pilot.
     run : RunFolder. The run for which it stands.
     label : str. Label of both.
+    marches : list of March. The marches that the pilot needs.
     words : str. What the pilot has solved.
     """
 
     place: RunFolder
     run: RunFolder
     label: str
+    marches: list[March]
     words: str
 
 
 class Pilots:
-    """Pilots of the runs of a folder that are not done."""
+    """Pilots of the runs of a folder that are not done; runs with equal contacts share one."""
 
     def __init__(
         self, kind: Kind, folder: Path, runs: Sequence[RunFolder], labels: Sequence[str]
@@ -57,12 +61,21 @@ class Pilots:
         self._first = folder / folders.PIECES / FIRST
         self.kept = KeptRuns(self._first)
         self.all: list[PilotRun] = []
+        known = set[str]()  # contact identities of the pilots
         for run, label in zip(runs, labels, strict=True):
             pilot = kind.pilot(run.scene)
-            if pilot is not None:
-                below = self._first / run.folder.relative_to(folder)
-                place = RunFolder(run.values, pilot.scene, below)
-                self.all.append(PilotRun(place, run, label, pilot.words))
+            if pilot is None:
+                continue
+            contacts = {contact_identity(march.scene) for march in pilot.marches}
+            if contacts <= known:
+                continue
+            known |= contacts
+            place = RunFolder(run.values, pilot.scene, self._first / run.folder.relative_to(folder))
+            self.all.append(
+                PilotRun(
+                    place=place, run=run, label=label, marches=pilot.marches, words=pilot.words
+                )
+            )
         self._told = set[Path]()
         self.lacking = [pilot for pilot in self.all if not pilot.place.is_done]
 
@@ -75,9 +88,11 @@ class Pilots:
         """Say the number that leads in a pilot, and put its sound in the place of its run's."""
         numbers = read_stored(pilot.place.folder).numbers
         kind = kind_of(pilot.place.scene)
-        quantity = next(iter(kind.quantities(numbers).values()))
+        subject, quantity = next(iter(kind.quantities(numbers).items()))
         name = f"{printable(pilot.label)}: " if len(self.all) > 1 else ""
-        progress.line(f"{name}{quantity} after {pilot.words}; going on")
+        progress.line(
+            f"{name}{subject[:1].lower()}{subject[1:]} {quantity}, after {pilot.words}; going on"
+        )
         with suppress(OSError, FolderError):  # the sound of the run is what counts
             sound = read_regular(pilot.place.folder / LISTEN, _MAX_SOUND)
             make_below(pilot.run.home, pilot.run.folder)

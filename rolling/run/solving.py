@@ -228,7 +228,6 @@ def _solve_lacking(
         labels=[*(pilot.label for pilot in pilots.lacking), *names],
         folder=folder,
         finish=finish_and_keep_run if is_compared else finish_run,
-        is_heard_early=ending is not None and not pilots.all,
     )
     advice = f"finished pieces are kept in {folder}; the same command goes on"
     count = 0
@@ -240,7 +239,7 @@ def _solve_lacking(
             elif pool is None:
                 pool = stack.enter_context(local_pool(workers, contacts_of(marches)))
             stack.enter_context(ended_by_signal())
-            needed = [kind.marches(place.scene) for place in first] + marches
+            needed = [pilot.marches for pilot in pilots.lacking] + marches
             loop = RunLoop(needed, store, bar, run_files)
             for finished in loop.finished_runs(pool):
                 number = finished.number - len(first)

@@ -115,14 +115,6 @@ def finish_and_keep_run(run: RunFolder, label: str, marched: Sequence[Any]) -> s
     return keep(made)
 
 
-@ignoring_underflow
-def first_sound(run: RunFolder, label: str, marched: Sequence[Any]) -> str:
-    """Write the first sound of a run before all its marches are done; return its file."""
-    from rolling.kinds.registry import kind_of
-
-    return str(kind_of(run.scene).write_first_sound(run, label, marched))
-
-
 def run_task(task: bytes, program: Program) -> Any:
     """Do a packed task in this thread of a Dask worker, one task at a time in each process.
 

@@ -150,14 +150,14 @@ def _with_shared_choices(scene: SweptScene) -> dict[str, Any]:
 def _other_choices(old: SweptScene, new: SweptScene) -> Iterator[str]:
     """Yield a line where a sweep grows by a run for which auto takes another number."""
     now = {run_name(run.values): run.scene.taken_values for run in new.runs()}
-    told = set[str]()
+    named_keys = set[str]()
     for values, scene in old.runs():
         name = run_name(values)
         for key, before in scene.taken_values.items():
             after = now.get(name, {}).get(key)
-            if after is None or before == after or key in told:
+            if after is None or before == after or key in named_keys:
                 continue
-            told.add(key)
+            named_keys.add(key)
             yield (
                 f"{key}: auto takes {plain_number(after)} for all runs, and {name} has"
                 f" {plain_number(before)}: `--set {key}={plain_number(before)}` keeps its march"

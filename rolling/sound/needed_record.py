@@ -126,11 +126,11 @@ def needed_record(expected: ExpectedVibration, within_db: float, most_s: float) 
 
     needs = [
         Need(
-            shortest(lambda found: found.laeq_db <= within_db),
+            shortest(lambda levels: levels.laeq_db <= within_db),
             f"LAeq within ± {within_db:g} dB",
         ),
         Need(
-            shortest(lambda found: bool(found.third_octave_db[bands].max() <= band_db)),
+            shortest(lambda levels: bool(levels.third_octave_db[bands].max() <= band_db)),
             f"third octaves within ± {band_db:.2g} dB, the lowest at {BAND_NAMES[bands[0]]} Hz",
         ),
         *_floors(expected, bands, most_s),

@@ -107,11 +107,11 @@ def test_a_choice_goes_on_where_it_stopped(chosen: Chosen, monkeypatch: pytest.M
     read = choosing.OpenChoice.hear
     looks: list[int] = []
 
-    def stopped(self: choosing.OpenChoice, *given: Any) -> Any:
-        looks.append(0)
-        if len(looks) == 2:
+    def stopped(self: choosing.OpenChoice, candidates: Any, count: int, **words: Any) -> Any:
+        looks.append(count)
+        if count > LOOKS[0]:
             raise KeyboardInterrupt
-        return read(self, *given)
+        return read(self, candidates, count, **words)
 
     with monkeypatch.context() as context:
         context.setattr(choosing.OpenChoice, "hear", stopped)

@@ -11,6 +11,7 @@ from rolling import figures
 from rolling.ball_kinds import pilot_track
 from rolling.commands import derived
 from rolling.commands import run as commands
+from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import LISTEN, PAGE
 from rolling.report import report_page
 from rolling.results.run_result import Run
@@ -19,6 +20,7 @@ from rolling.run import pilots, solving
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 from rolling.terminal import progress
+from tests.support.bearing_runs import WAVY, loads_bearing
 
 TEXT = """\
 name: first
@@ -116,9 +118,9 @@ def test_first_answers_stand_before_the_whole_runs(
     told = [line for line in said if "going on" in line]
     assert f"the first page, which the whole one will replace: {folder / PAGE}" in said
     assert len(told) == 2
-    assert told[0].startswith("load 2 N: ") and told[1].startswith("load 4 N: ")
+    assert told[0].startswith("load 2 N: vibration ") and told[1].startswith("load 4 N: vib")
     assert all(
-        " dB(A), estimated after " in line and line.endswith(" steps; going on") for line in told
+        " dB(A), estimated, after " in line and line.endswith(" steps; going on") for line in told
     )
     # The whole runs replace all of it.
     assert (folder / PAGE).read_bytes() == b"2 runs: "
@@ -182,3 +184,41 @@ def test_a_pilot_without_a_solution_does_not_stop_its_run(
     folder = tmp_path / "run"
     assert not commands.run_scene(scene_of("sweep="), folder, workers=1, report=False)
     assert rc.open_run(folder).vibration.value is not None
+
+
+# ---- bearings
+
+BEARING = """\
+name: small
+bearing:
+  named: "6204"
+  speed_rpm: 1800
+  axial_load_n: 10
+  contact_angle_deg: 12
+  radial_clearance_um: null
+  surfaces:
+    inner: {kind: gaussian, roughness_ra_um: 0.01, correlation_length_um: 40, seed: 2}
+    outer: {kind: smooth, waviness: {8: 0.05}}
+numerics: {window_mm: 1.5, spacing_um: 8}
+sound: {duration_s: 0.2, listen_s: 0.2}
+"""
+
+
+def test_a_bearing_answers_after_its_contacts_at_one_load(tmp_path: Path, said: list[str]) -> None:
+    scene = loads_bearing(BEARING)
+    pilot = kind_of(scene).pilot(scene)
+    assert pilot is not None
+    marches = kind_of(scene).marches(scene)
+    assert 0 < len(pilot.marches) < len(marches)
+    assert [march.scene for march in pilot.marches] == [
+        march.scene for march in marches[: len(pilot.marches)]
+    ]
+    assert kind_of(scene).pilot(loads_bearing(WAVY)) is None
+    folder = tmp_path / "out"
+    assert not commands.run_scene(scene, folder, workers=1, report=False)
+    (told,) = [line for line in said if line.endswith("; going on")]
+    assert told.startswith("radial ") and told.endswith(
+        ", after the contacts at one load; going on"
+    )
+    assert f"the first sound: {folder / LISTEN}" in said
+    assert folders.stored_runs(folder)[0].is_done
