@@ -113,8 +113,8 @@ class RunLoop:
     Marches that need equal pieces share them. Those of one contact identity begin together: the
     shortest first, so that a person soon hears a run, and then the longest, so that no process
     waits at the end. They begin when a team of the pool has no other task for a surface of its own,
-    so that a sweep of many runs keeps few results in memory. Marches that no pilot
-    needs begin when nothing else is left to hand out.
+    so that a sweep of many runs keeps few results in memory. Marches that no pilot needs begin when
+    nothing else is left to hand out.
 
     Attributes
     ----------

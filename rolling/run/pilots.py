@@ -16,7 +16,7 @@ from acoustics.texts import printable
 from rolling.kinds.kind import Kind
 from rolling.kinds.needed_marches import March
 from rolling.kinds.registry import kind_of
-from rolling.kinds.run_folder import LISTEN, PAGE, RunFolder
+from rolling.kinds.run_folder import LISTEN, PAGE, RESULT, RunFolder
 from rolling.marches.piece import contact_identity
 from rolling.results.stored_numbers import read_stored
 from rolling.run import folder as folders
@@ -93,13 +93,15 @@ class Pilots:
         progress.line(
             f"{name}{subject[:1].lower()}{subject[1:]} {quantity}, after {pilot.words}; going on"
         )
+        if (pilot.run.folder / RESULT).is_file():  # whose sound is there, or comes
+            return
         with suppress(OSError, FolderError):  # the sound of the run is what counts
             sound = read_regular(pilot.place.folder / LISTEN, _MAX_SOUND)
             make_below(pilot.run.home, pilot.run.folder)
             write_bytes(pilot.run.folder / LISTEN, sound)
             if not self._told:
                 progress.line(f"the first sound: {pilot.run.folder / LISTEN}")
-        self._told.add(pilot.place.folder)
+            self._told.add(pilot.place.folder)
 
     @property
     def are_told(self) -> bool:

@@ -214,14 +214,18 @@ def _solve_lacking(
     names = [label_of[run.folder] for run in lacking]
     film = len(runs) <= defaults.MAX_RUNS_ON_PAGE
     marches = [kind.marches(run.scene, film) for run in lacking]
-    piloted = lacking if film and ending is not None else []
-    pilots = Pilots(kind, folder, piloted, names[: len(piloted)])
+    done = [run for run in runs if run.is_done]
+    piloted = []
+    if film and ending is not None:
+        marched = {identity for run in (*sources, *done) for identity in _identity_of(run)}
+        piloted = [run for run in lacking if not marched.issuperset(_identity_of(run))]
+    pilots = Pilots(kind, folder, piloted, [label_of[run.folder] for run in piloted])
     if pilots.all:  # the whole marches wait for them
         marches = [[march._replace(is_first=False) for march in of_run] for of_run in marches]
     first = [pilot.place for pilot in pilots.lacking]
     pilots.make_folder()
     refusals.refuse_few_addresses(contacts_of(marches))
-    store = kind.march_store(folder, [run for run in runs if run.is_done], sources)
+    store = kind.march_store(folder, done, sources)
     is_compared = ending is not None and len(runs) <= defaults.MAX_RUNS_COMPARED
     run_files = RunFiles(
         runs=[*first, *lacking],

@@ -357,16 +357,9 @@ def vibration_estimate(
         "band": HALF * _apart_db(within, following),
         "contact_loss": HALF * abs(contact_loss_db),
     }
-    comb_db = 0.0
-    if lines.looped:
-        comb_db = math.sqrt(np.mean([_apart_db(place, mean) ** 2 for place in at_mean]))
-        parts_db["comb"] = comb_db
-    # Lines that are strong or weak by chance are in the comb as well, so the larger of both counts.
-    record_db = uncertainty_of_lines_db(of_lines.mean(axis=1))
-    parts_db["record"] = math.sqrt(max(0.0, record_db**2 - comb_db**2))
     return VibrationEstimate(
         laeq_db=level.level_db(math.sqrt(mean * following)),
-        parts_db=parts_db,
+        parts_db=parts_db | _record_parts_db(of_lines, lines.looped),
         force_ratio=math.sqrt(float(mean_square @ forces.mean(axis=1))) / bodies.load_n,
         contact_loss_db=contact_loss_db,
         stiffness_n_m=mean_stiffness,
@@ -450,6 +443,20 @@ def linear_pressure(
     phasors = lines.phasor * size * np.exp(1j * np.angle(transfer))
     spectrum[orders[below]] = samples * phasors[below]
     return np.fft.irfft(spectrum, samples)
+
+
+def _record_parts_db(squares: Array, looped: bool) -> dict[str, float]:
+    """Return the uncertainties [dB] that few lines leave, from A-weighted lines at their places.
+
+    Lines that are strong or weak by chance are in the comb as well, so the larger of both counts.
+    """
+    record_db = uncertainty_of_lines_db(squares.mean(axis=1))
+    if not looped:
+        return {"record": record_db}
+    at_places = squares.sum(axis=0)
+    mean = float(at_places.mean())
+    comb_db = math.sqrt(np.mean([_apart_db(place, mean) ** 2 for place in at_places]))
+    return {"comb": comb_db, "record": math.sqrt(max(0.0, record_db**2 - comb_db**2))}
 
 
 def force_gain(chain: Chain, frequency: Array) -> Array:

@@ -186,6 +186,18 @@ def test_a_pilot_without_a_solution_does_not_stop_its_run(
     assert rc.open_run(folder).vibration.value is not None
 
 
+@pytest.mark.usefixtures("short_pilots")
+def test_marches_that_are_there_need_no_pilot(tmp_path: Path, said: list[str]) -> None:
+    """A new sound of stored marches is the answer itself."""
+    folder = tmp_path / "run"
+    assert not commands.run_scene(scene_of("sweep="), folder, workers=1, report=False)
+    assert any(line.endswith("; going on") for line in said)
+    said.clear()
+    out = tmp_path / "farther"
+    assert not commands.resound(folder, ["sound.distance_m=2"], out, workers=1, report=False)
+    assert not any(line.endswith("; going on") for line in said)
+
+
 # ---- bearings
 
 BEARING = """\
