@@ -24,11 +24,13 @@ Public modules:
 - `memory`: the plate that remembers its indentation.
 
 Private modules, mostly compiled. Functions marked `njit` are kernels, which are cached. Those
-marked `inlined` are part of the kernels that call them.
+marked `inlined` are part of the kernels that call them. Those marked `linked` are compiled once and
+called by name.
 
 - `_descent_kernels`, `_system`: the one compiled loop, a descent by conjugate gradients
   (`descend`), and the named tuples of its passes.
 - `_position_kernels`: passes over a window between descents: `judge`, `measure`, mixing of starts.
+- `_linked`, `_kinds`: linked kernels, and the types that they take and return.
 - `_by_address`, `_plans`: calls by address, of transforms and of the plans of FFTW.
 - `_solver_kernels`: conjugate gradients: line search, residual, preconditioner (`precondition`) and
   next direction.

@@ -299,14 +299,15 @@ def lead_edges(system):
 @inlined()
 def edges_in_field(place, row_length, edges, moved):
     """Set `moved` to the edges that the field of gaps gives; beside unknown gaps they stay."""
-    edge, _, field, levelled, share = edges
+    edge = edges.edge
+    field = edges.field
     for k in range(moved.size):
         at = place[k]
         along = field[at + row_length] - field[at - row_length]
         across = field[at + 1] - field[at - 1]
         moved[k] = along * along + across * across
     for k in range(moved.size):
-        half = share * half_range(moved[k], levelled)
+        half = edges.share * half_range(moved[k], edges.levelled)
         moved[k] = half if moved[k] == moved[k] else edge[k]
 
 

@@ -8,7 +8,10 @@ a wrong guess costs as much as ten sums. The passes therefore select values inst
 from __future__ import annotations
 
 import numpy as np
+from numba import types
 
+from rolling.contact._kinds import LIMITS, LINE, NUMBER, SETS
+from rolling.contact._linked import linked
 from rolling.contact.compiling import inlined, njit
 
 # Share of the load that rounding may lose in a direction; each direction makes up for the last. At
@@ -25,7 +28,7 @@ def sum_of(values):
     return total
 
 
-@njit(cache=True)
+@linked(types.UniTuple(NUMBER, 2)(LINE, LINE, NUMBER, LINE, SETS, LIMITS, LINE))
 def project(p, g, approach, trial, sets, limits, d):
     """Set d to the direction from p to the feasible pressures nearest to `trial`.
 

@@ -13,8 +13,9 @@ from rolling.contact import _candidate_kernels as search
 from rolling.contact import _solver_kernels as solver
 from rolling.contact import _system as parts
 from rolling.contact import _transform_kernels as transforms
-from rolling.contact._condition_kernels import settle_load
+from rolling.contact._condition_kernels import project, settle_load
 from rolling.contact._far_field import coarse_grid
+from rolling.contact._linked import reference
 from rolling.contact._system import (
     BORDER,
     OWN_COEFFICIENT,
@@ -70,7 +71,7 @@ def system_of(window, listed, block, numbers, half_space, memory):
     unit, preconditioner, inverse, centre, own, common = stencils
     entry = convolution[0]
     coefficients = convolution[1]
-    doubles, singles, indices = memory
+    doubles, singles, indices, strips = memory
     rows = block[2] + 2 * BORDER
     columns = block[3] + 2 * BORDER
     blended = edge.size > 0
@@ -93,7 +94,6 @@ def system_of(window, listed, block, numbers, half_space, memory):
     coarse, _ = vectors(singles, 7, coarse_rows * row_length)
     coarse[:] = 0.0
     index, _ = vectors(indices, 4, listed.size)
-    strips = np.empty((rows * columns // search.STRIP + 1, 2), np.uint64)
     length, side = transforms.row_of(entry, block[3])
     row_lengths = (length, side), columns, 2 * (entry[transforms.WIDTH] // 2) + 1
     corner = (block[0], block[1])
@@ -162,7 +162,7 @@ def convolve(system, block, convolution, cells):
     )
 
 
-@njit(cache=True)
+@njit(cache=True, calls=(solver.iterate, project))
 def descend(window, candidates, numbers, half_space, before, aims, progress, memory):
     """Descend by conjugate gradients until the violation is within the goal, stuck or spent.
 
@@ -192,7 +192,7 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
     progress : tuple
         Fields of Progress.
     memory : arrays
-        Doubles, singles and indices that are overwritten (see Scratch).
+        Doubles, singles, indices and strips of the grid, which are overwritten (see Scratch).
 
     Returns
     -------
@@ -214,7 +214,7 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
         _,
         _,
     ) = progress
-    system = system_of(window, listed, block, numbers, half_space, memory)
+    system = reference(system_of(window, listed, block, numbers, half_space, memory))
     convolution = half_space[1]
     pressures = window[0].reshape(-1)
     cells = listed[:0]

@@ -15,10 +15,22 @@ is that of the model, `gap` the one that opens the gap, and `low` and `high` are
 from __future__ import annotations
 
 import numpy as np
+from numba import types
 
 from rolling.contact._candidate_kernels import lead_edges
 from rolling.contact._condition_kernels import approach_of, project, worst_and_load
 from rolling.contact._far_field import answer, mark_free, prolong, restrict
+from rolling.contact._kinds import (
+    DIRECTION,
+    FAR_FIELD,
+    FLAG,
+    MODEL,
+    NOTHING,
+    NUMBER,
+    SYSTEM,
+    WHOLE,
+)
+from rolling.contact._linked import linked
 from rolling.contact._system import BORDER, Direction, Sets
 from rolling.contact._window_kernels import copy_line, shared
 from rolling.contact.compiling import inlined, njit
@@ -227,7 +239,7 @@ def clear_border(grid):
         grid[i, row - 1] = 0.0
 
 
-@njit(cache=True)
+@linked(NOTHING(MODEL, WHOLE))
 def settle_model(model, sweeps):
     """Settle the model problem by Jacobi sweeps.
 
@@ -266,7 +278,7 @@ def settle_model(model, sweeps):
     clear_border(model.gap)
 
 
-@inlined()
+@linked(NOTHING(MODEL, FAR_FIELD, NUMBER))
 def add_far_field(model, far, unit):
     """Add the far field to the gaps: that of the changes and of the answer of all free nodes.
 
@@ -374,7 +386,8 @@ def jump(system, free, bound):
     compliance = nodes.compliance
     trial = work.trial
     active = work.active
-    coefficients, place = system.influence
+    coefficients = system.influence.coefficients
+    place = system.influence.node
     middle = coefficients.size // 2
     for a in range(free, free + bound):
         b = active[a]
@@ -432,7 +445,10 @@ def model_direction(system, approach, last, free, bound):
     return Direction(slope, longest, max(zr, 0.0), length), restarts
 
 
-@inlined()
+@linked(
+    types.Tuple((DIRECTION, WHOLE, WHOLE, WHOLE))(SYSTEM, NUMBER, DIRECTION, WHOLE, FLAG, FLAG),
+    calls=(settle_model, add_far_field, project),
+)
 def follow_model(system, approach, last, sweeps, edges_lead, jumps):
     """Find the next direction by the model, whose grid holds the present state.
 

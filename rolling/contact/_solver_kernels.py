@@ -10,9 +10,21 @@ arrays.
 from __future__ import annotations
 
 import numpy as np
+from numba import types
 
 from rolling.contact._candidate_kernels import move_edges
 from rolling.contact._condition_kernels import approach_of, project, sum_of
+from rolling.contact._kinds import (
+    DIRECTION,
+    FLAG,
+    NUMBER,
+    RULES,
+    SOLUTIONS,
+    STEP,
+    SYSTEM,
+    WHOLE,
+)
+from rolling.contact._linked import linked
 from rolling.contact._model_kernels import EDGES_LEAD, fill, follow_model, lead_model
 from rolling.contact._system import Direction, Sets, Step
 from rolling.contact._window_kernels import copy_line
@@ -92,7 +104,10 @@ def find_residual(nodes, stencil, work, hardness, approach, snap):
     their bound but never onto it; within `snap` [Pa], too little to change a deflection, they are
     put there.
     """
-    p, g, compliance, softening = nodes
+    p = nodes.p
+    g = nodes.g
+    compliance = nodes.compliance
+    softening = nodes.softening
     grid = stencil.grid
     place = stencil.node
     stiffness = stencil.stiffness
@@ -156,7 +171,10 @@ def precondition(stencil, softening, work, free):
         z[k] = total * softening[k] if softening.size else total
 
 
-@inlined()
+@linked(
+    types.Tuple((DIRECTION, WHOLE, WHOLE))(SYSTEM, NUMBER, WHOLE, WHOLE, DIRECTION, FLAG),
+    calls=(project,),
+)
 def find_direction(system, approach, free, bound, direction, plain):
     """Find the next feasible direction d by preconditioned, projected conjugate gradients.
 
@@ -241,7 +259,10 @@ def take_whole_step(p, d, hardness):
     return sum_of(p)
 
 
-@njit(cache=True)
+@linked(
+    types.Tuple((STEP, DIRECTION))(SYSTEM, DIRECTION, SOLUTIONS, RULES),
+    calls=(follow_model, find_direction),
+)
 def iterate(system, direction, solutions, rules):
     """Step along the direction, and find the next direction unless converged.
 

@@ -7,7 +7,7 @@ import os
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from functools import cache as once
 from typing import Any
@@ -28,12 +28,15 @@ _FUSED = {"reassoc", "contract", "nsz"}
 _callbacks: list[Any] = []  # whose addresses are in use
 
 
-def njit(*, cache: bool, fused: bool = False) -> Callable[[Callable[..., Any]], Any]:
+def njit(
+    *, cache: bool, fused: bool = False, calls: Sequence[Any] = ()
+) -> Callable[[Callable[..., Any]], Any]:
     """Compile a function as `numba.njit` does; go on without a lasting cache where none can be.
 
     Numba caches beside the sources, or else in the home folder. Where neither can be written, a
     temporary folder serves this process and its workers. One process compiles a kernel while all
     others wait, and files of the cache are checked before they are loaded (see `cached_code`).
+    `calls` are the linked kernels that it calls (see `_linked`).
     """
     options: dict[str, Any] = {"fastmath": _FUSED, "forceinline": True} if fused else {}
 
@@ -43,6 +46,7 @@ def njit(*, cache: bool, fused: bool = False) -> Callable[[Callable[..., Any]], 
             return kernel
         if cache:
             _compile_in_one_process(kernel, function, options)
+        _link_first(kernel, calls)
         _count_compilation(kernel)
         return kernel
 
@@ -122,6 +126,18 @@ def is_kept(kernel: Any) -> bool:
         return True
     folder = kernel.stats.cache_path
     return bool(folder) and KeptFiles(kernel.py_func, folder).are_whole
+
+
+def _link_first(kernel: Any, calls: Sequence[Any]) -> None:
+    """Link the kernels that a kernel calls before it is compiled or loaded, which needs them."""
+    compile_now = kernel.compile
+
+    def compile_linked(signature: Any) -> Any:
+        for called in calls:
+            called.link()
+        return compile_now(signature)
+
+    kernel.compile = compile_linked
 
 
 def _count_compilation(kernel: Any) -> None:

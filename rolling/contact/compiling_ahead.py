@@ -1,6 +1,6 @@
 """Compilation of the longest kernels of the solver beside a march, in processes of their own.
 
-A first march compiles half a minute of other kernels meanwhile; it finds these in the cache. Each
+A first march compiles other kernels meanwhile; it finds these in the cache. Each
 function compiles what a process can do alone, for arguments like those of a march.
 """
 
@@ -12,18 +12,18 @@ from typing import Any
 import numpy as np
 from numba import config, typeof
 
-from rolling.contact import _far_field, _model_kernels, _transform_kernels
 from rolling.contact import _position_kernels as positions
+from rolling.contact import _transform_kernels
 from rolling.contact import _window_kernels as windows
 from rolling.contact._descent_kernels import descend
-from rolling.contact._system import FarField, Model, Progress
+from rolling.contact._system import Progress
 
 _LINE = np.empty(0)
 _FIELD = np.empty((0, 0))
 _SINGLES = np.empty(0, np.float32)
-_GRID = np.empty((0, 0), np.float32)
 _WHOLE = np.empty(0, np.int64)
 _INDICES = np.empty(0, np.uint32)
+_STRIPS = np.empty((0, 2), np.uint64)
 _BLOCK = 0, 0, 0, 0
 
 
@@ -39,21 +39,12 @@ def compile_step() -> None:
         (_FIELD, _FIELD, _FIELD, 0, 0),
         (1.0, 1.0),
         tuple(Progress()),
-        (_LINE, _SINGLES, _INDICES),
+        (_LINE, _SINGLES, _INDICES, _STRIPS),
     )
 
 
 def compile_parts() -> None:
-    """Compile parts of the descent, and the kernels that a march needs last."""
-    strips = np.empty((0, 2), np.uint64)
-    model = Model(
-        _SINGLES, _GRID, _GRID, _GRID, _GRID, _GRID, _GRID, _GRID, _INDICES, strips, 1.0, 1.0
-    )
-    coarse = (_SINGLES,) * 8
-    _compile(_model_kernels.settle_model, model, 1)
-    _compile(_far_field.answer, FarField(1, 1, 1.0, 1.0, *coarse))
-    _compile(_far_field.restrict, _GRID, 1, 1, _SINGLES)
-    _compile(_far_field.prolong, _SINGLES, np.float32(1.0), 1, 1, _GRID)
+    """Compile the transforms, and the kernels that a march needs last."""
     _transform_kernels.nodes_kernel(1, True)
     _compile(_transform_kernels.window_kernel(1), _FIELD, 1.0, _WHOLE, _FIELD)
     fields = (_FIELD,) * 3

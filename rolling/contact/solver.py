@@ -25,7 +25,7 @@ from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from rolling.contact import _condition_kernels
 from rolling.contact import _position_kernels as kernels
-from rolling.contact._candidate_kernels import candidates
+from rolling.contact._candidate_kernels import STRIP, candidates
 from rolling.contact._condition_kernels import has_partial_cells, yielding_overlap
 from rolling.contact._descent_kernels import MAX_ITERATIONS, descend
 from rolling.contact._far_field import coarse_grid, far_field, stencils
@@ -468,6 +468,7 @@ def _tables(
         scratch.array("doubles", (10 * count + 2 * size + places,)),
         scratch.array("singles", (7 * (size + coarse_size),), np.float32),
         scratch.array("indices", (4 * count,), np.uint32),
+        scratch.array("strips", (size // STRIP + 1, 2), np.uint64),
     )
     return tables, memory
 

@@ -147,10 +147,90 @@ for _ in range(3000):
     digest.update(np.array(sums).tobytes())
 print(digest.hexdigest())
 """
+# A kernel that calls linked ones, with references to a named tuple and to another one in it.
+LINKED = """
+from typing import NamedTuple
+
+import numpy as np
+from numba import typeof, types
+
+from rolling.contact import compiling
+from rolling.contact._linked import Reference, linked, reference
+from rolling.contact.compiling import njit
+
+
+class Line(NamedTuple):
+    values: np.ndarray
+    factor: float
+
+
+class Bounds(NamedTuple):
+    low: float
+    high: float
+
+
+class Whole(NamedTuple):
+    line: Line
+    bounds: Bounds
+
+
+LINE = Line(np.empty(0), 1.0)
+LINES = Reference(typeof(LINE))
+WHOLE = Reference(typeof(Whole(LINE, Bounds(1.0, 1.0))))
+PAIR = types.UniTuple(types.float64, 2)
+
+
+@linked(PAIR(LINES, types.int64))
+def scale(line, times):
+    total = 0.0
+    for k in range(line.values.size):
+        line.values[k] *= line.factor * times
+        total += line.values[k]
+    return total, 0.0
+
+
+@linked(types.float64(WHOLE), calls=(scale,))
+def doubled_and_bounded(whole):
+    total, _ = scale(whole.line, 2)
+    return min(max(total, whole.bounds.low), whole.bounds.high)
+
+
+@njit(cache=True, calls=(scale, doubled_and_bounded))
+def root(values, high):
+    whole = reference(Whole(Line(values, 10.0), Bounds(0.0, high)))
+    first = doubled_and_bounded(whole)
+    return first, scale(whole.line, np.int64(3))[0]
+
+
+@linked(types.int64(LINES))
+def factor_of(line):
+    return line.factor
+
+
+def main():
+    compiled = []
+    compiling.tell_always(lambda: compiled.append(1))
+    values = np.arange(4.0)
+    print(*root(values, 100.0), *values, len(compiled) > 0)
+"""
+# The code of the linked kernels stands in no kernel that calls them.
+COPIES = """
+import linked_kernels
+
+linked_kernels.root.compile((linked_kernels.types.float64[::1], linked_kernels.types.float64))
+(library,) = [found.library for found in linked_kernels.root.overloads.values()]
+defined = [function.name for function in library.get_defined_functions()]
+print(len(defined) > 0, [name for name in defined if "scale" in name or "doubled" in name])
+
+try:
+    linked_kernels.factor_of.link()
+except TypeError as error:
+    print(error)
+"""
 SAME_TYPES = """
 import numpy as np
 import rolling
-from rolling.contact import _descent_kernels, _far_field, _model_kernels, _position_kernels
+from rolling.contact import _descent_kernels, _position_kernels
 from rolling.contact import _transform_kernels, _window_kernels
 from rolling.contact import compiling_ahead
 from rolling.contact.recovery import step_energy
@@ -171,7 +251,6 @@ for blended, subcells in ((False, 1), (True, 1), (True, 3)):
     states = list(rolling.march(contact, 0, 4, half_space))
     step_energy(*states[-2:], half_space)
 names = {
-    _far_field: "answer restrict prolong", _model_kernels: "settle_model",
     _descent_kernels: "descend",
     _window_kernels: "node_work overlap", _position_kernels: "judge measure",
 }
@@ -209,6 +288,20 @@ def test_a_lock_that_cannot_be_had_does_not_stop_a_kernel(tmp_path: Path) -> Non
     )
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
     assert _run(refuse + CALL, **cache).communicate()[0].split()[0] == "1.5"
+
+
+def test_linked_kernels_are_compiled_once_and_called(tmp_path: Path) -> None:
+    """A process that loads them finds their symbols, as the one that compiled them did."""
+    (tmp_path / "linked_kernels.py").write_text(LINKED, encoding="utf-8")
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
+    run = "import linked_kernels; linked_kernels.main()"
+    compiling, loading = (_run(run, **cache).communicate()[0].split() for _ in range(2))
+    numbers = ["100.0", "3600.0", "0.0", "600.0", "1200.0", "1800.0"]
+    assert compiling == [*numbers, "True"]
+    assert loading == [*numbers, "False"]
+    copies, refusal = _run(COPIES, **cache).communicate()[0].splitlines()
+    assert copies == "True []"
+    assert refusal.endswith("returns float64, not int64")
 
 
 @pytest.mark.slow
@@ -300,4 +393,4 @@ def test_kernels_compiled_ahead_are_those_of_a_march() -> None:
     Neither do whole numbers and heights in another order of memory, or closed to writing.
     """
     signatures, kernels = _run(SAME_TYPES).communicate()[0].split()
-    assert signatures == "1" and int(kernels) == 10
+    assert signatures == "1" and int(kernels) == 6
