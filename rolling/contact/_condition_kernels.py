@@ -4,7 +4,7 @@ Candidates lie between the bounds or on one of them in no order that a processor
 a wrong guess costs as much as ten sums. The passes therefore select values instead of branching.
 """
 
-# mypy: disable-error-code="no-untyped-def"
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
 from __future__ import annotations
 
 import numpy as np

@@ -1,5 +1,6 @@
 """Numba's types of the arrays and named tuples that linked kernels take and return."""
 
+# mypy: disable-error-code="no-untyped-call"
 from __future__ import annotations
 
 import numpy as np

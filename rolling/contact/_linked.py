@@ -6,16 +6,18 @@ Arguments of numbers and arrays go by value. A named tuple of many arrays goes b
 single pointer instead of hundreds of numbers, which took half of the time of compilation.
 """
 
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc,attr-defined,override"
 from __future__ import annotations
 
 from collections.abc import Callable
 from inspect import signature as parameters_of
 from typing import Any
 
-from llvmlite import binding
+from llvmlite import binding, ir
 from numba import config, types
 from numba.core import cgutils
+from numba.core.imputils import impl_ret_borrowed
+from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (
     infer_getattr,
     lower_builtin,
@@ -24,23 +26,21 @@ from numba.extending import (
     register_model,
     type_callable,
 )
-from numba.core.imputils import impl_ret_borrowed
-from numba.core.typing.templates import AttributeTemplate
 
 from rolling.contact.compiling import njit
 
 
-class Reference(types.Type):  # type: ignore[untyped-decorator]
+class Reference(types.Type):
     """Type of a reference to a named tuple, whose attributes are those of the named tuple.
 
     An attribute that is a named tuple with arrays is a reference, too.
     """
 
-    def __init__(self, of: types.BaseNamedTuple) -> None:
+    def __init__(self, of):
         self.of = of
         super().__init__(name=f"Reference({of})")
 
-    def attribute(self, name: str) -> types.Type | None:
+    def attribute(self, name):
         """Return the type of an attribute, None where there is none."""
         if name not in self.of.fields:
             return None
@@ -150,7 +150,7 @@ def linked(
     """Compile a function as a linked kernel (see LinkedKernel)."""
 
     def made(function: Callable[..., Any]) -> Any:
-        if config.DISABLE_JIT:  # type: ignore[attr-defined]
+        if config.DISABLE_JIT:
             return function
         kernel = LinkedKernel(function, signature, calls)
         parameters = parameters_of(function)
@@ -167,7 +167,7 @@ def linked(
         def generate(context, builder, called, arguments):
             answer = context.get_value_type(signature.return_type)
             kinds = [context.get_value_type(kind) for kind in signature.args]
-            kind = cgutils.ir.FunctionType(answer, kinds)
+            kind = ir.FunctionType(answer, kinds)
             callee = cgutils.get_or_insert_function(builder.module, kind, kernel.symbol)
             return builder.call(callee, arguments)
 

@@ -11,7 +11,7 @@ All arrays of the grid are changes of pressure since the present state in single
 is that of the model, `gap` the one that opens the gap, and `low` and `high` are the bounds.
 """
 
-# mypy: disable-error-code="no-untyped-def"
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
 from __future__ import annotations
 
 import numpy as np

@@ -6,7 +6,7 @@ direction. All passes read the candidates of a window, the nodes that may be in 
 arrays.
 """
 
-# mypy: disable-error-code="no-untyped-def"
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
 from __future__ import annotations
 
 import numpy as np
