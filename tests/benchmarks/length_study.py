@@ -20,7 +20,7 @@ import json
 import math
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -105,23 +105,31 @@ def levels_of(scene: rc.Scene, stiffness: float | None) -> Levels:
 
 def solve(first: int, count: int, surfaces: int, out: Path) -> None:
     """Solve the tracks that a file lacks, and write each at its end."""
-    done = {(entry["scene"], entry["surface"]): entry["stiffness"] for entry in read(out)}
+    done = {_key(entry): entry["stiffness"] for entry in read(out)}
     out.parent.mkdir(parents=True, exist_ok=True)
     began = time.process_time()
     for number, scene, distance_mm in scenes(first, count):
         for surface in range(surfaces + 1):
-            if (number, surface) in done:
-                continue
             longer = LONGER if surface == LONG else 1
+            entry: dict[str, Any] = {"scene": number, "surface": surface}
+            entry["distance_mm"] = longer * distance_mm
+            if _key(entry) in done:
+                continue
             seed = 1000 * number + surface
-            track = {"rolling.distance_mm": longer * distance_mm, "surface.seed": seed}
-            levels = levels_of(scene.with_(track), done.get((number, LONG)))
-            done[number, surface] = levels.stiffness
-            entry = {"scene": number, "surface": surface, **levels._asdict()}
+            track = {"rolling.distance_mm": entry["distance_mm"], "surface.seed": seed}
+            long = {"scene": number, "surface": LONG, "distance_mm": LONGER * distance_mm}
+            levels = levels_of(scene.with_(track), done.get(_key(long)))
+            entry |= levels._asdict()
+            done[_key(entry)] = levels.stiffness
             with out.open("a") as stream:
                 stream.write(json.dumps(entry) + "\n")
         seconds = time.process_time() - began
         print(f"scene {number}: {seconds:.0f} s so far", file=sys.stderr, flush=True)
+
+
+def _key(entry: Mapping[str, Any]) -> tuple[int, int, float]:
+    """Return what tells tracks apart: scene, surface and length, which another rule may change."""
+    return entry["scene"], entry["surface"], entry["distance_mm"]
 
 
 def read(out: Path) -> list[dict[str, Any]]:
@@ -142,32 +150,33 @@ class Ratios(NamedTuple):
     bands: list[float]
 
 
-def compare(first: int, count: int, out: Path) -> dict[str, Ratios]:
-    """Return the differences over the wanted and over the expected ±."""
-    by_scene: dict[int, dict[int, Levels]] = {}
-    for entry in read(out):
-        levels = Levels(entry["laeq_db"], entry["bands_db"], entry["stiffness"])
-        by_scene.setdefault(entry["scene"], {})[entry["surface"]] = levels
+def compare(first: int, count: int, most: int, out: Path) -> dict[str, Ratios]:
+    """Return the differences over the wanted and over the expected ±, of at most some surfaces."""
+    known = {
+        _key(entry): Levels(entry["laeq_db"], entry["bands_db"], entry["stiffness"])
+        for entry in read(out)
+    }
     found = {"wanted": Ratios([], []), "expected": Ratios([], [])}
     of_both = math.sqrt(1 + 1 / LONGER)  # the long track is uncertain as well
     for number, scene, distance_mm in scenes(first, count):
-        tracks = by_scene.get(number, {})
-        if LONG not in tracks:
+        truth = known.get((number, LONG, LONGER * distance_mm))
+        if truth is None:
             continue
-        truth = tracks.pop(LONG)
+        every = [known.get((number, surface, distance_mm)) for surface in range(1, most + 1)]
+        tracks = [levels for levels in every if levels is not None]
         own = scene.with_({"rolling.distance_mm": distance_mm})
         expected = record_uncertainty(expected_vibration(numbers_of(own)), own.duration)
         within_db = scene.numerics.within_db
         bands_db = np.array(truth.bands_db)
         loud = np.flatnonzero(bands_db > bands_db.max() - LOUD_DB)
-        for levels in tracks.values():
+        for levels in tracks:
             off = (levels.laeq_db - truth.laeq_db) / of_both
             found["wanted"].laeq.append(off / within_db)
             found["expected"].laeq.append(off / expected.laeq_db)
             in_bands = (np.array(levels.bands_db) - bands_db)[loud] / of_both
             found["wanted"].bands.extend(in_bands / (BAND_RATIO * within_db))
             found["expected"].bands.extend(in_bands / expected.third_octave_db[loud])
-        print(_line_of_scene(number, own, tracks.values(), truth, loud), file=sys.stderr)
+        print(_line_of_scene(number, own, tracks, truth, loud), file=sys.stderr)
     return found
 
 
@@ -215,7 +224,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     if not given.table:
         solve(given.first, given.scenes, given.surfaces, given.out)
-    print(table(compare(given.first, given.scenes, given.out)))
+    print(table(compare(given.first, given.scenes, given.surfaces, given.out)))
     return 0
 
 
