@@ -266,8 +266,6 @@ def audible_difference(
 
     Raises
     ------
-    ModuleNotFoundError
-        If mosqito is not installed.
     ValueError
         If A and B have no records or not equally many; also as `room_noise` and
         `acoustics.spectrum.checked_record`.

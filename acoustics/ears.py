@@ -31,8 +31,6 @@ def roughness_asper(pressure_pa: Array, sample_rate_hz: float) -> float | None:
 
     Raises
     ------
-    ModuleNotFoundError
-        If mosqito is not installed.
     ValueError
         As `acoustics.spectrum.checked_record`, or for a sample rate below 48 kHz.
 
@@ -98,8 +96,6 @@ def tones(pressure_pa: Array, sample_rate_hz: float) -> Tones | None:
 
     Raises
     ------
-    ModuleNotFoundError
-        If mosqito is not installed.
     ValueError
         As `acoustics.spectrum.checked_record`, or for a sample rate below 48 kHz.
 

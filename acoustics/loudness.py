@@ -7,14 +7,11 @@ for 5 % of the time, is what listeners judge it by (Zwicker and Fastl).
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
 
 import numpy as np
 
 from acoustics.arrays import Array, refuse_masked
 from acoustics.spectrum import checked_record
-
-INSTALL = 'pip install "rolling-contact-noise[loudness]"'
 
 MIN_RATE_HZ = 48000  # mosqito would resample lower rates
 
@@ -71,8 +68,6 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
 
     Raises
     ------
-    ModuleNotFoundError
-        If mosqito is not installed.
     ValueError
         As `acoustics.spectrum.checked_record`, or for a sample rate below 48 kHz.
 
@@ -134,8 +129,6 @@ def varying_loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) ->
 
     Raises
     ------
-    ModuleNotFoundError
-        If mosqito is not installed.
     ValueError
         As `acoustics.spectrum.checked_record`, or for another sample rate.
 
@@ -204,8 +197,6 @@ def loudness_in_time(records: Sequence[Array], sample_rate_hz: float) -> list[Ar
 
     Raises
     ------
-    ModuleNotFoundError
-        If mosqito is not installed.
     ValueError
         For another sample rate.
 
@@ -261,8 +252,6 @@ def heard_fluctuation(pressure_pa: Array, sample_rate_hz: float) -> Array:
 
     Raises
     ------
-    ModuleNotFoundError
-        If mosqito is not installed.
     ValueError
         As `acoustics.spectrum.checked_record`, or for a sample rate below 48 kHz.
     """
@@ -278,11 +267,7 @@ def heard_fluctuation(pressure_pa: Array, sample_rate_hz: float) -> Array:
 
 
 def import_mosqito() -> None:
-    """Import mosqito; raise ModuleNotFoundError with the command that installs it."""
-    if find_spec("mosqito") is None:
-        raise ModuleNotFoundError(
-            f"loudness needs the package mosqito, which is not installed; {INSTALL}", name="mosqito"
-        )
+    """Import mosqito, which takes a second and is needed by few."""
     from acoustics import matplotlib_import
 
     matplotlib_import.ensure()  # because mosqito imports matplotlib

@@ -197,8 +197,7 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     Raises
     ------
     SceneError
-        A height file cannot be used, a package that the scene asks for is missing, or its steps are
-        too long.
+        A height file cannot be used, or the steps of the scene are too long.
 
     Examples
     --------
@@ -206,7 +205,6 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     >>> len(check_scene(rolling.read_scene("quickstart"), solve=False).runs)
     3
     """
-    refusals.refuse_unavailable(scene)
     refuse_long_steps(scene)
     runs = scene.runs()
     scenes = [run.scene for run in runs]

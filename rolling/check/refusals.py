@@ -4,7 +4,6 @@ import math
 import os
 import shutil
 from collections.abc import Iterable, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 
 from acoustics.numbers import byte_size
@@ -57,10 +56,8 @@ def refuse(
     Raises
     ------
     SceneError
-        A package is missing, steps are too long, memory or disk do not suffice, or a height file
-        cannot be used.
+        Steps are too long, memory or disk do not suffice, or a height file cannot be used.
     """
-    refuse_unavailable(scene)
     sizes = {run_name(values): run_size(run) for values, run in scene.runs()}
     written = [*sizes.values()]
     if unsolved is not None:
@@ -89,18 +86,6 @@ def _refuse_interleaved(scene: Scene, runs: Iterable[RunSize]) -> None:
                     " the height file"
                 ]
             )
-
-
-def refuse_unavailable(scene: Scene) -> None:
-    """Raise SceneError where a scene asks for loudness and the package for it is missing."""
-    if scene.sound.loudness and find_spec("mosqito") is None:
-        place = scene.place("sound.loudness")
-        raise SceneError(
-            [
-                f"{place}: sound.loudness: needs the package mosqito, which is not installed; "
-                'pip install "rolling-contact-noise[loudness]", or set it to false'
-            ]
-        )
 
 
 def excess(runs: Sequence[RunSize], workers: int, folder: Path | None, of: str = "") -> list[Doubt]:

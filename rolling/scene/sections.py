@@ -817,7 +817,7 @@ class Sound(Section):
     loudness : bool
         Whether loudness (ISO 532-1), sharpness (DIN 45692), roughness and prominence of tones are
         reported. Where the sound is not steady, N5 and the maximum of the loudness in time stand in
-        place of loudness and sharpness. It needs the package mosqito.
+        place of loudness and sharpness.
     room_db : dict, optional
         Noise of the listener's room, in which differences are audible or not: levels of third
         octaves [dB re 20 uPa] by nominal mid frequency, as in {63: 25, 125: 22}. Missing bands are

@@ -60,8 +60,7 @@ def heard_difference(
     Returns
     -------
     HeardDifference
-        Its audibility is None without the package mosqito, and where a sound is too loud for
-        ISO 532-1.
+        Its audibility is None where a sound is too loud for ISO 532-1.
 
     Raises
     ------
@@ -87,10 +86,6 @@ def heard_difference(
             closed_b=all(record.closed for record in heard_b),
             room_db=levels_db,
         )
-    except ModuleNotFoundError as error:
-        if error.name != "mosqito":
-            raise
-        return HeardDifference(None, f"It is not known whether the difference is audible: {error}.")
     except audibility.TooLoudError:
         text = (
             "It is not known whether the difference is audible: a third octave up to 250 Hz "

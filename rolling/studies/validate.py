@@ -8,7 +8,6 @@ import math
 import os
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
@@ -325,12 +324,10 @@ def restitution(inelasticity: float) -> float:
 def phonometry() -> PublishedValues:
     """Compare plates, levels and loudness with stored figures of phonometry and of norms."""
     ours = _plate_figures() | _sound_figures()
-    known = {quantity for quantity, _ in ours}  # without mosqito no loudness
     for file in ("phonometry", "norms"):
         stored = pd.read_csv(FOLDER / f"{file}.csv", comment="#", index_col=["quantity", "item"])
         for (quantity, item), value in stored["value"].items():
-            if quantity in known:
-                yield PublishedValue(quantity, item, value, ours[quantity, item])
+            yield PublishedValue(quantity, item, value, ours[quantity, item])
 
 
 def _plate_figures() -> dict[tuple[str, str], float]:
@@ -364,11 +361,10 @@ def _sound_figures() -> dict[tuple[str, str], float]:
         figures["third octave", f"{name} Hz"] = level
         figures["A-weighting", f"{name} Hz"] = float(a_weighting_db(float(name)))
         figures["A-weighting of bands", f"{name} Hz"] = float(a_weighting_db(middle))
-    with suppress(ModuleNotFoundError):  # loudness is an extra
-        for name, signal in (("tone of 1 kHz", tone), ("noise", noise)):
-            values = loudness(signal, RATE_HZ, closed=True)
-            figures["loudness", name] = values.sone
-            figures["sharpness", name] = values.acum
+    for name, signal in (("tone of 1 kHz", tone), ("noise", noise)):
+        values = loudness(signal, RATE_HZ, closed=True)
+        figures["loudness", name] = values.sone
+        figures["sharpness", name] = values.acum
     return figures
 
 

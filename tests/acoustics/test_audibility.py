@@ -5,8 +5,6 @@ The program also says what to install where the package for loudness is missing.
 
 from __future__ import annotations
 
-import importlib.util
-
 import numpy as np
 import pytest
 
@@ -17,13 +15,6 @@ RATE = 48000
 # Records of 0.1 s that are heard once take half as long as loops, which are judged for 1 s.
 SHORT_S = 0.1
 OPEN = {"closed_a": False, "closed_b": False}
-
-
-@pytest.fixture
-def mosqito():
-    return pytest.importorskip(
-        "mosqito", reason='needs mosqito: pip install "rolling-contact-noise[loudness]"'
-    )
 
 
 def noise(laeq_db, seed, seconds=0.3):
@@ -88,7 +79,7 @@ def test_no_band_is_silence_and_wrong_bands_are_refused():
 
 @pytest.mark.slow
 @pytest.mark.law("Audibility: equal sounds do not differ.")
-def test_equal_sounds_do_not_differ(mosqito):
+def test_equal_sounds_do_not_differ():
     records = [noise(35.0, 1), noise(35.0, 2)]
     result = acoustics.audible_difference(records, records, RATE)
     assert result.difference_percent == result.uncertainty_percent == 0.0
@@ -98,7 +89,7 @@ def test_equal_sounds_do_not_differ(mosqito):
 
 @pytest.mark.slow
 @pytest.mark.law("Audibility: sounds 20 dB below the room do not differ audibly.")
-def test_sounds_far_below_the_room_do_not_differ(mosqito):
+def test_sounds_far_below_the_room_do_not_differ():
     room = dict.fromkeys(acoustics.default_room_db(), 40.0)
     level_db = acoustics.laeq_db(acoustics.room_noise(room, 1.0), RATE) - 20.0
     result = acoustics.audible_difference(
@@ -113,7 +104,7 @@ def test_sounds_far_below_the_room_do_not_differ(mosqito):
 
 @pytest.mark.slow
 @pytest.mark.law("Audibility: a tone 15 dB above the band that masks it is audible.")
-def test_a_tone_above_its_masking_band_is_audible_in_both_orders(mosqito):
+def test_a_tone_above_its_masking_band_is_audible_in_both_orders():
     band_db = acoustics.default_room_db()[1000]
     loud = tone(band_db + 15.0, seconds=SHORT_S)
     silence = np.zeros(len(loud))
@@ -127,14 +118,14 @@ def test_a_tone_above_its_masking_band_is_audible_in_both_orders(mosqito):
     assert exchanged.uncertainty_percent == pytest.approx(result.uncertainty_percent)
 
 
-def test_a_short_knock_is_heard_in_the_middle_of_the_noise(mosqito):
+def test_a_short_knock_is_heard_in_the_middle_of_the_noise():
     knock = np.zeros(RATE // 20)
     knock[RATE // 40 : RATE // 40 + 960] = tone(60.0, seconds=0.02) * np.hanning(960)
     result = acoustics.audible_difference([knock], [0.3 * knock], RATE, **OPEN)
     assert result.verdict == AUDIBLE and result.difference_percent > 0.0
 
 
-def test_records_without_a_pair_and_other_rates_are_refused(mosqito):
+def test_records_without_a_pair_and_other_rates_are_refused():
     record = tone(40.0)
     with pytest.raises(ValueError, match="got 2 of A and 1 of B, allowed: equally many"):
         acoustics.audible_difference([record, record], [record], RATE)
@@ -144,20 +135,9 @@ def test_records_without_a_pair_and_other_rates_are_refused(mosqito):
         acoustics.audible_difference([tone(130.0, 100.0)], [record], RATE)
 
 
-def test_a_missing_package_is_named_with_its_command(monkeypatch):
-    found = importlib.util.find_spec
-    monkeypatch.setattr(
-        "acoustics.loudness.find_spec", lambda name: None if name == "mosqito" else found(name)
-    )
-    with pytest.raises(
-        ModuleNotFoundError, match=r'pip install "rolling-contact-noise\[loudness\]"'
-    ):
-        acoustics.audible_difference([tone(40.0)], [tone(30.0)], RATE)
-
-
 @pytest.mark.slow
 @pytest.mark.law("Audibility: the stated uncertainty covers the scatter over noises of the room.")
-def test_uncertainty_covers_the_scatter_over_noises(mosqito):
+def test_uncertainty_covers_the_scatter_over_noises():
     a, b = noise(30.0, 1, SHORT_S), noise(28.0, 2, SHORT_S)
     results = [acoustics.audible_difference([a], [b], RATE, **OPEN, seed=seed) for seed in range(6)]
     differences = np.array([result.difference_percent for result in results])
@@ -173,7 +153,7 @@ def test_uncertainty_covers_the_scatter_over_noises(mosqito):
 
 @pytest.mark.slow
 @pytest.mark.law("Audibility: the stated uncertainty of specimens covers other specimens.")
-def test_uncertainty_of_specimens_covers_other_specimens(mosqito):
+def test_uncertainty_of_specimens_covers_other_specimens():
     def result(group):
         seeds = range(4 * group, 4 * group + 4)
         a = [noise(35.0, (1, seed), SHORT_S) for seed in seeds]

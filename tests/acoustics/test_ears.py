@@ -8,9 +8,6 @@ import pytest
 from acoustics.ears import roughness_asper, tones
 from acoustics.radiation import P_REF_PA
 
-pytest.importorskip(
-    "mosqito", reason='needs mosqito: pip install "rolling-contact-noise[loudness]"'
-)
 RATE = 48000
 TIME = np.arange(2 * RATE) / RATE
 

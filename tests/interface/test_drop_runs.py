@@ -151,7 +151,6 @@ def test_falls_are_compared_by_their_exposure(run: Run) -> None:
 
 
 def test_loudness_of_a_fall_is_that_of_its_course_in_time(run: Run) -> None:
-    pytest.importorskip("mosqito", reason="loudness needs mosqito")
     fall = rolling.simulate(run.scene.with_({"sound.loudness": True}), progress=False, workers=1)
     assert fall.numbers.ears.loudness_sone is fall.numbers.ears.sharpness_acum is None
     assert 0 < fall.numbers.ears.loudness_n5_sone <= fall.numbers.ears.loudness_max_sone
@@ -162,7 +161,6 @@ def test_loudness_of_a_fall_is_that_of_its_course_in_time(run: Run) -> None:
 @pytest.mark.slow
 def test_loudness_of_a_short_loop_is_that_of_a_steady_sound(run: Run) -> None:
     """It is short, but heard in a loop. N5 and the stationary loudness of noise agree in 10 %."""
-    pytest.importorskip("mosqito", reason="loudness needs mosqito")
     loop = rolled("sound.loudness=true")
     steady = loop.numbers.ears.loudness_sone
     assert loop.numbers.ears.loudness_n5_sone == pytest.approx(steady, rel=0.1)

@@ -274,7 +274,7 @@ def test_a_process_that_solves_loads_no_packages_of_pictures_motions_or_dask() -
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
     ).stdout
     unused = {"matplotlib", "dask", "pandas", "xarray", "jinja2", "scipy.signal", "scipy.stats"}
-    unused |= {"scipy.optimize", "scipy.integrate", "scipy.interpolate", "scipy.ndimage"}
+    unused |= {"scipy.optimize", "scipy.integrate", "scipy.interpolate", "scipy.ndimage", "mosqito"}
     assert not unused & {*printed.split()}
 
 

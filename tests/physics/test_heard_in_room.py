@@ -21,7 +21,6 @@ def tone(level_db, frequency_hz=1000.0):
 
 @pytest.mark.slow
 def test_the_sentence_names_the_louder_candidate():
-    pytest.importorskip("mosqito", reason="loudness needs mosqito")
     heard = heard_difference([tone(20.0)], [tone(40.0)], names=("lapped", "ground"))
     assert heard.audibility is not None and heard.audibility.verdict == "audible"
     assert heard.audibility.difference_percent < 0.0
@@ -30,7 +29,6 @@ def test_the_sentence_names_the_louder_candidate():
 
 @pytest.mark.slow
 def test_a_loud_room_masks_both():
-    pytest.importorskip("mosqito", reason="loudness needs mosqito")
     room = {"1000": 60.0, "2000": 60.0}
     heard = heard_difference([tone(20.0)], [tone(40.0)], room_db=room)
     assert heard.audibility is not None and heard.audibility.verdict == "not audible"
@@ -38,16 +36,8 @@ def test_a_loud_room_masks_both():
 
 
 def test_too_loud_a_sound_has_no_verdict():
-    pytest.importorskip("mosqito", reason="loudness needs mosqito")
     heard = heard_difference([tone(130.0, 100.0)], [tone(40.0)])
     assert heard.audibility is None and "120 dB" in heard.text
-
-
-def test_a_missing_package_is_named_in_the_row(monkeypatch):
-    monkeypatch.setattr("acoustics.loudness.find_spec", lambda name: None)
-    heard = heard_difference([tone(20.0)], [tone(40.0)])
-    assert heard.audibility is None
-    assert 'pip install "rolling-contact-noise[loudness]"' in heard.text
 
 
 def test_unpaired_records_are_refused():
