@@ -7,7 +7,7 @@ import numpy as np
 from numba import typeof, types
 
 from rolling.contact import _system as parts
-from rolling.contact._linked import Reference
+from rolling.contact._linked import TupleReference
 
 NUMBER = types.float64
 WHOLE = types.int64
@@ -42,7 +42,7 @@ DIRECTION = typeof(parts.Direction(1.0, 1.0, 1.0, 1.0))
 RULES = typeof(parts.Rules(1.0, 1.0, 1.0, 1, True, True))
 STEP = typeof(parts.Step(1.0, 1.0, 1, 1, 1, 1.0))
 SOLUTIONS = typeof(parts.Solutions(_field, _field, _field, _field, 1, 1, (1, 1, 1, 1)))
-SYSTEM = Reference(typeof(_system))
-NODES = Reference(typeof(_system.nodes))
-MODEL = Reference(typeof(_system.model))
-FAR_FIELD = Reference(typeof(_system.far))
+SYSTEM = TupleReference(typeof(_system))
+NODES = TupleReference(typeof(_system.nodes))
+MODEL = TupleReference(typeof(_system.model))
+FAR_FIELD = TupleReference(typeof(_system.far))

@@ -30,7 +30,7 @@ from numba.extending import (
 from rolling.contact.compiling import njit
 
 
-class Reference(types.Type):
+class TupleReference(types.Type):
     """Type of a reference to a named tuple, whose attributes are those of the named tuple.
 
     An attribute that is a named tuple with arrays is a reference, too.
@@ -38,7 +38,7 @@ class Reference(types.Type):
 
     def __init__(self, of):
         self.of = of
-        super().__init__(name=f"Reference({of})")
+        super().__init__(name=f"TupleReference({of})")
 
     def attribute(self, name):
         """Return the type of an attribute, None where there is none."""
@@ -48,11 +48,11 @@ class Reference(types.Type):
         if isinstance(kind, types.BaseNamedTuple) and any(
             isinstance(part, types.Array | types.BaseNamedTuple) for part in kind.types
         ):
-            return Reference(kind)
+            return TupleReference(kind)
         return kind
 
 
-@register_model(Reference)
+@register_model(TupleReference)
 class _PointerModel(models.PrimitiveModel):
     """A reference is a pointer."""
 
@@ -64,21 +64,21 @@ class _PointerModel(models.PrimitiveModel):
 class _Attributes(AttributeTemplate):
     """Types of the attributes of a reference."""
 
-    key = Reference
+    key = TupleReference
 
     def generic_resolve(self, reference, name):
         """Return the type of an attribute."""
         return reference.attribute(name)
 
 
-@lower_getattr_generic(Reference)
+@lower_getattr_generic(TupleReference)
 def _attribute(context, builder, reference, pointer, name):
     """Read an attribute of a reference."""
     whole = context.get_value_type(reference.of).as_pointer()
     index = reference.of.fields.index(name)
     member = cgutils.gep_inbounds(builder, builder.bitcast(pointer, whole), 0, index)
     kind = reference.attribute(name)
-    if isinstance(kind, Reference):
+    if isinstance(kind, TupleReference):
         return builder.bitcast(member, cgutils.voidptr_t)
     return impl_ret_borrowed(context, builder, kind, builder.load(member))
 
@@ -94,7 +94,7 @@ def reference(value):
 
 @type_callable(reference)
 def _type_of_reference(_):
-    return lambda value: Reference(value) if isinstance(value, types.BaseNamedTuple) else None
+    return lambda value: TupleReference(value) if isinstance(value, types.BaseNamedTuple) else None
 
 
 @lower_builtin(reference, types.BaseNamedTuple)

@@ -155,7 +155,7 @@ import numpy as np
 from numba import typeof, types
 
 from rolling.contact import compiling
-from rolling.contact._linked import Reference, linked, reference
+from rolling.contact._linked import TupleReference, linked, reference
 from rolling.contact.compiling import njit
 
 
@@ -175,8 +175,8 @@ class Whole(NamedTuple):
 
 
 LINE = Line(np.empty(0), 1.0)
-LINES = Reference(typeof(LINE))
-WHOLE = Reference(typeof(Whole(LINE, Bounds(1.0, 1.0))))
+LINES = TupleReference(typeof(LINE))
+WHOLE = TupleReference(typeof(Whole(LINE, Bounds(1.0, 1.0))))
 PAIR = types.UniTuple(types.float64, 2)
 
 
