@@ -46,6 +46,8 @@ MOST_NODES = 100_000  # of the surface along the track, unless a floor needs mor
 # to 8 scenes of tests/benchmarks/length_study.py from draw 500 on, and judged on those from 0 on.
 UNEVEN_DB2 = 80.0
 _FREQUENCIES = 4000
+_WIDTHS = 20.0  # of a resonance on both sides, which _NEAR frequencies resolve
+_NEAR = 401
 _WAVES = 200
 _NOTHING = 1e-300  # spectral density [m3] of a surface that the contact averages out
 
@@ -148,8 +150,8 @@ def expected_vibration(numbers: LengthNumbers) -> ExpectedVibration:
     speed = numbers.speed_m_s
     highest = min(AUDIBLE_HZ[1], speed / (2 * numbers.step_m))
     lowest = min(AUDIBLE_HZ[0], 0.5 * highest)
-    frequency = np.geomspace(lowest, highest, _FREQUENCIES)
     chain = numbers.bodies.smooth_chain
+    frequency = _frequencies(chain, lowest, highest)
     heights = _height_density(numbers, 2 * math.pi * frequency / speed) * 2 * math.pi / speed
     resonance_hz = chain.resonance_hz
     quality = chain.quality
@@ -167,6 +169,17 @@ def expected_vibration(numbers: LengthNumbers) -> ExpectedVibration:
         quality=quality,
         uneven_db2_s=_uneven_db2_m(numbers) / speed,
     )
+
+
+def _frequencies(chain: Chain, lowest: float, highest: float) -> Array:
+    """Return frequencies [Hz] over a band that resolve the resonance of the ball on its contact."""
+    wide = np.geomspace(lowest, highest, _FREQUENCIES)
+    if not math.isfinite(chain.quality):
+        return wide
+    width = chain.resonance_hz / chain.quality
+    near = chain.resonance_hz + width * np.linspace(-_WIDTHS, _WIDTHS, _NEAR)
+    inside = near[(near > lowest) & (near < highest)]
+    return np.unique(np.concatenate((wide, inside)))
 
 
 def _uneven_db2_m(numbers: LengthNumbers) -> float:

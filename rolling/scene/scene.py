@@ -205,8 +205,10 @@ class Scene(values_in_si.SceneQuantities):
 
     def with_shared_length(self) -> Self:
         """Return a scene with the number in place of a length that `auto` took for its runs."""
-        choice = next((run.length_choice for _, run in self.runs() if run.length_choice), None)
-        return self.with_length(choice) if choice and self.chooses_length else self
+        if not self.chooses_length:
+            return self
+        choice = next(run.length_choice for _, run in self.runs() if run.length_choice)
+        return self.with_length(choice)
 
     def with_length(self, choice: LengthChoice) -> Self:
         """Return a scene with `auto` that takes a length, that of its sweep or of a choice."""
