@@ -5,18 +5,20 @@ compliance K^(-2/3) times s, plus the tracks, which are straight between the nod
 beyond them. Its energy is the integral of Q df, so each piece of a line gives 2/5 of its slope
 times the rise of s^(5/2).
 
-Contact c of a ball whose contact line is n, and which is displaced by b outwards along it, has the
-approach `along[c]` (n . u) + `beside[c]` b - `gaps[c]` at the displacement u of the ring. A ball
-without mass has one contact, both raceways in series, and no b. A ball with mass has one contact
-with the inner raceway and one with the outer.
+Contact c of a ball whose contact line is longer by e, and which is displaced by b outwards along
+it, has the approach `along[c]` e + `beside[c]` b - `gaps[c]`. A ball without mass has one contact,
+both raceways in series, and no b. A ball with mass has one contact with the inner raceway and one
+with the outer. The elongation e and the direction n of a line follow from the displacement u of the
+ring, and n is the derivative of e by u (`contact_lines`). At a fixed angle e = n . u.
 
 A step drifts to its middle, meets the forces there, and drifts on (leapfrog):
 
     u += h/2 v,   M (v1 - v0) / h = load - sum Q along n - C v,   u += h/2 v
 
-The viscous matrix is C = S (sum k n n^T) S with the stiffness k of each ball. S is made so that
-the mean of C gives each resonance its loss factor. A ball with mass has a viscous force against
-its motion beside the place to which the ring would lead it without mass.
+The viscous matrix is C = S (sum k n n^T + Q c t t^T) S with the stiffness k of each ball, its load
+Q, and the turn c of its line for a way along t across it, which is 0 at a fixed angle. S is made so
+that the mean of C gives each resonance its loss factor. A ball with mass has a viscous force
+against its motion beside the place to which the ring would lead it without mass.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -55,8 +57,10 @@ class RingBodies(NamedTuple):
     ball_mass: float  # [kg]
     load: Array  # (3,) [N] on the ring
     centrifugal: float  # [N] on a ball, along its contact line
-    radial: float  # part of a contact line along the radius, with its sign
-    axial: float  # part along the axis
+    direction: float  # 1 if displacements press balls outwards, -1 if inwards
+    cosine: float  # of the contact angle without displacement
+    sine: float
+    curvature: float  # [1/m] of lines that turn (`contact_lines`), 0 at a fixed angle
     along: Array  # (contacts,)
     beside: Array  # (contacts,)
     gaps: Array  # (contacts,) [m]
@@ -80,8 +84,8 @@ class RingState(NamedTuple):
     ball_velocity: Array  # (balls,) [m/s]
     last_ring: Array  # (3,) [m]
     last_balls: Array  # (balls,) [m]
-    lines: Array  # (balls, 3) contact lines
-    last_lines: Array
+    around: Array  # (balls, 2) radial directions in which the ring presses the balls
+    last_around: Array
     laws: Array  # (balls, contacts, 1 + k) approach [m] at the nodes
     last_laws: Array
 
@@ -157,16 +161,15 @@ def contact_at(approach, compliance, nodes, law):
 
 
 @inlined()
-def set_laws(time, share, bodies, tables, lines, laws):
-    """Set the contact lines of all balls, and the approaches of their contacts at the nodes."""
-    count = lines.shape[0]
+def set_laws(time, share, bodies, tables, around, laws):
+    """Set the places of all balls, and the approaches of their contacts at the nodes."""
+    count = around.shape[0]
     outer_contact = laws.shape[1] - 1  # the only one of a ball without mass
     spin = bodies.spin_hz * time
     for j in range(count):
         cage = bodies.cage_hz * time + j / count
-        lines[j, 0] = bodies.radial * cos(2.0 * pi * cage)
-        lines[j, 1] = bodies.radial * sin(2.0 * pi * cage)
-        lines[j, 2] = bodies.axial
+        around[j, 0] = bodies.direction * cos(2.0 * pi * cage)
+        around[j, 1] = bodies.direction * sin(2.0 * pi * cage)
         laws[j] = 0.0
         add_track(cage - bodies.inner_hz * time, share, tables.inner, laws[j, 0])
         add_track(spin, share, tables.balls_on_inner[j], laws[j, 0])
@@ -177,19 +180,40 @@ def set_laws(time, share, bodies, tables, lines, laws):
 
 
 @inlined()
-def approach_of(line, ring, ball, c, bodies):
-    """Return the approach [m] of contact c of a ball."""
-    closer = line[0] * ring[0] + line[1] * ring[1] + line[2] * ring[2]
-    return bodies.along[c] * closer + bodies.beside[c] * ball - bodies.gaps[c]
+def line_at(around, ring, bodies):
+    """Return the elongation [m] of a contact line, its direction, and its turn across it [1/m].
+
+    The direction is its part along `around` and its part along the axis (`contact_lines`).
+    """
+    radial = around[0] * ring[0] + around[1] * ring[1]
+    along = bodies.cosine * radial + bodies.sine * ring[2]
+    if bodies.curvature == 0.0:
+        return along, bodies.cosine, bodies.sine, 0.0
+    across = bodies.cosine * ring[2] - bodies.sine * radial
+    stretched = 1.0 + bodies.curvature * along
+    turned = bodies.curvature * across
+    length = sqrt(stretched * stretched + turned * turned)
+    bent = bodies.curvature * (along * along + across * across)
+    elongation = (2.0 * along + bent) / (1.0 + length)
+    outwards = (stretched * bodies.cosine - turned * bodies.sine) / length
+    axial = (stretched * bodies.sine + turned * bodies.cosine) / length
+    return elongation, outwards, axial, bodies.curvature / length
 
 
 @inlined()
-def energy_of(ring, balls, lines, laws, bodies, tables):
+def approach_of(elongation, ball, c, bodies):
+    """Return the approach [m] of contact c of a ball."""
+    return bodies.along[c] * elongation + bodies.beside[c] * ball - bodies.gaps[c]
+
+
+@inlined()
+def energy_of(ring, balls, around, laws, bodies, tables):
     """Return the energy [J] of all contacts."""
     total = 0.0
-    for j in range(lines.shape[0]):
+    for j in range(around.shape[0]):
+        elongation, _, _, _ = line_at(around[j], ring, bodies)
         for c in range(laws.shape[1]):
-            approach = approach_of(lines[j], ring, balls[j], c, bodies)
+            approach = approach_of(elongation, balls[j], c, bodies)
             total += contact_at(approach, bodies.compliances[c], tables.nodes, laws[j, c])[2]
     return total
 
@@ -215,8 +239,8 @@ def drift(time, state):
 
 
 @inlined()
-def press_ball(j, bodies, tables, state):
-    """Return what the contacts of a ball do at the middle of a step.
+def press_ball(j, elongation, bodies, tables, state):
+    """Return what the contacts of a ball do at an elongation of its line.
 
     These are its energy [J], its load on the ring [N], the force on itself outwards [N], the
     stiffness [N/m] of its contacts in series, the stiffness that holds it along its contact line,
@@ -230,7 +254,7 @@ def press_ball(j, bodies, tables, state):
     held = 0.0
     coupling = 0.0
     for c in range(bodies.along.shape[0]):
-        approach = approach_of(state.lines[j], state.ring, state.balls[j], c, bodies)
+        approach = approach_of(elongation, state.balls[j], c, bodies)
         force, stiffness, stored = contact_at(
             approach, bodies.compliances[c], tables.nodes, state.laws[j, c]
         )
@@ -248,20 +272,31 @@ def press_ball(j, bodies, tables, state):
 
 
 @inlined()
-def add_drag(line, stiffness, bodies, velocity, drag):
-    """Add k (S n) (S n) . v to the viscous force on the ring."""
-    spread = bodies.spread
-    rate = 0.0
+def add_stiffness(stiffness, way, tangent):
+    """Add k n n^T of a direction n to the stiffness of all balls."""
     for x in range(3):
         for y in range(3):
-            rate += spread[x, y] * line[y] * velocity[x]
-    for x in range(3):
-        for y in range(3):
-            drag[x] += stiffness * rate * spread[x, y] * line[y]
+            tangent[x, y] += stiffness * way[x] * way[y]
 
 
 @inlined()
-def kick_ball(j, force, held, coupling, bodies, state, drag):
+def add_drag(tangent, bodies, velocity, drag):
+    """Add S K S v to the viscous force on the ring, with the stiffness K of all balls."""
+    spread = bodies.spread
+    for x in range(3):
+        for y in range(3):
+            rate = 0.0
+            for z in range(3):
+                rate += tangent[y, z] * (
+                    spread[z, 0] * velocity[0]
+                    + spread[z, 1] * velocity[1]
+                    + spread[z, 2] * velocity[2]
+                )
+            drag[x] += spread[x, y] * rate
+
+
+@inlined()
+def kick_ball(j, line, force, held, coupling, bodies, state, drag):
     """Change the velocity of a ball with mass; return its kinetic energy and what it loses [J].
 
     It is braked beside the velocity with which a ball without mass would follow the ring, and the
@@ -269,7 +304,6 @@ def kick_ball(j, force, held, coupling, bodies, state, drag):
     """
     against = 0.0
     if held > 0.0:
-        line = state.lines[j]
         closing = 0.0
         for x in range(3):
             closing += line[x] * state.ring_velocity[x]
@@ -313,9 +347,9 @@ def add_works(energy, share, bodies, tables, state, sums):
         moved = state.balls[j] - state.last_balls[j]
         sums.load_work[0] += share * bodies.centrifugal * moved
     here = energy - energy_of(
-        state.ring, state.balls, state.last_lines, state.last_laws, bodies, tables
+        state.ring, state.balls, state.last_around, state.last_laws, bodies, tables
     )
-    there = energy_of(state.last_ring, state.last_balls, state.lines, state.laws, bodies, tables)
+    there = energy_of(state.last_ring, state.last_balls, state.around, state.laws, bodies, tables)
     sums.track_work[0] += 0.5 * (here + there - sums.contact_energy[0])
 
 
@@ -327,38 +361,53 @@ def take_steps(first, bodies, tables, state, sums, record):
     velocity, the force of balls and viscosity on it, three numbers each, and the load of each ball
     on it.
     """
-    balls = state.lines.shape[0]
+    balls = state.around.shape[0]
     drag = np.empty(3)
+    line = np.empty(3)
+    tangent = np.empty((3, 3))
     for i in range(record.shape[0]):
         time = first + i * bodies.step
         share = share_at(time, bodies)
         drift(0.5 * bodies.step, state)
         for j in range(balls):
-            state.last_lines[j] = state.lines[j]
+            state.last_around[j] = state.around[j]
             state.last_laws[j] = state.laws[j]
-        set_laws(time, share, bodies, tables, state.lines, state.laws)
+        set_laws(time, share, bodies, tables, state.around, state.laws)
 
         row = record[i]
         row[:] = 0.0
         drag[:] = 0.0
+        tangent[:] = 0.0
         energy = 0.0
         kinetic = 0.0
         loaded = 0
         for j in range(balls):
-            line = state.lines[j]
-            stored, load, pull, series, held, coupling = press_ball(j, bodies, tables, state)
+            around = state.around[j]
+            elongation, outwards, axial, turning = line_at(around, state.ring, bodies)
+            line[0] = outwards * around[0]
+            line[1] = outwards * around[1]
+            line[2] = axial
+            stored, load, pull, series, held, coupling = press_ball(
+                j, elongation, bodies, tables, state
+            )
             energy += stored
             row[9 + j] = load
             if load > 0.0:
                 loaded += 1
             for x in range(3):
                 row[6 + x] -= load * line[x]
-            add_drag(line, series, bodies, state.ring_velocity, drag)
+            add_stiffness(series, line, tangent)
             if bodies.ball_mass > 0.0:
                 force = pull + share * bodies.centrifugal
-                moving, lost = kick_ball(j, force, held, coupling, bodies, state, drag)
+                moving, lost = kick_ball(j, line, force, held, coupling, bodies, state, drag)
                 kinetic += moving
                 sums.loss[0] += lost
+            if turning > 0.0:
+                line[0] = -axial * around[0]  # across the contact line
+                line[1] = -axial * around[1]
+                line[2] = outwards
+                add_stiffness(load * turning, line, tangent)
+        add_drag(tangent, bodies, state.ring_velocity, drag)
         moving, lost = kick_ring(bodies, state, drag, row)
         kinetic += moving
         sums.loss[0] += lost

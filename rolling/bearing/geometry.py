@@ -1,10 +1,10 @@
-"""Geometry of a ball bearing, and the elliptic Hertz contacts of its balls.
+"""Geometry of a ball bearing without load, and the elliptic Hertz contacts of its balls.
 
-The contact angle is fixed. `moving_angle` says how far loads would turn it.
+The contact angle is that without load. `contact_lines` says how loads turn it.
 """
 
 from dataclasses import dataclass
-from math import cos, pi, sin, sqrt
+from math import cos, pi, sqrt
 from typing import Literal
 
 import numpy as np
@@ -49,6 +49,14 @@ class BearingGeometry:
             self.ball_radius_m, self.outer
         )
         return radii - 2 * self.ball_radius_m
+
+    def groove_circle_m(self, ring: Ring) -> float:
+        """Return the radius of the circle of the centres of a ring's groove [m]."""
+        if ring == "inner":
+            beside = groove_radius(self.ball_radius_m, self.inner) - self.ball_radius_m
+            return self.pitch_radius_m + beside * cos(self.contact_angle)
+        beside = groove_radius(self.ball_radius_m, self.outer) - self.ball_radius_m
+        return self.pitch_radius_m - beside * cos(self.contact_angle)
 
     @property
     def ratio(self) -> float:
@@ -144,18 +152,6 @@ def _contact(
         radius_across_m=across,
         stiffness_n_m15=4 / 3 * contact_modulus * sqrt(equivalent),
     )
-
-
-def contact_lines(angles: Array, contact_angle: float, moving: Ring) -> Array:
-    """Return the unit vectors along which the ring that moves presses each ball, (balls, 3).
-
-    A displacement u of that ring brings the raceways of a ball closer by the product with its
-    vector. Axes x and y are radial and z is axial; `angles` (balls,) [rad] count from x.
-    """
-    sign = 1.0 if moving == "inner" else -1.0
-    radial = sign * cos(contact_angle)
-    axial = np.full_like(angles, sin(contact_angle))
-    return np.stack((radial * np.cos(angles), radial * np.sin(angles), axial), axis=1)
 
 
 def ring_bending_hz(

@@ -30,7 +30,12 @@ class Kinematics:
         return self.inner_hz + self.outer_hz
 
 
-def kinematics_of(geometry: BearingGeometry, turning: Ring, turns_hz: float) -> Kinematics:
+def kinematics_of(
+    geometry: BearingGeometry,
+    turning: Ring,
+    turns_hz: float,
+    contact_angle: float | None = None,
+) -> Kinematics:
     """Return the speeds of a bearing one of whose rings turns, by pure rolling.
 
     Parameters
@@ -40,6 +45,8 @@ def kinematics_of(geometry: BearingGeometry, turning: Ring, turns_hz: float) -> 
         Ring that turns. The other one stands still.
     turns_hz : float, Hz
         Its turns per second, positive.
+    contact_angle : float, rad, optional
+        Angle at which the balls roll. Default: that of the geometry, without load.
 
     Returns
     -------
@@ -53,6 +60,8 @@ def kinematics_of(geometry: BearingGeometry, turning: Ring, turns_hz: float) -> 
     inner = turns_hz if turning == "inner" else 0.0
     outer = turns_hz if turning == "outer" else 0.0
     g = geometry.ratio
+    if contact_angle is not None:
+        g = geometry.ball_radius_m * cos(contact_angle) / geometry.pitch_radius_m
     cage = (inner * (1 - g) + outer * (1 + g)) / 2
     size_ratio = geometry.pitch_radius_m / geometry.ball_radius_m
     spin = size_ratio / 2 * abs(inner - outer) * (1 - g**2)

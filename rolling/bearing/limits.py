@@ -1,6 +1,6 @@
 """Time steps of the motion of a ring, their cost, and what they cannot follow."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import pi, sin, sqrt
 from typing import NamedTuple
 
@@ -30,12 +30,12 @@ class BrokenLimit(NamedTuple):
     text: str
 
 
-def ring_hz(bearing: BearingModel, balances: list[StaticBalance]) -> float:
+def ring_hz(bearing: BearingModel, balances: Sequence[StaticBalance]) -> float:
     """Return the highest resonance [Hz] of the ring in some balances."""
     return sqrt(_stiffest(balances) / bearing.ring_mass_kg) / (2 * pi)
 
 
-def bounce_hz(bearing: BearingModel, balances: list[StaticBalance]) -> float:
+def bounce_hz(bearing: BearingModel, balances: Sequence[StaticBalance]) -> float:
     """Return the highest frequency [Hz] at which a ball with mass bounces between its raceways."""
     load = max(float(state.ball_load_n.max()) for state in balances) + bearing.centrifugal_n
     stiffness = 0.0
@@ -46,7 +46,7 @@ def bounce_hz(bearing: BearingModel, balances: list[StaticBalance]) -> float:
 
 def steps_hz(
     bearing: BearingModel,
-    balances: list[StaticBalance],
+    balances: Sequence[StaticBalance],
     points_hz: float = TRACK_HZ,
     per_period: int = PER_PERIOD,
 ) -> float:
@@ -100,10 +100,10 @@ def broken_limits(bearing: BearingModel) -> Iterator[BrokenLimit]:
             key="speed_rpm",
             text=f"got {rpm:g}, allowed with ball_inertia: below {slower}, or an axial_load_n above"
             f" {heavier}: the centrifugal force of the balls would push the outer ring off them,"
-            " because the contact angle is fixed",
+            " because both contacts of a ball have one angle",
         )
 
 
-def _stiffest(balances: list[StaticBalance]) -> float:
+def _stiffest(balances: Sequence[StaticBalance]) -> float:
     """Return the highest stiffness [N/m] of the ring in any direction."""
     return max(float(np.linalg.norm(state.stiffness_n_m, 2)) for state in balances)

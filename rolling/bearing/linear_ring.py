@@ -100,16 +100,18 @@ def linear_ring(bearing: BearingModel) -> LinearRing:
     )
 
 
-def free_tilt_db(geometry: BearingGeometry, radius_m: float, width_m: float) -> float:
+def free_tilt_db(
+    geometry: BearingGeometry, contact_angle: float, radius_m: float, width_m: float
+) -> float:
     """Return how many decibels less waves would move a ring along its radius if it could tilt.
 
     A ring without guidance tilts about the point in which the contact lines of its balls meet, by
     its inertia alone far above its rocking mode. Its ways x along the radius and phi in tilt share
     the displacement w = x cos(alpha) + phi r sin(alpha) that the balls ask of it, r the radius of
-    the pitch circle, in proportion to what moves most easily. `radius_m` and `width_m` are the
-    mean radius and the width of the ring.
+    the pitch circle, in proportion to what moves most easily. `contact_angle` [rad] is that under
+    the loads, `radius_m` and `width_m` are the mean radius and the width of the ring.
     """
-    along = cos(geometry.contact_angle) ** 2
+    along = cos(contact_angle) ** 2
     gyration = radius_m**2 / 2 + width_m**2 / 12  # squared, about a diameter
-    tilting = (geometry.pitch_radius_m * sin(geometry.contact_angle)) ** 2 / gyration
+    tilting = (geometry.pitch_radius_m * sin(contact_angle)) ** 2 / gyration
     return 20 * log10(1 + tilting / along)

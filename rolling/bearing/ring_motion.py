@@ -6,7 +6,7 @@ bearings at their loads. With mass, a ball moves along its contact line, and the
 line of its centrifugal force acts on it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import ceil, pi
 
@@ -16,7 +16,7 @@ from acoustics import resampling
 from acoustics.arrays import Array, short_repr
 from rolling.bearing import _ring_kernels, limits
 from rolling.bearing._ring_kernels import RingBodies, RingState, RingSums, TrackTables
-from rolling.bearing.geometry import contact_lines
+from rolling.bearing.contact_lines import line_curvature
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
 from rolling.bearing.static_load import StaticBalance
@@ -213,7 +213,7 @@ def _parts(first: int, samples: int, longest: int) -> list[tuple[int, int]]:
 
 def _steps_per_sample(
     bearing: BearingModel,
-    balances: list[StaticBalance],
+    balances: Sequence[StaticBalance],
     tracks: BearingTracks,
     rate_hz: int,
     per_period: int,
@@ -268,7 +268,7 @@ def _tables(bearing: BearingModel, tracks: BearingTracks, step: float) -> TrackT
 
 def _bodies(
     bearing: BearingModel,
-    balances: list[StaticBalance],
+    balances: Sequence[StaticBalance],
     spread: Array,
     step: float,
     run_in: float,
@@ -285,8 +285,10 @@ def _bodies(
         ball_mass=0.0,
         load=bearing.load,
         centrifugal=0.0,
-        radial=direction * float(np.cos(geometry.contact_angle)),
-        axial=float(np.sin(geometry.contact_angle)),
+        direction=direction,
+        cosine=float(np.cos(geometry.contact_angle)),
+        sine=float(np.sin(geometry.contact_angle)),
+        curvature=line_curvature(geometry, bearing.gap_m, bearing.angle),
         along=np.ones(1),
         beside=np.zeros(1),
         gaps=np.array([bearing.gap_m]),
@@ -323,10 +325,10 @@ def _start(bearing: BearingModel, bodies: RingBodies, tables: TrackTables) -> Ri
     ring = balance.displacement_m.copy()
     balls = np.zeros(count)
     if bodies.ball_mass > 0:
-        angles = bearing.geometry.ball_angles(cage_angle)
-        lines = contact_lines(angles, bearing.geometry.contact_angle, bearing.kinematics.moving)
+        lines = bearing.lines(bearing.geometry.ball_angles(cage_angle))
+        elongation = lines.at(ring).approach_m + bearing.gap_m
         on_outer = bodies.compliances[1] * balance.ball_load_n ** (2 / 3)
-        balls = on_outer - bodies.along[1] * (lines @ ring)
+        balls = on_outer - bodies.along[1] * elongation
     contacts = len(bodies.along)
     nodes = len(tables.nodes)
     return RingState(
@@ -336,8 +338,8 @@ def _start(bearing: BearingModel, bodies: RingBodies, tables: TrackTables) -> Ri
         ball_velocity=np.zeros(count),
         last_ring=ring.copy(),
         last_balls=balls.copy(),
-        lines=np.zeros((count, 3)),
-        last_lines=np.zeros((count, 3)),
+        around=np.zeros((count, 2)),
+        last_around=np.zeros((count, 2)),
         laws=np.zeros((count, contacts, nodes)),
         last_laws=np.zeros((count, contacts, nodes)),
     )

@@ -1,32 +1,60 @@
-"""Static balance of the ring that moves: its displacement, the loads of the balls, its stiffness.
+"""Static balance of the ring that moves: displacement, tilt, loads and angles of the balls.
 
-The ring is rigid, does not tilt, and is pressed by the loads against balls whose contacts are Hertz
-springs in series. The balance is the minimum of a convex energy, so Newton's method finds it.
+The ring is rigid, and pressed by the loads against balls whose contacts are Hertz springs in
+series, along lines that are fixed or turn (`contact_lines`). The energy of all contacts is convex,
+so Newton's method finds the balance. Lifted balls, clearance and tilts need no case of their own.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, pi, tan
+from functools import cached_property, lru_cache
+from math import acos, ceil, cos, log, pi, tan
 
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
-from rolling.bearing.geometry import BearingGeometry, Ring, contact_lines
+from rolling.bearing.contact_lines import Angle, ContactLines, PressedLines, contact_lines
+from rolling.bearing.geometry import BearingGeometry, Ring
 
-_MAX_ITERATIONS = 200
-_TOLERANCE = 1e-11  # of the load
-_ROUNDING = 1e-13  # of the energy
-_SMALLEST_CURVATURE = 1e-9  # of the mean stiffness, where balls do not hold a direction
+CAGE_PLACES = 8  # of the cage from one ball to the next, at which balances stand for all of them
+_MAX_ITERATIONS = 60  # of Newton's method; 5 to 15 are usual
+_WIDE = 0.1  # approach over the distance of the grooves' centres, under which Newton's method holds
+_LIGHTER = 4.0  # ratio of loads on the way from a heavy to a light one
+_TOLERANCE = 1e-11  # of the load, that may lack
+_GRAINS = 8  # units in the last place of a displacement, to which forces are known
+_SOFT = 1e-10  # of the stiffness along each displacement, where balls do not hold a direction
+_OVERSHOOT = 0.5  # of the force along a step that may act against it at its end
+_LEAST_SHARE = 1e-30  # of a step that is tried
+_BEARING = 1e-6  # of the largest load of a ball, from which on another one bears load
 
 
 @dataclass(frozen=True)
 class StaticBalance:
-    """Balance of the ring that moves under its loads."""
+    """Balance of the ring that moves under its loads.
+
+    displacement_m : array (3,), m. x, y radial and z axial, of the ring.
+    tilt : array (2,), rad. Turns of the ring about x and y; zeros where it is held.
+    ball_load_n : array (balls,), N.
+    angles : array (balls,), rad. Contact angle of each ball.
+    lines : array (balls, 3). Directions in which displacements of the ring press the balls.
+    moment_n_m : array (2,), N m. Moments about x and y with which the ring presses the balls.
+    stiffness : array (5, 5). Tangent stiffness of displacements and turns [N/m, N, N m].
+    """
 
     __repr__ = short_repr
 
-    displacement_m: Array  # (3,) x, y, z of the ring
-    ball_load_n: Array  # (balls,)
-    stiffness_n_m: Array  # (3, 3) tangent stiffness of all balls
+    displacement_m: Array
+    tilt: Array
+    ball_load_n: Array
+    angles: Array
+    lines: Array
+    moment_n_m: Array
+    stiffness: Array
+
+    @property
+    def stiffness_n_m(self) -> Array:
+        """Tangent stiffness [N/m] of a ring that does not tilt, (3, 3)."""
+        return self.stiffness[:3, :3]
 
 
 def load_vector(axial_load_n: float, radial_load_n: float, moving: Ring) -> Array:
@@ -55,6 +83,8 @@ def static_balance(
     cage_angle: float = 0.0,
     gap_m: float = 0.0,
     moving: Ring = "outer",
+    angle: Angle = "fixed",
+    moments_n_m: tuple[float, float] | None = None,
 ) -> StaticBalance:
     """Return the static balance of the ring that moves.
 
@@ -70,6 +100,11 @@ def static_balance(
         clearance at contact angle 0, and zero where an axial load has closed it.
     moving : "outer" or "inner"
         Ring that moves.
+    angle : "fixed" or "moving"
+        Whether the loads turn the contact angles. All loads have a balance at moving ones.
+    moments_n_m : pair of float, N m, optional
+        Moments on the ring about x and y, under which it tilts at a moving angle. Default: it is
+        held from tilting.
 
     Returns
     -------
@@ -78,10 +113,44 @@ def static_balance(
     Raises
     ------
     ValueError
-        If no load acts, or the axial load does not hold the ring on its balls.
+        If no load acts, a fixed contact angle does not let the axial load hold the ring on its
+        balls, moments act at a fixed angle, or the balance is not found.
     """
+    _refuse_loads(geometry, axial_load_n, radial_load_n, angle)
+    if moments_n_m is not None and angle == "fixed":
+        raise ValueError(
+            "moments_n_m: allowed at a moving angle alone; at a fixed one a tilt presses the balls"
+            " as a radial displacement does, and nothing tells them apart"
+        )
+    lines = contact_lines(
+        geometry, geometry.ball_angles(cage_angle), gap_m=gap_m, moving=moving, angle=angle
+    )
+    load = load_vector(axial_load_n, radial_load_n, moving)
+    if moments_n_m is not None:
+        load = np.append(load, moments_n_m)
+    found = _balanced(lines, geometry.series_stiffness, load)
+    whole = np.append(found, np.zeros(5 - len(found)))
+    pressed = lines.at(whole)
+    forces = ball_loads(pressed.approach_m, geometry.series_stiffness)
+    return StaticBalance(
+        displacement_m=whole[:3],
+        tilt=whole[3:],
+        ball_load_n=forces,
+        angles=pressed.angles,
+        lines=pressed.lines[:, :3],
+        moment_n_m=forces @ pressed.lines[:, 3:],
+        stiffness=tangent_stiffness(pressed, geometry.series_stiffness),
+    )
+
+
+def _refuse_loads(
+    geometry: BearingGeometry, axial_load_n: float, radial_load_n: float, angle: Angle
+) -> None:
+    """Refuse loads that have no balance, by a ValueError."""
     if axial_load_n < 0 or radial_load_n < 0 or axial_load_n + radial_load_n <= 0:
         raise ValueError("loads of a bearing: allowed: not negative, and one of them positive")
+    if angle == "moving":
+        return
     least = least_axial_load(geometry, radial_load_n)
     if geometry.contact_angle > 0 and axial_load_n <= least:
         raise ValueError(
@@ -93,51 +162,192 @@ def static_balance(
             f"axial_load_n: got {axial_load_n:g}, allowed: 0 at a contact angle of 0, where no ball"
             " bears an axial load"
         )
-    lines = contact_lines(geometry.ball_angles(cage_angle), geometry.contact_angle, moving)
-    load = load_vector(axial_load_n, radial_load_n, moving)
-    return _minimum(lines, geometry.series_stiffness, load, gap_m)
 
 
-def _minimum(lines: Array, stiffness: float, load: Array, gap_m: float) -> StaticBalance:
-    """Return the state of minimum energy, by Newton's method with steps that lower the energy."""
-    size = float(np.linalg.norm(load))
-    typical = (size / stiffness) ** (2 / 3)
-    displacement = (gap_m + typical) * load / size
-    energy = _energy(lines, stiffness, load, gap_m, displacement)
-    for _ in range(_MAX_ITERATIONS):
-        forces, tangents = _forces(lines, stiffness, gap_m, displacement)
-        missing = load - forces @ lines
-        if np.linalg.norm(missing) <= _TOLERANCE * size:
-            break
-        curvature = (lines.T * tangents) @ lines
-        smallest = _SMALLEST_CURVATURE * (np.trace(curvature) + stiffness * np.sqrt(typical))
-        step = np.linalg.solve(curvature + smallest * np.eye(3), missing)
-        share = 1.0
-        new = _energy(lines, stiffness, load, gap_m, displacement + step)
-        while new > energy + _ROUNDING * abs(energy) and share > 1e-12:
-            share /= 2
-            new = _energy(lines, stiffness, load, gap_m, displacement + share * step)
-        displacement = displacement + share * step
-        energy = new
-    forces, tangents = _forces(lines, stiffness, gap_m, displacement)
-    return StaticBalance(
-        displacement_m=displacement,
-        ball_load_n=forces,
-        stiffness_n_m=(lines.T * tangents) @ lines,
+def ball_loads(approach_m: Array, stiffness: float) -> Array:
+    """Return the loads [N] of balls that are pressed by some approaches; free balls bear none."""
+    return np.asarray(stiffness * np.maximum(approach_m, 0.0) ** 1.5)
+
+
+def ball_stiffness(approach_m: Array, stiffness: float) -> Array:
+    """Return the stiffness [N/m] of balls that are pressed by some approaches."""
+    return 1.5 * stiffness * np.sqrt(np.maximum(approach_m, 0.0))
+
+
+def tangent_stiffness(pressed: PressedLines, stiffness: float) -> Array:
+    """Return the tangent stiffness of all balls, (m, m), for the m displacements of the ring."""
+    along = ball_stiffness(pressed.approach_m, stiffness)
+    across = ball_loads(pressed.approach_m, stiffness) * pressed.turning
+    by_approach = (pressed.lines.T * along) @ pressed.lines
+    return np.asarray(by_approach + (pressed.across.T * across) @ pressed.across)
+
+
+def _balanced(lines: ContactLines, stiffness: float, load: Array) -> Array:
+    """Return the displacement at which the balls bear a load.
+
+    Raise ValueError if it is not found.
+    """
+    balls = _Balls(lines, stiffness, dimension=len(load))
+    wanted = load / balls.units
+    size = float(np.linalg.norm(wanted))
+    start = (lines.gap_m + balls.approach_m(size)) * wanted / size
+    found = balls.place_under(wanted, start)
+    if found is None:
+        # A light load leads along a bent and narrow valley of the energy, which a heavy one widens.
+        reach = _WIDE / lines.curvature if lines.curvature > 0 else lines.gap_m
+        heaviest = max(stiffness * reach**1.5 / size, 1.0)
+        times = ceil(log(heaviest, _LIGHTER)) + 1
+        found = reach * wanted / size
+        for heavier in np.geomspace(heaviest, 1.0, times):
+            found = balls.place_under(heavier * wanted, found)
+            if found is None:
+                raise ValueError(
+                    f"loads of a bearing: got {size:g} N, whose balance was not found; allowed:"
+                    " loads that press the balls by more than the rounding of their places"
+                )
+    return np.asarray(found / balls.units)
+
+
+@dataclass(frozen=True)
+class _Balls:
+    """Balls that a ring presses, and the search for the place at which they bear a load.
+
+    A place counts turns of the ring as the way that they move its groove, so that all of its
+    numbers are lengths and all of a load are forces.
+    """
+
+    lines: ContactLines
+    stiffness: float
+    dimension: int
+
+    @cached_property
+    def units(self) -> Array:
+        """Lengths of a unit of each displacement, (dimension,)."""
+        return np.array([1.0, 1.0, 1.0, *[self.lines.tilt_radius_m] * 2])[: self.dimension]
+
+    def approach_m(self, load_n: float) -> float:
+        """Return the approach [m] of a ball under a load."""
+        return float((load_n / self.stiffness) ** (2 / 3))
+
+    def place_under(self, wanted: Array, start: Array) -> Array | None:
+        """Return the place at which the balls bear a load, by Newton's method; None if not found.
+
+        Forces are allowed to lack what rounding makes of them.
+        """
+        size = float(np.linalg.norm(wanted))
+        typical = size / self.approach_m(size)
+        place = start
+        pressed, missing = self._at(place, wanted)
+        for _ in range(_MAX_ITERATIONS):
+            allowed = _TOLERANCE * size + self._rounding_n(pressed, place)
+            if np.all(np.abs(missing) <= allowed):
+                return place
+            tangent = tangent_stiffness(pressed, self.stiffness) / self._unit_products
+            step = _newton_step(tangent, missing, typical)
+            # Along a step, the slope of a convex energy rises from below zero. At the end of the
+            # share of it that is taken, the forces act little against it.
+            first = float(missing @ step)
+            share = 1.0
+            pressed, missing = self._at(place + step, wanted)
+            here = -float(missing @ step)
+            while here > _OVERSHOOT * first and share > _LEAST_SHARE:
+                share *= min(max(first / (first + here), 0.1), 0.5)
+                pressed, missing = self._at(place + share * step, wanted)
+                here = -float(missing @ step)
+            place = place + share * step
+        return None
+
+    @cached_property
+    def _unit_products(self) -> Array:
+        """Products of the units, (dimension, dimension)."""
+        return np.outer(self.units, self.units)
+
+    def _at(self, place: Array, wanted: Array) -> tuple[PressedLines, Array]:
+        """Return the lines at a place, and the forces [N] that balls lack there, (dimension,)."""
+        pressed = self.lines.at(place / self.units)
+        loads = ball_loads(pressed.approach_m, self.stiffness)
+        return pressed, wanted - loads @ pressed.lines / self.units
+
+    def _rounding_n(self, pressed: PressedLines, place: Array) -> Array:
+        """Return the forces [N] by which rounding changes those of the balls, (dimension,)."""
+        eps = _GRAINS * float(np.finfo(float).eps)
+        ways = np.abs(pressed.lines) / self.units
+        grain = eps * (self.lines.gap_m + ways @ np.abs(place))
+        loads = ball_loads(pressed.approach_m, self.stiffness)
+        beside = ball_loads(pressed.approach_m + grain, self.stiffness)
+        return np.asarray((beside - loads + eps * loads) @ ways)
+
+
+def _newton_step(tangent: Array, missing: Array, typical: float) -> Array:
+    """Return Newton's step, long in directions that no ball holds.
+
+    Each displacement is counted by its own stiffness, because that along the axis may be smaller
+    than that along the radius by many powers of ten.
+    """
+    own = np.diag(tangent)
+    scale = 1 / np.sqrt(np.where(own > 0, own, typical))
+    scaled = tangent * np.outer(scale, scale) + _SOFT * np.eye(len(missing))
+    return np.asarray(scale * np.linalg.solve(scaled, scale * missing))
+
+
+# ---- places of the cage
+
+
+@lru_cache(maxsize=32)  # of bearings whose check, motion and numbers ask for the same balances
+def balances_around(
+    geometry: BearingGeometry,
+    *,
+    axial_load_n: float,
+    radial_load_n: float,
+    gap_m: float = 0.0,
+    moving: Ring = "outer",
+    angle: Angle = "fixed",
+) -> tuple[StaticBalance, ...]:
+    """Return the balances at places of the cage from one ball to the next.
+
+    Parameters are those of `static_balance`. The arrays are shared: they are not to be changed.
+    """
+    spacing = 2 * pi / (CAGE_PLACES * geometry.balls)
+    return tuple(
+        static_balance(
+            geometry,
+            axial_load_n=axial_load_n,
+            radial_load_n=radial_load_n,
+            cage_angle=spacing * place,
+            gap_m=gap_m,
+            moving=moving,
+            angle=angle,
+        )
+        for place in range(CAGE_PLACES)
     )
 
 
-def _forces(
-    lines: Array, stiffness: float, gap_m: float, displacement: Array
-) -> tuple[Array, Array]:
-    """Return the load [N] and the stiffness [N/m] of each ball at a displacement of the ring."""
-    approach = np.maximum(lines @ displacement - gap_m, 0.0)
-    return stiffness * approach**1.5, 1.5 * stiffness * np.sqrt(approach)
+def rolling_angle(balances: Sequence[StaticBalance]) -> float:
+    """Return the contact angle [rad] at which the balls roll, the mean over their loads.
+
+    Its cosine is the mean, because speeds follow from it.
+    """
+    loads = np.concatenate([balance.ball_load_n for balance in balances])
+    cosines = np.cos(np.concatenate([balance.angles for balance in balances]))
+    return acos(min(float(loads @ cosines / loads.sum()), 1.0))
 
 
-def _energy(
-    lines: Array, stiffness: float, load: Array, gap_m: float, displacement: Array
-) -> float:
-    """Return the energy [J] of all contacts and of the load."""
-    approach = np.maximum(lines @ displacement - gap_m, 0.0)
-    return float(0.4 * stiffness * np.sum(approach**2.5) - load @ displacement)
+def angles_under_loads(
+    geometry: BearingGeometry, *, axial_load_n: float, radial_load_n: float, gap_m: float = 0.0
+) -> tuple[float, float]:
+    """Return the least and the largest contact angle [rad] of balls that bear load.
+
+    They are those over the places of the cage, as loads turn them.
+    """
+    balances = balances_around(
+        geometry,
+        axial_load_n=axial_load_n,
+        radial_load_n=radial_load_n,
+        gap_m=gap_m,
+        angle="moving",
+    )
+    angles: list[float] = []
+    for balance in balances:
+        loads = balance.ball_load_n
+        angles += balance.angles[loads > _BEARING * loads.max()].tolist()
+    return min(angles), max(angles)

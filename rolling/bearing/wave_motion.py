@@ -25,10 +25,10 @@ from functools import cached_property
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.bearing.geometry import contact_lines
 from rolling.bearing.linear_ring import Complexes, LinearRing, linear_ring
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_record import AXIAL, RADIAL
+from rolling.bearing.static_load import ball_stiffness
 
 INNER = "inner"
 OUTER = "outer"
@@ -70,11 +70,10 @@ class WaveMotion:
         """Parts F_p of the force for a unit of approach [N/m], (p, 3), p counted as of an FFT."""
         model = self.model
         angles = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
-        directions = contact_lines(angles, model.geometry.contact_angle, model.kinematics.moving)
         ring = np.mean([balance.displacement_m for balance in model.balances()], axis=0)
-        approach = np.maximum(directions @ ring - model.gap_m, 0.0)
-        stiffness = 1.5 * model.geometry.series_stiffness * np.sqrt(approach)
-        return np.asarray(np.fft.fft(stiffness[:, None] * directions, axis=0) / _ANGLES)
+        pressed = model.lines(angles).at(ring)
+        stiffness = ball_stiffness(pressed.approach_m, model.geometry.series_stiffness)
+        return np.asarray(np.fft.fft(stiffness[:, None] * pressed.lines, axis=0) / _ANGLES)
 
     @cached_property
     def parts(self) -> list[int]:

@@ -14,7 +14,7 @@ from rolling.bearing import iso_15242
 from rolling.bearing.kinematics import lines_of
 from rolling.bearing.limits import bounce_hz
 from rolling.bearing.linear_ring import free_tilt_db, linear_ring
-from rolling.bearing.moving_angle import angles_under_loads
+from rolling.bearing.static_load import angles_under_loads
 from rolling.bearing.waves import hertz_pressure, semi_axes
 from rolling.bearing_kind import needs
 from rolling.bearing_kind.bearing_forecast import different_marches, forecast_of, marches_seconds
@@ -38,7 +38,6 @@ from rolling.scene.sweep import run_name
 from rolling.terminal.streams import folded
 
 HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
-_PLACES = 8  # of the cage, over which loads are stated
 _TURNED_DEG = 0.5  # turn of the contact angle by the loads, beyond which axial bands do not hold
 AXIAL_DOUBT = "contact_angle"  # key of the doubt that concerns axial velocities alone
 # The smallest ball bearing that a maker announced is 1.5 x 0.5 mm with six balls (MinebeaMitsumi,
@@ -135,10 +134,11 @@ def _geometry(scene: BearingScene) -> Iterator[Finding | Doubt]:
         yield Finding("contact_angle", "contact angle", "0 under a purely radial load")
         return
     free = rounded(math.degrees(scene.contact_angle), 3)
+    kept = ", kept in motion" if scene.bearing.angle == "fixed" else ""
     yield Finding(
         "contact_angle",
         "contact angle",
-        f"{free} degrees without load, kept in motion; {_turned(scene)} under the loads",
+        f"{free} degrees without load{kept}; {_turned(scene)} under the loads",
     )
     doubt = contact_angle_doubt(scene)
     if doubt is not None:
@@ -151,7 +151,7 @@ def contact_angle_doubt(scene: BearingScene) -> Doubt | None:
     How wrong these are depends on the frequency, because the angle moves the axial resonance. The
     turned angle in place of the free one would leave errors as well.
     """
-    if not scene.axial_load:
+    if not scene.axial_load or scene.bearing.angle == "moving":
         return None
     free = math.degrees(scene.contact_angle)
     if max(abs(angle - free) for angle in _angles_under_loads(scene)) <= _TURNED_DEG:
@@ -162,7 +162,7 @@ def contact_angle_doubt(scene: BearingScene) -> Doubt | None:
         f" {_turned(scene)}, and the motion keeps it, so axial velocities are wrong by decibels"
         " that are not known",
         Severity.DO_NOT_QUOTE,
-        advice="quote the radial velocities alone",
+        advice="quote the radial velocities alone, or give bearing.angle moving",
         about=AXIAL_NAMES,
     )
 
@@ -226,7 +226,7 @@ def _speeds(scene: BearingScene) -> Iterator[Finding]:
 
 def ball_loads(scene: BearingScene) -> tuple[float, float]:
     """Return the least and the largest load [N] of a ball over the places of the cage."""
-    loads = np.array([balance.ball_load_n for balance in scene.model.balances(_PLACES)])
+    loads = np.array([balance.ball_load_n for balance in scene.model.balances()])
     return float(loads.min()), float(loads.max())
 
 
@@ -271,7 +271,7 @@ def _ring(scene: BearingScene) -> Iterator[Finding | Doubt]:
     yield Finding("ring_mass", f"mass of the {scene.moving_ring} ring", mass)
     ring = linear_ring(scene.model)
     text = f"{si(ring.radial_hz, 'Hz')} radial"
-    if scene.axial_load:
+    if ring.axial_hz > 0:
         text += f", {si(ring.axial_hz, 'Hz')} axial"
     yield Finding("ring_resonances", "resonances of the ring", text)
     bending = scene.ring_bending_hz
@@ -284,7 +284,7 @@ def _ring(scene: BearingScene) -> Iterator[Finding | Doubt]:
             advice="velocities above are those of a rigid ring",
         )
     section = scene.ring_section
-    tilt_db = free_tilt_db(scene.geometry, section.radius, section.width)
+    tilt_db = free_tilt_db(scene.geometry, scene.model.rolling_angle, section.radius, section.width)
     if tilt_db > TRUSTED_DB:
         yield sized(
             "tilt",
@@ -297,7 +297,7 @@ def _ring(scene: BearingScene) -> Iterator[Finding | Doubt]:
 
 def _balls(scene: BearingScene) -> Iterator[Finding | Doubt]:
     """Yield the resonance of a ball between its raceways, and doubts about mass that it lacks."""
-    frequency = bounce_hz(scene.model, scene.model.balances(_PLACES))
+    frequency = bounce_hz(scene.model, scene.model.balances())
     yield Finding("ball_resonance", "resonance of a ball", si(frequency, "Hz"))
     yield from _centrifugal(scene)
     if scene.bearing.ball_inertia:
@@ -318,13 +318,14 @@ def _centrifugal(scene: BearingScene) -> Iterator[Finding | Doubt]:
     model = scene.model
     force = model.centrifugal_n
     yield Finding("centrifugal_force", "centrifugal force of a ball", si(force, "N"))
-    mean = float(np.mean([balance.ball_load_n.mean() for balance in model.balances(_PLACES)]))
+    mean = float(np.mean([balance.ball_load_n.mean() for balance in model.balances()]))
     if force < _CENTRIFUGAL_SHARE * mean:
         return
     text = f"the centrifugal force of a ball is {force / mean:.0%} of its mean load"
     advice = ""
     if scene.bearing.ball_inertia:
-        text += ", and turns the contact angles of both rings, which are fixed here"
+        own = "fixed" if scene.bearing.angle == "fixed" else "one"
+        text += f", and turns the contact angles of both rings apart, which are {own} here"
     else:
         text += ", and is left out"
         advice = "bearing.ball_inertia: true includes its part along the contact line"

@@ -15,10 +15,10 @@ from acoustics.arrays import Array, instance
 from acoustics.plot_style import COLOURS
 from acoustics.plot_style import envelope as thinned
 from rolling.bearing import lines
-from rolling.bearing.geometry import contact_lines
 from rolling.bearing.lines import BearingLine
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_record import AXIAL, PLACES, RADIAL, UM_S
+from rolling.bearing.static_load import ball_loads
 from rolling.bearing_kind import bearing_sentences
 from rolling.bearing_kind.solved_bearing import SolvedBearing
 from rolling.figures.picture import axes_of, drawable, finish
@@ -278,9 +278,8 @@ def mean_loads_n(run: BearingRun) -> Array:
 
 def static_loads(model: BearingModel, angle: Array) -> Array:
     """Return the load of a ball [N] at angles [rad] in the static balance with ball 0 below."""
-    lines_of_balls = contact_lines(angle, model.geometry.contact_angle, model.kinematics.moving)
-    approach = lines_of_balls @ model.balance().displacement_m - model.gap_m
-    return np.asarray(model.geometry.series_stiffness * np.maximum(approach, 0) ** 1.5)
+    pressed = model.lines(angle).at(model.balance().displacement_m)
+    return ball_loads(pressed.approach_m, model.geometry.series_stiffness)
 
 
 # ---- tables and files

@@ -14,6 +14,7 @@ from acoustics.plot_style import envelope as thinned
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.texts import printable
 from rolling.bearing import lines
+from rolling.bearing.contact_lines import line_curvature
 from rolling.bearing.ring_record import NOTHING_UM_S, RADIAL, UM_S
 from rolling.bearing.tracks import BodyTrack
 from rolling.bearing_kind import bearing_figures, bearing_sentences, stored_run
@@ -261,6 +262,7 @@ def _model_of(run: BearingRun) -> dict[str, Any]:
         "balls": model.geometry.balls,
         "stiffness": model.geometry.series_stiffness,
         "alpha": model.geometry.contact_angle,
+        "curvature": line_curvature(model.geometry, model.gap_m, model.angle),
         "sign": 1 if speeds.moving == "inner" else -1,
         "gap": model.gap_m,
         "mass": model.ring_mass_kg,

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 
 from rolling.bearing.band_uncertainty import BandUncertainty
 from rolling.bearing.linear_ring import linear_ring
-from rolling.bearing.moving_angle import angles_under_loads
 from rolling.bearing.ring_record import PLACES, UM_S
+from rolling.bearing.static_load import angles_under_loads
 from rolling.bearing_kind.bearing_check import departures
 from rolling.bearing_kind.bearing_doubts import JudgedBearing, doubts_of
 from rolling.bearing_kind.bearing_sentences import sentences
@@ -127,6 +127,7 @@ def _angles(bearing: SolvedBearing) -> AngleNumbers:
         bearing.geometry,
         axial_load_n=bearing.model.axial_load_n,
         radial_load_n=bearing.model.radial_load_n,
+        gap_m=bearing.model.gap_m,
     )
     return AngleNumbers(
         free_deg=math.degrees(bearing.geometry.contact_angle),

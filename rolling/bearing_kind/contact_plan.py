@@ -114,6 +114,7 @@ def contact_plan(scene: BearingScene) -> ContactPlan:
             axial_load_n=scene.axial_load,
             radial_load_n=scene.radial_load,
             gap_m=scene.gap,
+            angle=bearing.angle,
         ),
         speed_m_s=scene.kinematics.rolling_speed_m_s,
         body={

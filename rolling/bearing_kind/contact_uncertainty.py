@@ -17,7 +17,6 @@ from acoustics.arrays import Array
 from acoustics.continued_rows import drawn_lines
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing.band_uncertainty import WINDOW, BandUncertainty
-from rolling.bearing.geometry import contact_lines
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL, RingRecord
@@ -28,7 +27,6 @@ from rolling.run.march_files import Marches
 
 WHOLE_TURN = 0.99  # of a turn, from which on a stretch is all of it
 STEP_HZ = 4.0  # between frequencies at which the mobility of the ring is taken
-_PLACES = 8  # of the cage, over which the stiffness of the balls is averaged
 _DECIBELS = 10 / math.log(10)  # of a relative change of a mean square
 
 
@@ -108,13 +106,12 @@ def _force_per_approach(model: BearingModel) -> Array:
     """
     geometry = model.geometry
     total = np.zeros((3, 3))
-    for place, balance in enumerate(model.balances(_PLACES)):
-        angles = geometry.ball_angles(2 * math.pi / geometry.balls * place / _PLACES)
-        directions = contact_lines(angles, geometry.contact_angle, model.kinematics.moving)
+    balances = model.balances()
+    for balance in balances:
         stiffness = 1.5 * geometry.series_stiffness ** (2 / 3) * balance.ball_load_n ** (1 / 3)
-        forces = stiffness[:, None] * directions
+        forces = stiffness[:, None] * balance.lines
         total += forces.T @ forces
-    return total / _PLACES
+    return total / len(balances)
 
 
 def roughness_shares(

@@ -18,8 +18,9 @@ import numpy as np
 
 from acoustics.arrays import Array, short_repr
 from rolling.bearing import waves
+from rolling.bearing.contact_lines import Angle
 from rolling.bearing.geometry import BearingGeometry, RacewayContact
-from rolling.bearing.static_load import static_balance
+from rolling.bearing.static_load import balances_around
 from rolling.contact.track import MIN_NODES
 from rolling.in_si.scene_surface import heights
 from rolling.scene.laws import Roughness, SurfaceFault
@@ -52,7 +53,6 @@ ROOM = 1.1  # of the width of a surface over that of the contact's overlap
 
 LOAD_RATIO = 2.0  # of neighbouring loads, at most
 LEAST_OF_LARGEST = 1 / 8  # lightest marched load over the largest load of a ball
-CAGE_ANGLES = 8  # positions of the cage at which the loads are computed
 
 
 @dataclass(frozen=True)
@@ -120,6 +120,7 @@ def contact_loads(
     axial_load_n: float,
     radial_load_n: float,
     gap_m: float = 0.0,
+    angle: Angle = "fixed",
 ) -> tuple[float, ...]:
     """Return the ascending loads [N] at which the contacts of a bearing are marched.
 
@@ -127,16 +128,14 @@ def contact_loads(
     most. Loads below an eighth of the largest, at the edge of a load zone, are left out: they carry
     little force.
     """
-    balls = []
-    for angle in np.arange(CAGE_ANGLES) * 2 * np.pi / (CAGE_ANGLES * geometry.balls):
-        balance = static_balance(
-            geometry,
-            axial_load_n=axial_load_n,
-            radial_load_n=radial_load_n,
-            cage_angle=float(angle),
-            gap_m=gap_m,
-        )
-        balls.append(balance.ball_load_n)
+    balances = balances_around(
+        geometry,
+        axial_load_n=axial_load_n,
+        radial_load_n=radial_load_n,
+        gap_m=gap_m,
+        angle=angle,
+    )
+    balls = [balance.ball_load_n for balance in balances]
     largest = float(np.max(balls))
     least = max(float(np.min(balls)) / 2, LEAST_OF_LARGEST * largest)
     most = 2 * largest

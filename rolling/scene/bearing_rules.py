@@ -10,10 +10,15 @@ from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import rounded
 from rolling.bearing.geometry import BearingGeometry, assemble
-from rolling.bearing.kinematics import kinematics_of
+from rolling.bearing.kinematics import Kinematics, kinematics_of
 from rolling.bearing.limits import broken_limits
 from rolling.bearing.model import BearingModel
-from rolling.bearing.static_load import least_axial_load, static_balance
+from rolling.bearing.static_load import (
+    balances_around,
+    least_axial_load,
+    rolling_angle,
+    static_balance,
+)
 from rolling.bearing.waves import hertz_pressure
 from rolling.contact.track import MAX_NODES, MIN_NODES
 from rolling.scene import height_files
@@ -79,6 +84,22 @@ def geometry_of(bearing: Bearing) -> BearingGeometry:
 def gap_of(bearing: Bearing) -> float:
     """Return the gap [m] of each ball with the ring centred, which an axial load closes."""
     return 0.0 if bearing.axial_load_n > 0 else free_clearance(bearing) / 2
+
+
+def speeds_of(bearing: Bearing, geometry: BearingGeometry) -> Kinematics:
+    """Return the speeds of a bearing, whose balls roll at the angle to which the loads turn it."""
+    angle = None
+    if bearing.angle == "moving":
+        balances = balances_around(
+            geometry,
+            axial_load_n=bearing.axial_load_n,
+            radial_load_n=bearing.radial_load_n,
+            gap_m=gap_of(bearing),
+            moving="outer" if bearing.turning == "inner" else "inner",
+            angle="moving",
+        )
+        angle = rolling_angle(balances)
+    return kinematics_of(geometry, bearing.turning, bearing.speed_rpm / 60, angle)
 
 
 def usual_bore_mm(bearing: Bearing) -> float:
@@ -215,11 +236,11 @@ def _mistakes_of_angle(bearing: Bearing) -> Iterator[PydanticCustomError]:
             at=".contact_angle_deg",
             needs=[".radial_clearance_um"],
         )
-    elif not free_angle(bearing):
+    elif bearing.angle == "fixed" and not free_angle(bearing):
         key = ".contact_angle_deg" if angle_deg is not None else ".radial_clearance_um"
         yield mistake(
             "got 0, allowed with an axial load: above 0, because balls at an angle of 0 bear no"
-            " axial load",
+            " axial load; or bearing.angle moving",
             at=key,
         )
 
@@ -230,11 +251,12 @@ def _mistakes_of_load(bearing: Bearing) -> Iterator[PydanticCustomError]:
     radial = bearing.radial_load_n
     geometry = geometry_of(bearing)
     least = least_axial_load(geometry, radial) if axial else 0.0
-    if axial and axial <= least:
+    if bearing.angle == "fixed" and axial and axial <= least:
         yield mistake(
             f"got {plain_number(radial)}, allowed beside axial_load_n {plain_number(axial)} at a"
             f" contact angle of {rounded(math.degrees(geometry.contact_angle), 3)} degrees: below"
-            f" {_below(radial * axial / least)}; or an axial load above {_above(least)}, or none",
+            f" {_below(radial * axial / least)}; or an axial load above {_above(least)}, or none;"
+            " or bearing.angle moving, at which all loads have a balance",
             at=".radial_load_n",
         )
         return
@@ -265,13 +287,14 @@ def _mistakes_of_motion(bearing: Bearing) -> Iterator[PydanticCustomError]:
     radius = 5e-4 * bearing.ball_diameter_mm
     model = BearingModel(
         geometry=geometry,
-        kinematics=kinematics_of(geometry, bearing.turning, bearing.speed_rpm / 60),
+        kinematics=speeds_of(bearing, geometry),
         ring_mass_kg=bearing.ring_mass_kg or HEAVY_KG,
         ball_mass_kg=bearing.density_kg_m3 * 4 / 3 * math.pi * radius**3,
         axial_load_n=bearing.axial_load_n,
         radial_load_n=bearing.radial_load_n,
         gap_m=gap_of(bearing),
         ball_inertia=bearing.ball_inertia,
+        angle=bearing.angle,
     )
     for entry in broken_limits(model):
         yield mistake(entry.text, at=f".{entry.key}")
@@ -287,6 +310,7 @@ def largest_pressure(bearing: Bearing, geometry: BearingGeometry, share: float =
         axial_load_n=share * bearing.axial_load_n,
         radial_load_n=share * bearing.radial_load_n,
         gap_m=gap_of(bearing),
+        angle=bearing.angle,
     )
     load = float(balance.ball_load_n.max())
     if load <= 0:  # a load that is lost in the rounding of the gap
@@ -297,11 +321,12 @@ def largest_pressure(bearing: Bearing, geometry: BearingGeometry, share: float =
 def _allowed_share(bearing: Bearing, geometry: BearingGeometry, limit: float) -> float:
     """Return the share of both loads at which the largest pressure is at a limit [Pa]."""
     low = (limit / largest_pressure(bearing, geometry)) ** 3
-    if not gap_of(bearing):
+    if bearing.angle == "fixed" and not gap_of(bearing):
         return low
-    # With a gap fewer balls bear a smaller load, so that a larger share of them is on one.
+    # With a gap fewer balls bear a smaller load, so that a larger share of it is on one. At an
+    # angle that turns, a ball bears at most the power 3/4 of the load more.
     high = 1.0
-    low /= bearing.balls
+    low = low ** (4 / 3) / bearing.balls
     for _ in range(_STEPS):
         share = math.sqrt(low * high)
         if largest_pressure(bearing, geometry, share) < limit:

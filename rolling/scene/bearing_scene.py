@@ -17,7 +17,7 @@ from pydantic import (
 )
 
 from rolling.bearing.geometry import BearingGeometry, ring_bending_hz
-from rolling.bearing.kinematics import Kinematics, kinematics_of
+from rolling.bearing.kinematics import Kinematics
 from rolling.bearing.model import BearingModel
 from rolling.scene import bearing_rules
 from rolling.scene import sweep as sweeps
@@ -205,7 +205,7 @@ class BearingQuantities(SweptScene):
     @cached_property
     def kinematics(self) -> Kinematics:
         """Speeds of rings, cage and balls."""
-        return kinematics_of(self.geometry, self.bearing.turning, self.turns_hz)
+        return bearing_rules.speeds_of(self.bearing, self.geometry)
 
     @cached_property
     def model(self) -> BearingModel:
@@ -220,6 +220,7 @@ class BearingQuantities(SweptScene):
             gap_m=self.gap,
             contact_loss_factor=self.bearing.contact_loss_factor,
             ball_inertia=self.bearing.ball_inertia,
+            angle=self.bearing.angle,
         )
 
     @property

@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from rolling.bearing.contact_lines import Angle
 from rolling.scene import bearing_rules, library, rules
 from rolling.scene.messages import mistake, mistakes_together
 from rolling.scene.models import Section
@@ -80,6 +81,9 @@ class Bearing(Section):
     contact_angle_deg : float, optional
         Contact angle without load [degrees], from a plane across the axis. Default: from the radial
         clearance. Under a purely radial load balls touch at an angle of 0.
+    angle : str
+        Whether the contact angle stays `fixed`, or is `moving`: the loads and the motion of the
+        ring then turn the line of each contact, as exact geometry of the grooves has it.
     radial_clearance_um : float, optional
         Radial internal clearance [um]. Default: from the contact angle.
     conformity_inner : float
@@ -100,7 +104,7 @@ class Bearing(Section):
     speed_rpm : float
         Speed of the turning ring [1/min]
     axial_load_n : float
-        Axial load [N]. It needs a contact angle above 0.
+        Axial load [N]. It needs a contact angle above 0, or a moving angle.
     radial_load_n : float
         Radial load [N]
     ring_mass_kg : float, optional
@@ -130,6 +134,7 @@ class Bearing(Section):
     ball_diameter_mm: float = Field(ge=0.1, le=500)
     pitch_diameter_mm: float = Field(gt=0, le=1e4)
     contact_angle_deg: float | None = Field(default=None, ge=0, le=bearing_rules.MAX_ANGLE_DEG)
+    angle: Angle = "fixed"
     radial_clearance_um: float | None = Field(default=None, ge=0)
     conformity_inner: float = Field(default=0.52, gt=0.5, le=0.6)
     conformity_outer: float = Field(default=0.53, gt=0.5, le=0.6)

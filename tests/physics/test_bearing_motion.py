@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from bearings import angular, bearing, miniature, model
 
+import rolling
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_motion import RingMotion, move_ring
@@ -138,8 +139,9 @@ def test_a_smooth_bearing_is_silent(inertia: bool) -> None:
     [
         (bearing(angle_deg=0.0), {"axial_load_n": 0.0, "radial_load_n": 500.0, "gap_m": 4e-6}),
         (angular(balls=11), {"axial_load_n": 400.0, "radial_load_n": 300.0}),
+        (bearing(), {"axial_load_n": 70.0, "radial_load_n": 500.0, "angle": "moving"}),
     ],
-    ids=["radial with clearance", "combined"],
+    ids=["radial with clearance", "combined", "balls lifted at moving angles"],
 )
 def test_varying_compliance_follows_the_static_balance(geometry, loads) -> None:
     """A slow ring goes through the balances of the cage's places, and moves at Z f_c.
@@ -232,6 +234,7 @@ HARD = {
         50e-9,
     ),
     "40 degrees": ({"geometry": angular(), "axial_load_n": 300.0, "radial_load_n": 200.0}, 50e-9),
+    "moving angle": ({"radial_load_n": 400.0, "angle": "moving"}, 50e-9),
     "light ring": ({"ring_mass_kg": 1e-3}, 20e-9),
     "fast": ({"turns_hz": 500.0}, 20e-9),
     "without losses": ({"contact_loss_factor": 0.0}, 20e-9),
@@ -241,15 +244,16 @@ HARD = {
 @pytest.mark.law("Bearing: the work of loads and turning tracks is what the ring stores and loses.")
 @pytest.mark.parametrize("name", HARD)
 def test_energy_is_balanced(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Steps of a fortieth of a period lose track of 2e-3 of the energy that moves at most.
+    """Steps of a fortieth of a period lose track of 3e-3 of the energy that moves at most.
 
-    The largest share is that of a ring that hits its balls again and again.
+    The largest share is that of a ring that hits its balls again and again. Rounding decides which
+    hits there are: masses that differ by 1e-12 have shares of 0.6e-3 to 2.2e-3.
     """
     monkeypatch.setattr("rolling.bearing.limits.LONGEST_RUN_IN_S", 0.05)
     changes, rms = HARD[name]
     case = model(**changes)
     motion = move_ring(case, rough_tracks(case, rms), 0.1)
-    assert motion.energy_error < 2e-3
+    assert motion.energy_error < 3e-3
     assert np.isfinite(motion.velocity_m_s).all()
 
 
@@ -352,15 +356,17 @@ def test_mobility_is_that_of_the_linear_ring(name: str, ratio: float) -> None:
 
 
 @pytest.mark.law("Bearing: the motion is that of an independent solution of its equations.")
-def test_motion_agrees_with_another_solver() -> None:
+@pytest.mark.parametrize("angle", ["fixed", "moving"])
+def test_motion_agrees_with_another_solver(angle: str) -> None:
     """Waves above the approach and a radial load; balls lose contact, and nothing is lost.
 
     The comparison begins with a recorded state. 160 steps in a period of the resonance leave 0.2 %
-    of the maximum after 60 periods.
+    of the maximum after 60 periods. A moving line leads from one centre of the grooves to the
+    other.
     """
     from scipy.integrate import solve_ivp
 
-    case = model(contact_loss_factor=0.0, radial_load_n=150.0)
+    case = model(contact_loss_factor=0.0, radial_load_n=150.0, angle=angle)
     geometry = case.geometry
     tracks = with_waves(smooth_tracks(geometry), inner={9: 3e-6}, outer={12: 2e-6})
     with pytest.MonkeyPatch.context() as patch:
@@ -368,15 +374,25 @@ def test_motion_agrees_with_another_solver() -> None:
         motion = move_ring(case, tracks, 0.01, per_period=160)
     speeds = case.kinematics
     places = 2 * pi * np.arange(geometry.balls) / geometry.balls
+    distance = geometry.groove_distance_m
+    cosine, sine = cos(geometry.contact_angle), sin(geometry.contact_angle)
 
     def rates(time: float, state: np.ndarray) -> np.ndarray:
-        angle = places + 2 * pi * speeds.cage_hz * time
-        lines = -cos(geometry.contact_angle) * np.stack((np.cos(angle), np.sin(angle)))
-        height = 3e-6 * np.cos(9 * (angle - 2 * pi * speeds.inner_hz * time))
-        height += 2e-6 * np.cos(12 * angle)
-        approach = state[:2] @ lines + sin(geometry.contact_angle) * state[2] + height
+        around = places + 2 * pi * speeds.cage_hz * time
+        outwards = -np.stack((np.cos(around), np.sin(around)))
+        height = 3e-6 * np.cos(9 * (around - 2 * pi * speeds.inner_hz * time))
+        height += 2e-6 * np.cos(12 * around)
+        if angle == "fixed":
+            approach = cosine * (state[:2] @ outwards) + sine * state[2] + height
+            line = np.full((2, len(around)), [[cosine], [sine]])
+        else:
+            line = np.array([distance * cosine + state[:2] @ outwards, 0 * around])
+            line[1] = distance * sine + state[2]
+            length = np.hypot(*line)
+            approach = length - distance + height
+            line /= length
         load = geometry.series_stiffness * np.maximum(approach, 0.0) ** 1.5
-        force = np.append(lines @ load, sin(geometry.contact_angle) * load.sum())
+        force = np.append(outwards @ (load * line[0]), (load * line[1]).sum())
         return np.append(state[3:], (case.load - force) / case.ring_mass_kg)
 
     start = np.append(motion.displacement_m[0] + motion.mean_displacement_m, motion.velocity_m_s[0])
@@ -393,6 +409,54 @@ def test_motion_agrees_with_another_solver() -> None:
     assert motion.ball_load_n.min() < 1.0  # a contact is lost
     size = np.abs(expected).max()
     np.testing.assert_allclose(motion.velocity_m_s, expected, atol=0.005 * size)
+
+
+@pytest.mark.law("Bearing: resonances at moving angles are those of exact geometry.")
+@pytest.mark.parametrize(
+    ("axial_n", "angle", "radial_hz", "axial_hz"),
+    [
+        (70.0, "fixed", 6154, 1849),
+        (70.0, "moving", 5958, 2172),
+        (1000.0, "fixed", 9581, 2880),
+        (1000.0, "moving", 8564, 4633),
+    ],
+)
+def test_the_turning_line_moves_the_resonances(
+    axial_n: float, angle: str, radial_hz: float, axial_hz: float
+) -> None:
+    """Q cos^2(alpha)/s holds a 6204 along its axis, beside an angle that turns towards it."""
+    ring = linear_ring(model(axial_load_n=axial_n, angle=angle))
+    assert ring.radial_hz == pytest.approx(radial_hz, rel=1e-3)
+    assert ring.axial_hz == pytest.approx(axial_hz, rel=1e-3)
+
+
+@pytest.mark.law("Bearing: single waves move a 6204 at moving angles as exact grooves have it.")
+@pytest.mark.parametrize(("order", "amplitude_um", "um_s"), [(8, 0.05, 130), (64, 0.005, 147)])
+def test_single_waves_at_moving_angles(order: int, amplitude_um: float, um_s: float) -> None:
+    """Axial velocities at 70 N and 1,800 rpm are those of an integration of another program."""
+    scene = rolling.BearingScene(
+        bearing=rolling.Bearing(named="6204", speed_rpm=1800, axial_load_n=70, angle="moving")
+    )
+    waves = with_waves(smooth_tracks(scene.geometry), inner={order: 1e-6 * amplitude_um})
+    motion = move_ring(scene.model, waves, 0.1)
+    line_hz = order / 8 * scene.kinematics.ball_pass_inner_hz
+    found, left = amplitudes(motion, [line_hz])
+    assert 2e6 * pi * line_hz * found[0, 2] / np.sqrt(2) == pytest.approx(um_s, rel=0.005)
+    assert max(left) < 0.02 * found[0, 2]
+    (line,) = WaveMotion(scene.model).of_order("inner", order)
+    assert line.velocity["axial"] * amplitude_um / np.sqrt(2) == pytest.approx(um_s, rel=0.005)
+
+
+def test_balls_with_mass_keep_to_lines_that_turn() -> None:
+    """Far below their bounce they change the axial motion of a wave by less than a hundredth."""
+    waves = with_waves(smooth_tracks(bearing()), inner={8: 20e-9})
+    velocities = {}
+    for inertia in (False, True):
+        case = model(angle="moving", ball_inertia=inertia, contact_loss_factor=0.1)
+        motion = move_ring(case, waves, 0.05)
+        assert motion.energy_error < 2e-3
+        velocities[inertia] = motion.velocity_m_s[:, 2].std()
+    assert velocities[True] == pytest.approx(velocities[False], rel=0.01)
 
 
 @pytest.mark.law("Bearing: a ball with mass moves between its raceways as a mass on two springs.")

@@ -7,17 +7,21 @@ from math import acos, cos, degrees, pi, sin, tan
 import numpy as np
 import pytest
 from bearings import STEEL, angular, bearing, miniature, sjovall
+from scipy.optimize import root
 
 import rolling
-from rolling.bearing.geometry import (
-    BearingGeometry,
-    contact_lines,
-    ring_bending_hz,
-)
+from rolling.bearing.contact_lines import contact_lines
+from rolling.bearing.geometry import BearingGeometry, ring_bending_hz
 from rolling.bearing.kinematics import kinematics_of, lines_of
 from rolling.bearing.linear_ring import free_tilt_db
-from rolling.bearing.moving_angle import angles_under_loads, moving_angle_balance
-from rolling.bearing.static_load import least_axial_load, static_balance
+from rolling.bearing.static_load import (
+    angles_under_loads,
+    ball_loads,
+    least_axial_load,
+    rolling_angle,
+    static_balance,
+    tangent_stiffness,
+)
 from rolling.contact import closed_forms
 
 GEOMETRIES = {"6204": bearing(), "7210": angular(), "608": miniature()}
@@ -131,8 +135,8 @@ def test_combined_loads_of_many_balls_follow_sjovall(ratio: float) -> None:
     axial = 500.0
     radial = ratio * axial / tan(geometry.contact_angle)
     state = static_balance(geometry, axial_load_n=axial, radial_load_n=radial, cage_angle=0.05)
-    lines = contact_lines(np.array([0.0, pi]), geometry.contact_angle, "outer")
-    nearest, farthest = lines @ state.displacement_m
+    lines = contact_lines(geometry, np.array([0.0, pi]))
+    nearest, farthest = lines.at(state.displacement_m).approach_m
     zone = nearest / (nearest - farthest)
     radial_integral, axial_integral = sjovall(zone)
     maximum = geometry.series_stiffness * nearest**1.5
@@ -160,8 +164,7 @@ def test_balls_bear_the_loads(balls: int, cage_angle: float) -> None:
         geometry, axial_load_n=axial, radial_load_n=radial, cage_angle=cage_angle
     )
     np.testing.assert_allclose(state.ball_load_n, exact_loads(geometry, state, cage_angle))
-    lines = contact_lines(geometry.ball_angles(cage_angle), geometry.contact_angle, "outer")
-    borne = state.ball_load_n @ lines
+    borne = state.ball_load_n @ state.lines
     np.testing.assert_allclose(borne, [-radial, 0.0, axial], atol=1e-8 * axial)
 
 
@@ -196,38 +199,200 @@ def test_the_angle_under_an_axial_load_balances_the_groove_centres(name: str) ->
     assert degrees(angle) == pytest.approx(13.91, abs=0.01)
 
 
+MOVING = {"angle": "moving", "moving": "inner"}
+
+
+def printed_bearing(clearance_um: float) -> BearingGeometry:
+    """Return seven balls of 11.5 mm on 43.5 mm with a radial clearance, as a source prints them."""
+    distance = (0.52 + 0.53 - 1) * 11.5e-3
+    angle = degrees(acos(1 - 1e-6 * clearance_um / (2 * distance)))
+    return bearing(7, ball_mm=11.5, pitch_mm=43.5, angle_deg=angle, inner=0.52, outer=0.53)
+
+
 @pytest.mark.law("Bearings: displacements under moving contact angles are those that are printed.")
 @pytest.mark.parametrize(
-    ("clearance_um", "radial_um", "axial_um"), [(0.0, 15.1101, 133.5381), (10.0, 21.223, 149.1717)]
+    ("clearance_um", "radial_um", "axial_um", "from_touch_um"),
+    [(0.0, 15.1101, 133.5381, 133.5381), (10.0, 21.223, 149.1717, 73.51)],
 )
 def test_moving_angles_give_the_printed_displacements(
-    clearance_um: float, radial_um: float, axial_um: float
+    clearance_um: float, radial_um: float, axial_um: float, from_touch_um: float
 ) -> None:
-    """Seven balls of 11.5 mm on 43.5 mm under 1 kN, along a radius, or the axis from the plane."""
-    distance = (0.52 + 0.53 - 1) * 11.5e-3
-    geometry = bearing(
-        balls=7,
-        ball_mm=11.5,
-        pitch_mm=43.5,
-        angle_deg=degrees(acos(1 - 1e-6 * clearance_um / (2 * distance))),
-        inner=0.52,
-        outer=0.53,
+    """Under 1 kN along a radius, or along the axis from the plane and from the first touch."""
+    geometry = printed_bearing(clearance_um)
+    plane = geometry.groove_distance_m * sin(geometry.contact_angle)
+    state = static_balance(geometry, axial_load_n=0.0, radial_load_n=1000.0, **MOVING)
+    assert 1e6 * state.displacement_m[0] == pytest.approx(radial_um, rel=1e-4)
+    assert state.displacement_m[2] == pytest.approx(-plane, abs=1e-10)
+    state = static_balance(geometry, axial_load_n=1000.0, radial_load_n=0.0, **MOVING)
+    assert 1e6 * (state.displacement_m[2] + plane) == pytest.approx(axial_um, rel=1e-4)
+    assert 1e6 * state.displacement_m[2] == pytest.approx(from_touch_um, rel=1e-4)
+
+
+def test_a_clearance_is_a_gap_of_balls_in_the_middle_of_the_grooves() -> None:
+    """A radial load alone meets 10 um as a free angle, or as a gap at an angle of 0."""
+    state = static_balance(
+        printed_bearing(0.0), axial_load_n=0.0, radial_load_n=1000.0, gap_m=5e-6, **MOVING
     )
-    plane = distance * sin(geometry.contact_angle)
-    radial = moving_angle_balance(geometry, axial_load_n=0.0, radial_load_n=1000.0)
-    assert 1e6 * radial.radial_m == pytest.approx(radial_um, rel=1e-4)
-    assert radial.axial_m == pytest.approx(-plane, abs=1e-10)
-    axial = moving_angle_balance(geometry, axial_load_n=1000.0, radial_load_n=0.0)
-    assert 1e6 * (axial.axial_m + plane) == pytest.approx(axial_um, rel=1e-4)
+    assert 1e6 * state.displacement_m[0] == pytest.approx(21.223, rel=1e-4)
+    assert state.stiffness_n_m[2, 2] > 0  # loads hold the ring in the plane of the grooves
 
 
-def test_moving_angles_balance_both_loads() -> None:
-    geometry = bearing()
-    balance = moving_angle_balance(geometry, axial_load_n=70.0, radial_load_n=250.0, cage_angle=0.3)
-    around = geometry.ball_angles(0.3)
-    along = balance.ball_load_n * np.cos(balance.angles) * np.cos(around)
-    assert along.sum() == pytest.approx(250.0, rel=1e-6)
-    assert (balance.ball_load_n * np.sin(balance.angles)).sum() == pytest.approx(70.0, rel=1e-6)
+def jones(geometry: BearingGeometry, places: np.ndarray, held: bool, start: np.ndarray, load):
+    """Return the balance of an inner ring by Jones' equations, solved by MINPACK in micrometres.
+
+    `load` has the forces along x, y and z [N] and the moments about x and y [N m]. The result has
+    displacements and turns as `load` has forces, and the loads of the balls.
+    """
+    distance = geometry.groove_distance_m
+    angle = geometry.contact_angle
+    groove = 1 / (1 / geometry.ball_radius_m - 1 / geometry.inner.radius_across_m)
+    circle = geometry.pitch_radius_m + (groove - geometry.ball_radius_m) * cos(angle)
+    units = 1e-6 * np.array([1, 1, 1, 1 / circle, 1 / circle])[: 3 if held else 5]
+
+    def parts(unknown: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        x, y, z, a, b = np.append(units * unknown, [0.0, 0.0])[:5]
+        radial = distance * cos(angle) + x * np.cos(places) + y * np.sin(places)
+        axial = distance * sin(angle) + z + circle * (a * np.sin(places) - b * np.cos(places))
+        length = np.sqrt(radial**2 + axial**2)
+        loads = geometry.series_stiffness * np.maximum(length - distance, 0.0) ** 1.5
+        outwards, along = loads * radial / length, loads * axial / length
+        forces = (
+            (outwards * np.cos(places)).sum(),
+            (outwards * np.sin(places)).sum(),
+            along.sum(),
+            circle * (along * np.sin(places)).sum(),
+            -circle * (along * np.cos(places)).sum(),
+        )
+        return np.array(forces), loads
+
+    size = np.abs(load[:3]).max()
+    scale = np.array([size] * 3 + [size * circle] * 2)[: len(units)]
+    found = root(
+        lambda unknown: (parts(unknown)[0] - load)[: len(units)] / scale,
+        start[: len(units)] / units,
+        method="lm",
+        options={"xtol": 1e-14, "ftol": 1e-14, "maxiter": 20000},
+    )
+    assert np.abs(found.fun).max() < 1e-8
+    return units * found.x, parts(found.x)[1]
+
+
+@pytest.mark.law("Bearings: balances at moving angles are those of another solver, with tilts too.")
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("held", [True, False], ids=["held", "tilting"])
+def test_moving_angles_balance_as_another_solver_has_it(seed: int, held: bool) -> None:
+    """Random bearings and loads, from one ball that bears to all of them.
+
+    The other solver starts beside the balance, because its own steps are lost from far away.
+    """
+    random = np.random.default_rng(seed)
+    geometry = bearing(
+        balls=int(random.integers(5, 20)),
+        ball_mm=8.0,
+        pitch_mm=random.uniform(55.0, 120.0),
+        angle_deg=random.uniform(1.0, 40.0),
+        inner=random.uniform(0.51, 0.54),
+        outer=random.uniform(0.51, 0.54),
+    )
+    axial, radial = 10 ** random.uniform(0.5, 3.5, 2)
+    moments = random.normal(size=2) * 0.2 * axial * geometry.pitch_radius_m
+    place = random.uniform(0, 6)
+    state = static_balance(
+        geometry,
+        axial_load_n=axial,
+        radial_load_n=radial,
+        cage_angle=place,
+        moments_n_m=None if held else tuple(moments),
+        **MOVING,
+    )
+    found = np.append(state.displacement_m, state.tilt)
+    start = found * random.uniform(0.9, 1.1, 5)
+    load = np.array([radial, 0.0, axial, *moments])
+    other, loads = jones(geometry, geometry.ball_angles(place), held, start, load)
+    size = np.abs(found[:3]).max()
+    np.testing.assert_allclose(found[:3], other[:3], atol=1e-6 * size)
+    np.testing.assert_allclose(state.tilt[: len(other) - 3], other[3:], rtol=1e-5, atol=1e-9)
+    np.testing.assert_allclose(state.ball_load_n, loads, atol=1e-5 * loads.max())
+
+
+@pytest.mark.law("Bearings: the moment of a displacement is the force of a tilt.")
+@pytest.mark.parametrize("moving", ["inner", "outer"])
+@pytest.mark.parametrize("angle", ["fixed", "moving"])
+def test_the_stiffness_is_the_change_of_forces_and_moments(moving: str, angle: str) -> None:
+    """The forces' differences are the tangent stiffness, which is symmetric; an energy has both."""
+    geometry = bearing(balls=9)
+    state = static_balance(
+        geometry,
+        axial_load_n=300.0,
+        radial_load_n=500.0,
+        cage_angle=0.2,
+        moving=moving,
+        angle="moving",
+        moments_n_m=(0.4, -0.2),
+    )
+    lines = contact_lines(geometry, geometry.ball_angles(0.2), moving=moving, angle=angle)
+    place = np.append(state.displacement_m, state.tilt)
+
+    def borne(displacement: np.ndarray) -> np.ndarray:
+        pressed = lines.at(displacement)
+        return ball_loads(pressed.approach_m, geometry.series_stiffness) @ pressed.lines
+
+    steps = 1e-10 * np.array([1, 1, 1, 30, 30])
+    slopes = [
+        (borne(place + change) - borne(place - change)) / (2 * step)
+        for change, step in zip(np.diag(steps), steps, strict=True)
+    ]
+    wanted = tangent_stiffness(lines.at(place), geometry.series_stiffness)
+    unit = np.sqrt(np.diag(wanted))
+    scale = np.outer(unit, unit)
+    np.testing.assert_allclose(slopes / scale, wanted / scale, atol=1e-5)
+    np.testing.assert_allclose(wanted, wanted.T, rtol=1e-12)
+    if angle == "moving":
+        np.testing.assert_allclose(state.stiffness, wanted, rtol=1e-9)
+        np.testing.assert_allclose(state.moment_n_m, [0.4, -0.2], atol=1e-8)
+
+
+@pytest.mark.law("Bearings: at moving angles every load has a balance.")
+def test_radial_loads_lift_balls_from_an_axial_load() -> None:
+    """A fixed angle refuses these loads; three of fifteen balls bear the first."""
+    geometry = bearing(15, ball_mm=20.0, pitch_mm=150.0, angle_deg=25.0, inner=0.52, outer=0.53)
+    loads = {"axial_load_n": 70.0, "radial_load_n": 150.0}
+    with pytest.raises(ValueError, match="axial_load_n"):
+        static_balance(geometry, **loads)
+    state = static_balance(geometry, **loads, angle="moving")
+    assert sorted(state.ball_load_n.round(0).tolist())[-4:] == [0.0, 48.0, 48.0, 76.0]
+    state = static_balance(bearing(), axial_load_n=150.0, radial_load_n=1000.0, **MOVING)
+    np.testing.assert_allclose(state.ball_load_n @ state.lines, [1000.0, 0.0, 150.0], atol=1e-7)
+
+
+@pytest.mark.parametrize("force", [1e-13, 1e-6, 1.0])
+def test_small_loads_at_small_angles_are_balanced(force: float) -> None:
+    """Z K (A/2)^1.5 alpha^4 at the angle alpha under the load, while it is small."""
+    geometry = bearing(angle_deg=degrees(1e-14))
+    state = static_balance(geometry, axial_load_n=force, radial_load_n=0.0, angle="moving")
+    approach = (geometry.groove_distance_m / 2) ** 1.5
+    angle = (force / (geometry.balls * geometry.series_stiffness * approach)) ** 0.25
+    np.testing.assert_allclose(state.angles, angle, rtol=2 * angle**2 + 1e-9)
+    assert float(state.ball_load_n @ state.lines[:, 2]) == pytest.approx(force, rel=1e-9)
+
+
+@pytest.mark.parametrize("angle", ["fixed", "moving"])
+def test_a_balance_that_is_not_found_is_no_number(
+    angle: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rolling.bearing.static_load._MAX_ITERATIONS", 1)
+    with pytest.raises(ValueError, match="not found"):
+        static_balance(bearing(), axial_load_n=70.0, radial_load_n=100.0, angle=angle)
+
+
+def test_balls_roll_at_the_angle_under_their_loads() -> None:
+    """Their speeds follow from the cosine, of which loaded balls have the most weight."""
+    state = static_balance(bearing(), axial_load_n=70.0, radial_load_n=250.0, angle="moving")
+    cosine = state.ball_load_n @ np.cos(state.angles) / state.ball_load_n.sum()
+    assert cos(rolling_angle([state, state])) == pytest.approx(cosine, rel=1e-12)
+    turned = kinematics_of(bearing(), "inner", 30.0, rolling_angle([state]))
+    same = kinematics_of(bearing(angle_deg=degrees(acos(cosine))), "inner", 30.0)
+    assert lines_of(turned) == pytest.approx(lines_of(same), rel=1e-12)
 
 
 def test_ring_bending_is_that_of_a_thin_ring() -> None:
@@ -253,7 +418,7 @@ def test_a_ring_that_tilts_moves_less_along_its_radius(name: str) -> None:
     free = np.linalg.solve(matrix, stiffness * way)[0]
     held = 1 / cos(angle)
     assert 20 * np.log10(held / free) == pytest.approx(
-        free_tilt_db(geometry, radius, width), abs=1e-3
+        free_tilt_db(geometry, angle, radius, width), abs=1e-3
     )
 
 

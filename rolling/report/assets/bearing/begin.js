@@ -50,10 +50,10 @@ function showLevels() {
   $("#levels").textContent = `At ${at.join(", ")}: ${numbers.slice(0, -1).join(", ")} and ${numbers.at(-1)} µm/s radial${end}.`;
 }
 
-/** Return the largest radial load [N] that an axial load holds on the balls. */
+/** Return the largest radial load [N] that an axial load holds on the balls; none is too large for lines that turn. */
 function mostRadial(axial) {
-  const { alpha, balls } = state.run.bearing;
-  return alpha > 0 ? (0.9 * axial * Math.cos(Math.PI / balls)) / Math.tan(alpha) : Infinity;
+  const { alpha, balls, curvature } = state.run.bearing;
+  return alpha > 0 && curvature === 0 ? (0.9 * axial * Math.cos(Math.PI / balls)) / Math.tan(alpha) : Infinity;
 }
 
 /** Take the settings of the sliders, and show what follows at once. */

@@ -1,7 +1,7 @@
 // The small model of a bearing: a rigid ring with three displacements on the springs of its balls.
 //
 // Balls have no mass. A ball's force follows from Hertz' law of its two contacts in series, pressed by the
-// displacement of the ring along its contact line less the tracks: the change of the approach as ball and
+// elongation of its contact line less the tracks: the change of the approach as ball and
 // raceways turn, as the run computed it, at the mean load that the balls have at the settings.
 
 import { RATE } from "../engine/rate.js";
@@ -48,21 +48,50 @@ function dampingOf({ values, vectors }, mass, lossFactor) {
   return [0, 1, 2].map((row) => [0, 1, 2].map((column) => entry(row, column)));
 }
 
+/** Set `line` to the elongation of a contact line [m], its parts outwards and along the axis, and its turn across it [1/m].
+ *
+ * `outwards` and `z` are the ways of the ring in the plane of the ball. A fixed angle has no curvature. */
+function setLine(line, cosine, sine, curvature, outwards, z) {
+  const along = cosine * outwards + sine * z;
+  const across = cosine * z - sine * outwards;
+  const stretched = 1 + curvature * along;
+  const turned = curvature * across;
+  const length = Math.sqrt(stretched * stretched + turned * turned);
+  line[0] = (2 * along + curvature * (along * along + across * across)) / (1 + length);
+  line[1] = (stretched * cosine - turned * sine) / length;
+  line[2] = (stretched * sine + turned * cosine) / length;
+  line[3] = curvature / length;
+}
+
+/** Return the load of a ball at an angle [N] where the ring is at a place. */
+export function loadAt({ stiffness, alpha, curvature, sign, gap }, angle, [x, y, z]) {
+  const line = new Float64Array(4);
+  setLine(line, Math.cos(alpha), Math.sin(alpha), curvature, sign * (Math.cos(angle) * x + Math.sin(angle) * y), z);
+  return stiffness * Math.max(line[0] - gap, 0) ** 1.5;
+}
+
 /** Return the ring's force on the balls [N] at a displacement, its stiffness [N/m], and the ball loads [N]. */
 function balance(bearing, angle, [x, y, z]) {
-  const { balls, stiffness, alpha, sign, gap } = bearing;
+  const { balls, stiffness, alpha, curvature, sign, gap } = bearing;
+  const turned = new Float64Array(4);
   const force = [0, 0, 0];
   const matrix = [[0, 0, 0], [0, 0, 0], [0, 0, 0]];
   const loads = new Float64Array(balls);
   for (let j = 0; j < balls; j++) {
     const place = angle + (2 * Math.PI * j) / balls;
-    const line = [sign * Math.cos(alpha) * Math.cos(place), sign * Math.cos(alpha) * Math.sin(place), Math.sin(alpha)];
-    const pressed = Math.max(line[0] * x + line[1] * y + line[2] * z - gap, 0);
+    const [outX, outY] = [sign * Math.cos(place), sign * Math.sin(place)];
+    setLine(turned, Math.cos(alpha), Math.sin(alpha), curvature, outX * x + outY * y, z);
+    const [elongation, outwards, axial, turn] = turned;
+    const line = [outwards * outX, outwards * outY, axial];
+    const across = [-axial * outX, -axial * outY, outwards];
+    const pressed = Math.max(elongation - gap, 0);
     loads[j] = stiffness * pressed ** 1.5;
     const slope = 1.5 * stiffness * Math.sqrt(pressed);
     for (let row = 0; row < 3; row++) {
       force[row] += loads[j] * line[row];
-      for (let column = 0; column < 3; column++) matrix[row][column] += slope * line[row] * line[column];
+      for (let column = 0; column < 3; column++) {
+        matrix[row][column] += slope * line[row] * line[column] + loads[j] * turn * across[row] * across[column];
+      }
     }
   }
   return { force, matrix, loads };
@@ -108,7 +137,7 @@ export function frequenciesAt(bearing, rpm) {
  * Returns velocity [m/s] and acceleration [m/s2] of the ring, means over a sample each, as x, y and z, the loads of all balls [N] at every
  * `loadEvery`-th sample, and the time [s] that the bearing had turned before the first sample. */
 export function moveRing(bearing, settings, samples, loadEvery = 20) {
-  const { balls, stiffness, alpha, sign, gap, mass, lossFactor, tracks } = bearing;
+  const { balls, stiffness, alpha, curvature, sign, gap, mass, lossFactor, tracks } = bearing;
   const { axial, radial } = settings;
   const still = rest(bearing, axial, radial);
   const modes = eigensystem(still.matrix);
@@ -129,9 +158,10 @@ export function moveRing(bearing, settings, samples, loadEvery = 20) {
   const loads = new Float32Array(Math.ceil(samples / loadEvery) * balls);
   const now = new Float64Array(balls);
   const own = Float64Array.from({ length: balls }, (_, j) => j / balls);
-  const across = own.map((share) => sign * Math.cos(alpha) * Math.cos(2 * Math.PI * share));
-  const along = own.map((share) => sign * Math.cos(alpha) * Math.sin(2 * Math.PI * share));
-  const sine = Math.sin(alpha);
+  const across = own.map((share) => sign * Math.cos(2 * Math.PI * share));
+  const along = own.map((share) => sign * Math.sin(2 * Math.PI * share));
+  const [cosineOfLine, sineOfLine] = [Math.cos(alpha), Math.sin(alpha)];
+  const line = new Float64Array(4);
   const meanLoad = still.loads.reduce((sum, load) => sum + load, 0) / balls;
   const atLoad = (rows) => trackAtLoad(bearing.loads, rows, meanLoad);
   const [inner, outer] = [tracks.inner, tracks.outer].map(atLoad);
@@ -157,12 +187,13 @@ export function moveRing(bearing, settings, samples, loadEvery = 20) {
         const ny = along[j] * cosine + across[j] * angleSine;
         const waves = heightAt(inner, innerTurn + own[j]) + heightAt(outer, outerTurn + own[j])
           + heightAt(ballsOnInner[j], spin) + heightAt(ballsOnOuter[j], spin + 0.5);
-        const pressed = nx * x + ny * y + sine * z - gap - waves;
+        setLine(line, cosineOfLine, sineOfLine, curvature, nx * x + ny * y, z);
+        const pressed = line[0] - gap - waves;
         const load = pressed > 0 ? stiffness * pressed * Math.sqrt(pressed) : 0;
         now[j] = load;
-        px -= load * nx;
-        py -= load * ny;
-        pz -= load * sine;
+        px -= load * line[1] * nx;
+        py -= load * line[1] * ny;
+        pz -= load * line[2];
       }
       if (sample >= 0) { // means over the steps keep what is faster than the samples out of the low bands
         for (const [row, pull] of [px, py, pz].entries()) acceleration[row][sample] += pull / (mass * steps);

@@ -1,7 +1,7 @@
 // The picture of a bearing: rings, balls and cage that turn, and the loads of the balls around them.
 
 import { RATE } from "../engine/rate.js";
-import { frequenciesAt, rest } from "./model.js";
+import { frequenciesAt, loadAt, rest } from "./model.js";
 import { $, digits, state } from "./state.js";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -71,12 +71,9 @@ export function drawBearing() {
 export function showZone() {
   const { bearing, settings } = { bearing: state.run.bearing, settings: state.settings };
   const balanced = rest(bearing, settings.axial, settings.radial);
-  const [x, y, z] = balanced.place;
   const loads = [];
   for (let k = 0; k < ZONE_STEPS; k++) {
-    const angle = (2 * Math.PI * k) / ZONE_STEPS;
-    const radial = bearing.sign * Math.cos(bearing.alpha) * (Math.cos(angle) * x + Math.sin(angle) * y);
-    loads.push(bearing.stiffness * Math.max(radial + Math.sin(bearing.alpha) * z - bearing.gap, 0) ** 1.5);
+    loads.push(loadAt(bearing, (2 * Math.PI * k) / ZONE_STEPS, balanced.place));
   }
   parts.largest = Math.max(...loads);
   const points = loads.map((load, k) => placeOf(BASE + (LONGEST * load) / parts.largest, (2 * Math.PI * k) / ZONE_STEPS));
