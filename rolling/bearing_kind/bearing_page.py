@@ -174,13 +174,14 @@ def _facts(run: BearingRun) -> list[tuple[str, str]]:
     bearing = run.scene.bearing
     angles = numbers.angles
     loads = numbers.loads
+    turn = "turn" if bearing.angle == "moving" else "would turn"
     resonances = [f"{hz:.0f} Hz" for hz in numbers.ring.resonances_hz if hz > 0]
     return [
         ("Balls", f"{bearing.balls} of {bearing.ball_diameter_mm:g} mm"),
         ("Pitch diameter", f"{bearing.pitch_diameter_mm:g} mm"),
         (
             "Contact angle",
-            f"{angles.free_deg:.1f} degrees; the loads would turn it to {_range_of_angles(angles)}",
+            f"{angles.free_deg:.1f} degrees; the loads {turn} it to {_range_of_angles(angles)}",
         ),
         (
             "Rolling speed of a contact",

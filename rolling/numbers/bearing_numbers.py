@@ -195,8 +195,10 @@ class BallLoads:
 class AngleNumbers:
     """Contact angles."""
 
-    free_deg: float = number("the free angle, which the motion keeps", "degrees")
-    least_under_loads_deg: float = number("least angle to which the loads would turn it", "degrees")
+    free_deg: float = number("angle without load, which the motion keeps if it is fixed", "degrees")
+    least_under_loads_deg: float = number(
+        "least angle to which the loads would turn it, or do", "degrees"
+    )
     largest_under_loads_deg: float = number("largest such angle", "degrees")
 
 

@@ -14,6 +14,7 @@ from rolling.bearing.ring_motion import RingMotion, move_ring
 from rolling.bearing.static_load import static_balance
 from rolling.bearing.tracks import smooth_tracks, with_waves
 from rolling.contact import closed_forms
+from rolling.scene.bearing_lengths import angle_of, groove_distance
 
 INCH_M = 0.0254
 STEEL = 210e9, 0.3  # Young's modulus [Pa] and Poisson's ratio
@@ -55,10 +56,25 @@ SPEEDS = (
 )
 
 
+class PrintedDisplacements(NamedTuple):
+    """Displacements of the rings under 1 kN along a radius, and along the axis from the plane."""
+
+    clearance_um: float
+    radial_um: float
+    axial_um: float
+
+
+DISPLACEMENTS = (
+    PrintedDisplacements(clearance_um=0.0, radial_um=15.1101, axial_um=133.5381),
+    PrintedDisplacements(clearance_um=10.0, radial_um=21.223, axial_um=149.1717),
+)
+
+
 def bearing_rows() -> Iterator[tuple[str, str, float, float]]:
     """Yield rule, item, published and own number of speeds, loads and waves."""
     yield from _speeds()
     yield from _largest_loads()
+    yield from _displacements()
     yield from _waves()
 
 
@@ -120,6 +136,35 @@ def _largest_loads() -> Iterator[tuple[str, str, float, float]]:
         )
         own = float(balance.ball_load_n.max()) * balls / RADIAL_N
         yield "largest load", item, exact, own
+
+
+def _displacements() -> Iterator[tuple[str, str, float, float]]:
+    """Compare displacements [um] at moving contact angles with those of another program."""
+    for printed in DISPLACEMENTS:
+        distance = groove_distance(11.5e-3, 0.52, 0.53)
+        geometry = assemble(
+            balls=7,
+            ball_diameter_m=11.5e-3,
+            pitch_diameter_m=43.5e-3,
+            contact_angle=angle_of(1e-6 * printed.clearance_um, distance),
+            conformity_inner=0.52,
+            conformity_outer=0.53,
+            contact_modulus=closed_forms.contact_modulus(*STEEL, *STEEL),
+        )
+        along_radius = _under(geometry, axial_n=0.0, radial_n=1000.0)
+        along_axis = _under(geometry, axial_n=1000.0, radial_n=0.0)
+        from_plane = distance * math.sin(geometry.contact_angle) + along_axis[2]
+        item = f"clearance of {printed.clearance_um:g} um"
+        yield "displacement", f"radial, {item}", printed.radial_um, 1e6 * float(along_radius[0])
+        yield "displacement", f"axial, {item}", printed.axial_um, 1e6 * float(from_plane)
+
+
+def _under(geometry: BearingGeometry, axial_n: float, radial_n: float) -> Array:
+    """Return the displacement of the inner ring [m] under loads that turn the contact angles."""
+    balance = static_balance(
+        geometry, axial_load_n=axial_n, radial_load_n=radial_n, moving="inner", angle="moving"
+    )
+    return balance.displacement_m
 
 
 def _waves() -> Iterator[tuple[str, str, float, float]]:
