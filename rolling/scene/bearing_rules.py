@@ -323,8 +323,8 @@ def _allowed_share(bearing: Bearing, geometry: BearingGeometry, limit: float) ->
     low = (limit / largest_pressure(bearing, geometry)) ** 3
     if bearing.angle == "fixed" and not gap_of(bearing):
         return low
-    # With a gap fewer balls bear a smaller load, so that a larger share of it is on one. At an
-    # angle that turns, a ball bears at most the power 3/4 of the load more.
+    # With a gap fewer balls bear a smaller load, so that a larger share of it is on one. At a
+    # moving angle the load of a ball falls with that on the ring, or with its power 3/4 at least.
     high = 1.0
     low = low ** (4 / 3) / bearing.balls
     for _ in range(_STEPS):
