@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import sys
 from pathlib import Path
@@ -9,30 +10,40 @@ from typing import Any
 
 import pytest
 
+import rolling
+from acoustics.numbers import rounded
 from rolling import __version__
 
 ROOT = next(folder for folder in Path(__file__).parents if (folder / "pyproject.toml").exists())
 sys.path.append(str(ROOT / "docs" / "_hooks"))
 
-import pictures  # noqa: E402  # beside the docs
+# isort: split, for these stand beside the docs
+import drawn_pictures  # noqa: E402
+import picture_list  # noqa: E402
+import picture_parts  # noqa: E402
+import pictures  # noqa: E402
 
-TIMES = "step-cost"  # of a machine, whatever the version; a benchmark draws it
-LARGEST = 300_000  # bytes
-each_picture = pytest.mark.parametrize("picture", pictures.ALL, ids=lambda picture: picture.stem)
+TIMES = "step-cost.png"  # of a machine, whatever the version; a benchmark draws it
+LARGEST = {".png": 300_000, ".svg": 60_000}  # bytes
+CAPTIONED = [picture for picture in picture_list.ALL if picture.has_dark]
+each_picture = pytest.mark.parametrize(
+    "picture", picture_list.ALL, ids=lambda picture: picture.stem
+)
 
 
 def stored(picture: pictures.Picture) -> dict[str, Any]:
     """Return the JSON beside a picture."""
-    path = pictures.PICTURES / f"{picture.stem}.json"
+    path = picture_parts.PICTURES / f"{picture.stem}.json"
     assert path.is_file(), f"make it: python docs/_hooks/pictures.py {picture.name}"
     return json.loads(path.read_text(encoding="utf-8"))
 
 
 def test_each_picture_has_a_command_and_is_small() -> None:
-    drawn = {picture.stem for picture in pictures.ALL if picture.is_drawn}
-    files = sorted(pictures.PICTURES.glob("*.png"))
-    assert {path.stem for path in files} == {*drawn, TIMES}
-    assert max(path.stat().st_size for path in files) < LARGEST
+    made = {picture.path.name for picture in picture_list.ALL if picture.is_drawn}
+    made |= {picture_parts.dark_twin(picture.path).name for picture in CAPTIONED}
+    files = [path for path in picture_parts.PICTURES.iterdir() if path.suffix in LARGEST]
+    assert {path.name for path in files} == {*made, TIMES}
+    assert all(path.stat().st_size < LARGEST[path.suffix] for path in files)
 
 
 @each_picture
@@ -42,11 +53,15 @@ def test_a_picture_is_of_this_version_and_of_the_scenes_as_they_are(
     """Between releases a picture may be of the last one, and its scenes as they were."""
     content = stored(picture)
     if picture.is_drawn:
-        path = pictures.PICTURES / f"{picture.stem}.png"
-        assert content["picture_sha256"] == pictures.digest_of(path), "it has another JSON"
+        assert content["picture_sha256"] == pictures.digest_of(picture.path), "of another JSON"
+    if picture.has_dark:
+        twin = picture_parts.dark_twin(picture.path)
+        assert content["dark_sha256"] == pictures.digest_of(twin), "of another JSON"
     if ".dev" not in __version__:
         assert content["program"] == __version__, f"make it again: {content['command']}"
-        assert content["scenes"] == picture.digests, f"make it again: {content['command']}"
+        assert content["scenes"] == pictures.digests(picture), (
+            f"make it again: {content['command']}"
+        )
 
 
 @each_picture
@@ -57,7 +72,7 @@ def test_pages_state_the_numbers_of_a_picture(picture: pictures.Picture) -> None
 
 
 def test_equal_runs_have_equal_numbers_in_all_pictures() -> None:
-    page, spectrum, table = map(stored, pictures.ALL[:3])
+    page, spectrum, table = map(stored, picture_list.ALL[:3])
     assert page["numbers"] == spectrum["numbers"] == table["numbers"]["quickstart"]
 
 
@@ -66,3 +81,67 @@ def test_a_number_that_a_page_does_not_state_is_missed() -> None:
     heading = "The table shows\nboth  at 1 m"  # spaces and ends of lines are no difference
     assert pictures.missing({"README.md": [heading]}) == {}
     assert pictures.missing({"README.md": [heading, row]}) == {"README.md": [row]}
+
+
+@pytest.mark.parametrize("picture", CAPTIONED, ids=lambda picture: picture.stem)
+def test_a_page_shows_a_picture_above_its_caption(picture: picture_parts.Picture) -> None:
+    content = stored(picture)
+    (page,) = content["pages"]
+    text = (ROOT / page).read_text(encoding="utf-8")
+    link = f"](../scenarios/pictures/{picture.path.name})\n\n{content['caption']}\n"
+    assert link in text, f"{page} lacks {link}"
+
+
+@pytest.mark.parametrize(
+    "picture", [picture for picture in CAPTIONED if picture.is_quick], ids=lambda x: x.stem
+)
+def test_the_program_makes_the_same_picture_again(
+    picture: picture_parts.Picture, tmp_path: Path
+) -> None:
+    """Numbers and caption of pictures without a march are those of the program as it is."""
+    content = stored(picture)
+    shown = picture.make(tmp_path / picture.path.name)
+    assert shown.numbers == content["numbers"]
+    assert shown.caption == content["caption"]
+    assert picture_parts.dark_twin(tmp_path / picture.path.name).is_file()
+
+
+@pytest.mark.slow
+def test_a_march_gives_the_numbers_of_its_picture_again(tmp_path: Path) -> None:
+    """The contact is marched anew: a kept run would not know that the program has changed."""
+    (picture,) = (picture for picture in CAPTIONED if picture.stem == "contact")
+    run = rolling.simulate(picture.scenes["ball"].read(), workers=1, progress=False)
+    ratio = rounded(100 * run.numbers.contact.plastic_ratio, 2)
+    assert stored(picture)["numbers"]["yielding"] == f"{ratio} %"
+
+
+def test_a_dark_page_has_light_ink_dark_paper_and_the_hues_of_a_light_one() -> None:
+    light = '<svg a="b"><path fill="#ffffff" stroke="#000000"/><g fill="#000004"/><text>a</text>'
+    dark = drawn_pictures.darkened(light, frozenset({"#000004"}))
+    ink = dark.partition('stroke="')[2][:7]
+    paper = dark.partition('path fill="')[2][:7]
+    assert dark.startswith(f'<svg fill="{ink}" a="b">')  # of letters, which have no own colour
+    assert min(_levels(ink)) > 200 and max(_levels(paper)) < 50
+    assert 'g fill="#000004"' in dark
+    red, green, blue = _levels(drawn_pictures.dark_colour("#0072b2"))
+    assert red < green < blue and green > 0x72
+
+
+def test_the_site_shows_the_twin_of_a_picture_on_a_dark_page() -> None:
+    place = ROOT / "docs" / "_hooks" / "site.py"
+    spec = importlib.util.spec_from_file_location("site_hook", place)
+    assert spec is not None and spec.loader is not None
+    site_hook = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(site_hook)
+    both = "![A](pictures/model.svg#only-light)![A](pictures/model-dark.svg#only-dark)"
+    for markdown, shown in (
+        ("![A](../scenarios/pictures/model.svg)", both),
+        ("![A](../scenarios/pictures/choice.png)", "![A](pictures/choice.png)"),
+        ("[A](../scenarios/pictures/model.svg)", "[A](pictures/model.svg)"),
+    ):
+        assert site_hook.on_page_markdown(markdown, None, None, None) == shown
+
+
+def _levels(colour: str) -> tuple[int, ...]:
+    """Return red, green and blue of #rrggbb."""
+    return tuple(bytes.fromhex(colour[1:]))

@@ -5,16 +5,15 @@
 
 from __future__ import annotations
 
-import re
 import subprocess
 import sys
 from pathlib import Path
 
 from build_cache import ROOT
+from picture_parts import first_block
 
 PAGE = ROOT / "docs" / "which-finish-is-quieter.md"
 RESULT = Path("outputs") / "finish"
-BLOCK = "^```{language}\n(.*?)^```"
 
 
 def choose(folder: Path) -> str:
@@ -37,12 +36,4 @@ def choose(folder: Path) -> str:
 
 def blocks() -> tuple[str, str]:
     """Return the Python code that makes the scans of the page, and its scene."""
-    return _first("python"), _first("yaml")
-
-
-def _first(language: str) -> str:
-    """Return the first block of a language on the page."""
-    pattern = BLOCK.format(language=language)
-    found = re.search(pattern, PAGE.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
-    assert found is not None
-    return found[1]
+    return first_block(PAGE, "python"), first_block(PAGE, "yaml")

@@ -2,7 +2,8 @@
 
 A page links to a file outside of docs/ by its path in the repository (`../CHANGELOG.md`), so that
 the link also works where the repository is browsed. In the site such a link leads to the copy of
-that file, or becomes plain text if the site has no copy.
+that file, or becomes plain text if the site has no copy. A picture with a twin for dark pages
+becomes both, of which the theme shows one.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from pathlib import Path
 from build_cache import ROOT
 from generate import keys_of
 from mkdocs.structure.files import File
+from picture_parts import dark_twin
 
 PAGES = {
     "CHANGELOG.md": "changelog.md",
@@ -35,7 +37,7 @@ def on_files(files, config):
         for page, copy in PAGES.items():
             text = text.replace(f"]({page})", f"]({copy})")
         files.append(File.generated(config, target, content=OWN_LINK.sub(r"](\1)", text)))
-    for picture in sorted((ROOT / PICTURES).glob("*.png")):
+    for picture in sorted((ROOT / PICTURES).glob("*.[ps][nv]g")):
         files.append(File.generated(config, f"pictures/{picture.name}", abs_src_path=str(picture)))
     files.append(File.generated(config, "api.md", content=api_page()))
     return files
@@ -56,7 +58,11 @@ def on_page_content(content, page, config, files):
 def _within_site(match):
     picture, text, path, anchor = match.groups()
     if path.startswith(PICTURES):
-        return f"{picture}[{text}](pictures/{Path(path).name})"
+        shown = f"{picture}[{text}](pictures/{Path(path).name}"
+        twin = dark_twin(ROOT / path)
+        if picture and twin.exists():
+            return f"{shown}#only-light){picture}[{text}](pictures/{twin.name}#only-dark)"
+        return f"{shown})"
     if path in PAGES:
         return f"[{text}]({PAGES[path]}{anchor or ''})"
     return match[0] if (ROOT / "docs" / path).is_file() else text  # of a page in a folder
