@@ -51,6 +51,7 @@ def improve(scenes: Mapping[str, Any]) -> Drawn:
     advice = rolling.sensitivities(scene, folder=folder, pairs=PAIRS, progress=False)
     figure = new_figure(4.6)
     ax = plain(advice.plot(figure.add_subplot()))
+    ax.set_xlabel("change of the level [dB(A)]; left is quieter")
     legend_below(figure, ax)
     numbers = {f"line {k}": line for k, line in enumerate(advice.lines)}
     return Drawn(figure, numbers)
