@@ -15,6 +15,7 @@ from setuptools import find_packages, setup
 ROOT = Path(__file__).parent
 SCENES = "rolling.scenarios"
 LINK = re.compile(r"(!?)\[([^\]]*)\]\((?!#|[a-z][a-z0-9+.-]*:)([^)\s]+)\)")
+PICTURE = re.compile(r'<picture>.*?<img alt="([^"]*)" src="([^"]*)"></picture>')
 LAST_LINE = "The linked files are in the source distribution."
 
 
@@ -37,7 +38,8 @@ def index_page(readme: str, repository: str | None, revision: str) -> str:
         kind = "raw" if picture else "tree" if path.endswith("/") else "blob"
         return f"{picture}[{text}]({repository.rstrip('/')}/{kind}/{revision}/{path})"
 
-    page, changed = LINK.subn(absolute, readme)
+    of_light_pages = PICTURE.sub(r"![\1](\2)", readme)  # an index page has no dark form
+    page, changed = LINK.subn(absolute, of_light_pages)
     if repository is None and changed:
         page = re.sub(r"\n{3,}", "\n\n", page).rstrip() + f"\n\n{LAST_LINE}\n"
     return page

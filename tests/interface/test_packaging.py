@@ -101,6 +101,16 @@ def test_links_of_the_index_page_are_absolute_where_the_repository_is_known(
     )
 
 
+def test_the_index_page_shows_a_picture_as_on_a_light_page(setup_file: ModuleType) -> None:
+    picture = '<picture><source srcset="a/b-dark.svg"><img alt="a ball" src="a/b.svg"></picture>\n'
+    page = setup_file.index_page(picture, "https://example.org/it", "v1")
+    assert page == "![a ball](https://example.org/it/raw/v1/a/b.svg)\n"
+    assert "<" not in setup_file.index_page(picture, None, "v1")
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    for path in re.findall(r'(?:src|srcset)="([^"]+)"', readme):
+        assert (ROOT / path).is_file(), path
+
+
 def test_the_index_page_has_no_link_that_leads_nowhere(setup_file: ModuleType) -> None:
     """Without an address of the repository the README's pictures go, and its links become text."""
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
