@@ -128,8 +128,8 @@ def static_balance(
     load = load_vector(axial_load_n, radial_load_n, moving)
     if moments_n_m is not None:
         load = np.append(load, moments_n_m)
-    found = _balanced(lines, geometry.series_stiffness, load)
-    whole = np.append(found, np.zeros(5 - len(found)))
+    balanced = _balanced(lines, geometry.series_stiffness, load)
+    whole = np.append(balanced, np.zeros(5 - len(balanced)))
     pressed = lines.at(whole)
     forces = ball_loads(pressed.approach_m, geometry.series_stiffness)
     return StaticBalance(
@@ -191,21 +191,21 @@ def _balanced(lines: ContactLines, stiffness: float, load: Array) -> Array:
     wanted = load / balls.units
     size = float(np.linalg.norm(wanted))
     start = (lines.gap_m + balls.approach_m(size)) * wanted / size
-    found = balls.place_under(wanted, start)
-    if found is None:
+    place = balls.place_under(wanted, start)
+    if place is None:
         # A light load leads along a bent and narrow valley of the energy, which a heavy one widens.
         reach = _WIDE / lines.curvature if lines.curvature > 0 else lines.gap_m
         heaviest = max(stiffness * reach**1.5 / size, 1.0)
         times = ceil(log(heaviest, _LIGHTER)) + 1
-        found = reach * wanted / size
+        place = reach * wanted / size
         for heavier in np.geomspace(heaviest, 1.0, times):
-            found = balls.place_under(heavier * wanted, found)
-            if found is None:
+            place = balls.place_under(heavier * wanted, place)
+            if place is None:
                 raise ValueError(
                     f"loads of a bearing: got {size:g} N, whose balance was not found; allowed:"
                     " loads that press the balls by more than the rounding of their places"
                 )
-    return np.asarray(found / balls.units)
+    return np.asarray(place / balls.units)
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ class Finding:
     >>> import rolling
     >>> steps = rolling.read_scene("quickstart").with_(load_n=20).check()[0]
     >>> steps.quantity, steps.value
-    ('steps', '10500 of 2 um')
+    ('steps', '6500 of 2 um')
     """
 
     key: str

@@ -25,12 +25,17 @@ HOOKED = [
     "@pydantic.field_validator*",
     "@overload*",
     "@intrinsic*",
+    "@register_model*",
+    "@infer_getattr*",
+    "@type_callable*",
+    "@lower_*",
 ]
 # Methods that a library calls by their names, each with the library.
 HOOKS = {
     "_repr_html_": "IPython shows an object in a notebook",
     "on_start": "numba tells a listener that it compiles",
     "on_end": "numba tells a listener that it has compiled",
+    "generic_resolve": "numba asks for the type of an attribute",
     "writelines": "io.TextIOBase writes lines through it",
     "__getattr__": "Python asks a module for a name that it lacks",
     "__dir__": "Python lists the names of a module",
