@@ -174,6 +174,7 @@ def test_a_page_of_two_runs_shows_the_chosen_one(run: BearingRun, tmp_path: Path
         assert "at 900 rpm" in page.inner_text(".what >> visible=true")
 
 
+@pytest.mark.slow
 def test_firefox_turns_and_plays_it_without_a_complaint(page_file: Path, tmp_path: Path) -> None:
     if (program := firefox_path()) is None:
         without_browser("no Firefox")

@@ -134,7 +134,7 @@ def test_history_stays_below_the_error_of_the_solver(subcells: int) -> None:
 
 
 @pytest.mark.law("Blended edges: the mirrored track releases what the track takes up.")
-@pytest.mark.parametrize("subcells", [1, 2])
+@pytest.mark.parametrize("subcells", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_mirrored_track_swaps_loading_and_release(subcells: int) -> None:
     heights = rough(80, 80, 3e-7)
     mirrored = np.roll(heights[::-1], 1, axis=0)
