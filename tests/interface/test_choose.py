@@ -10,7 +10,7 @@ import pytest
 import soundfile
 
 import rolling as rc
-from acoustics.pairs import LOOKS
+from acoustics.pairs import FEWEST_PAIRS
 from rolling import cli
 from rolling.ball_kinds.ball_audition import BallAudition
 from rolling.ball_kinds.ball_candidates import candidate, candidates_of
@@ -115,16 +115,18 @@ def test_an_interrupted_choice_goes_on(tmp_path: Path, monkeypatch: pytest.Monke
     finished = []
     hear = choosing.OpenChoice.hear
 
-    def hear_some(self: choosing.OpenChoice, candidates: list, count: int) -> choosing.HeardPairs:
+    def hear_some(
+        self: choosing.OpenChoice, candidates: list, count: int, are_all: bool = True
+    ) -> choosing.HeardPairs:
         if finished:
             raise KeyboardInterrupt
         finished.append(count)
-        return hear(self, candidates, count)
+        return hear(self, candidates, count, are_all)
 
     monkeypatch.setattr(choosing.OpenChoice, "hear", hear_some)
     assert cli.main(words) == 130
     kept = sorted((tmp_path / "out").glob("runs/*/*/heard.json"))
-    assert len(kept) == 2 * LOOKS[0]
+    assert len(kept) == 2 * FEWEST_PAIRS
     before = [path.stat().st_mtime_ns for path in kept]
     monkeypatch.setattr(choosing.OpenChoice, "hear", hear)
     assert cli.main(words) == 0

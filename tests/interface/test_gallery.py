@@ -73,7 +73,7 @@ def test_one_sounds_at_a_time_with_equal_or_calibrated_gain(path: Path, opened) 
             page.locator("audio").nth(number).evaluate("player => player.play()")
             until(page, f"{playing} === 1")
     sounding = runs_of("filmed", "flying", "three", "smooth")[:6]
-    levels = np.array([run.sound.levels.laeq_db for run in sounding])
+    levels = np.array([run.stated().level.level_db for run in sounding])
     assert 0 < equal.max() <= 1 and calibrated.max() == pytest.approx(1)
     # A volume is a single-precision number.
     assert np.ptp(20 * np.log10(calibrated / equal) - levels) < 1e-3

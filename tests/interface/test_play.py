@@ -314,10 +314,10 @@ def test_a_record_is_saved_with_its_full_scale(playing) -> None:
 @pytest.mark.slow
 def test_the_limiter_leaves_quiet_sound_and_holds_the_loudest(playing) -> None:
     """The output has the level of the run within 0.5 dB; 30 dB louder it stays in full scale."""
-    run = runs_of("three")[0]
+    run = runs_of("three")[0]  # whose instrument sounds the released power
     with playing("three") as page:
         scale, volume = page.evaluate(
-            "[JSON.parse(document.querySelector('#data').textContent).runs[0].playback"
+            "[JSON.parse(document.querySelector('#data').textContent).runs[0].released.playback"
             ".calibrated_pa, Number(document.querySelector('#volume').value)]"
         )
         roll(page)

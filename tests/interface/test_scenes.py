@@ -56,11 +56,19 @@ def test_scene_runs(path: Path, tmp_path: Path) -> None:
         assert numbers.record.steps >= 9
         if stored.scene.recovery.rule != "left_end":  # the mean rule is exact to rounding
             assert numbers.energy.balance_error < 1e-12
-        pressure, rate, comment = wav.read(stored.folder / "signal.wav")
-        assert rate == 48000 and scene.name in comment and "1.0 = 1 Pa" in comment
-        again = level.laeq_db(pressure.T[0] if pressure.ndim > 1 else pressure, rate)
-        # 24 bits of a float sample leave 1e-4 dB
-        assert again == pytest.approx(numbers.record.laeq_db, abs=1e-3) if again else again is None
+        stated = run.stated()
+        levels_db = {"signal.wav": level.laeq_db(stated.along_track.pressure, 48000)}
+        if stated.source == numbers.record.source:  # before the gain to the level that is stated
+            own_db = level.laeq_db(stated.record.pressure, 48000)
+            assert own_db == pytest.approx(numbers.record.laeq_db, abs=1e-3)
+        else:
+            levels_db["released_signal.wav"] = numbers.record.laeq_db
+        for name, level_db in levels_db.items():
+            pressure, rate, comment = wav.read(stored.folder / name)
+            assert rate == 48000 and scene.name in comment and "1.0 = 1 Pa" in comment
+            again = level.laeq_db(pressure.T[0] if pressure.ndim > 1 else pressure, rate)
+            # 24 bits of a float sample leave 1e-4 dB
+            assert again == pytest.approx(level_db, abs=1e-3) if again else again is None
         listened, _, _ = wav.read(stored.folder / "listen.wav")
         assert np.abs(listened).max() <= 1.0
         assert len(run.series["approach"]) == len(run.release_power) + 1

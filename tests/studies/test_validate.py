@@ -176,7 +176,6 @@ def test_a_wrong_plate_is_beyond_its_bound(monkeypatch: pytest.MonkeyPatch) -> N
         return replace(body, thickness_m=1.01 * body.thickness_m)
 
     monkeypatch.setattr(validate, "plate_of", thicker)
-    monkeypatch.setattr(validate, "_sound_figures", dict)
     rows = validate.rows_of(TABLE["phonometry"], validate.phonometry())
     beyond = {*rows["quantity"][~rows["holds"]].str.partition(",")[0]}
     assert {"mobility", "critical frequency"} <= beyond
