@@ -391,7 +391,7 @@ def _bands(run: Run, a_weighted: bool) -> _Levels:
 
 def _spreads(run: Run) -> _Levels:
     """Return the standard uncertainties of the third octaves of a run [dB]."""
-    bands = run.numbers.played_bands
+    bands = run.numbers.bands_of_record
     assert bands is not None  # each source that is measured has third octaves
     return bands.uncertainty_by_name
 

@@ -447,7 +447,7 @@ def mean_band_table(runs: Sequence[RunFolder], curves: Sequence[str]) -> pd.Data
 
 def _a_weighted_bands(run: RunFolder) -> Mapping[str, float | None]:
     """Return the A-weighted third octaves of the sound of a run by their names [dB(A)]."""
-    bands = getattr(numbers_of(run), "played_bands_a", None)  # a kind need not have any
+    bands = getattr(numbers_of(run), "bands_a_of_record", None)  # a kind need not have any
     return {} if bands is None else bands.by_name
 
 

@@ -988,28 +988,28 @@ class RunNumbers:
         return f"RunNumbers({self.name}: {both})"
 
     @property
-    def played(self) -> SourceLevels:
+    def of_record(self) -> SourceLevels:
         """Levels of the record that is measured, that of `record.source`."""
         levels = self.levels
         own = levels.vibration if self.record.source == "vibration" else levels.released_power
         return own or SourceLevels()
 
     @property
-    def played_bands(self) -> BandQuantity | None:
+    def bands_of_record(self) -> BandQuantity | None:
         """Third octaves of the record that is measured, without weighting."""
         if self.record.source == "vibration":
             return self.bands.vibration
         return self.bands.released_power
 
     @property
-    def played_bands_a(self) -> BandQuantity | None:
+    def bands_a_of_record(self) -> BandQuantity | None:
         """A-weighted third octaves of the record that is measured."""
         if self.record.source == "vibration":
             return self.bands.vibration_a
         return self.bands.released_power_a
 
     @property
-    def played_quantity(self) -> Quantity:
+    def quantity_of_record(self) -> Quantity:
         """The quantity of the record that is measured."""
         return self.vibration if self.record.source == "vibration" else self.released_power
 

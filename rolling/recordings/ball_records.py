@@ -59,7 +59,7 @@ def records_of_ball(run: Run, quantity: MeasuredQuantity) -> ComparedRun:
 
 def _stated_level(run: Run) -> str:
     """Name what the levels of a run are of, with the level that it states and the verdict on it."""
-    quantity = run.numbers.played_quantity
+    quantity = run.numbers.quantity_of_record
     of = "vibration"
     if run.numbers.record.source == "release":
         q = run.numbers.record.q

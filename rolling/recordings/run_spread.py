@@ -181,9 +181,9 @@ def run_spread(run: Run, measured: MeasuredQuantity) -> RunSpread:
     """
     numbers = run.numbers
     is_sound = measured is PRESSURE
-    quantity = numbers.played_quantity if is_sound else numbers.vibration
-    bands = numbers.played_bands if is_sound else numbers.bands.vibration
-    weighted = numbers.played_bands_a if is_sound else numbers.bands.vibration_a
+    quantity = numbers.quantity_of_record if is_sound else numbers.vibration
+    bands = numbers.bands_of_record if is_sound else numbers.bands.vibration
+    weighted = numbers.bands_a_of_record if is_sound else numbers.bands.vibration_a
     band_parts: dict[str, Array] = {}
     known = np.zeros(len(BAND_NAMES), dtype=bool)
     if bands is not None and bands.uncertainty is not None:

@@ -254,8 +254,8 @@ def _player(view: RunView, scale: dict[str, Any] | None) -> dict[str, Any]:
         run_maps = maps.run_maps(run, scale["max_gpa"], scale["hardness"])
         with left_out_if_it_fails(f"of the slow motion of {run.label}"):
             slow_motion = film.film_of(run, scale["max_gpa"], scale["hardness"])
-    played = run.numbers.played_bands
-    assert played is not None  # each source that is measured has third octaves
+    bands = run.numbers.bands_of_record
+    assert bands is not None  # each source that is measured has third octaves
     return {
         "label": view.label,
         **_playing(view),
@@ -265,7 +265,7 @@ def _player(view: RunView, scale: dict[str, Any] | None) -> dict[str, Any]:
         "maps": run_maps,
         "film": slow_motion,
         "bands": _rounded(run.sound.levels.third_octave_db),
-        "spreads": _rounded(played.uncertainty_by_name),
+        "spreads": _rounded(bands.uncertainty_by_name),
     }
 
 

@@ -52,9 +52,9 @@ def number_table(runs: Sequence[Any]) -> NumberTable:
 def _is_raised_by_a_weighting(run: Any) -> bool:
     """Tell whether the A-weighted level of a run lies above that without weighting."""
     a_weighted = getattr(run, "record_laeq_db", None)  # a kind need not have any
-    if a_weighted is None or run.numbers.played.level_db is None:
+    if a_weighted is None or run.numbers.of_record.level_db is None:
         return False
-    return bool(a_weighted > run.numbers.played.level_db)
+    return bool(a_weighted > run.numbers.of_record.level_db)
 
 
 # ---- several listeners

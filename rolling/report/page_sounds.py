@@ -69,13 +69,13 @@ class RunRecords(NamedTuple):
 class _Heard(NamedTuple):
     """A sound of a run, and the record of it that is heard.
 
-    `is_played` tells whether it plays first, and not the released power beside it.
+    `is_of_record` tells whether it plays first, and not the released power beside it.
     """
 
     run: Run
     stated: StatedSound
     ear: listening.EarRecord
-    is_played: bool
+    is_of_record: bool
 
 
 def of_runs(runs: Sequence[Run]) -> list[RunRecords]:
@@ -99,7 +99,7 @@ def of_runs(runs: Sequence[Run]) -> list[RunRecords]:
         ]
         below_db = 0.0 if own_db is None else max(beside) - own_db
         of_sound = _records_of(sound, playback, below_db)
-        if sound.is_played:
+        if sound.is_of_record:
             records.append(of_sound)
         else:
             records[-1] = records[-1]._replace(released=of_sound)
@@ -111,7 +111,7 @@ def _heard(run: Run, sound: listening.ListenSound) -> _Heard:
     ear = sound.for_the_ear
     if sound.stated.long is None and ear.raised is None:  # the page goes round by itself
         ear = listening.EarRecord(sound.stated.sound.channels, "")
-    return _Heard(run, sound.stated, ear, is_played=sound.file == LISTEN)
+    return _Heard(run, sound.stated, ear, is_of_record=sound.file == LISTEN)
 
 
 def _laeq_db(sound: _Heard) -> float | None:
@@ -141,8 +141,8 @@ def _records_of(sound: _Heard, playback: dict[str, float | None], below_db: floa
 def _records(sound: _Heard) -> list[PageRecord]:
     """Return the records of a sound, the one that is heard first."""
     stated = sound.stated
-    prefix = "" if sound.is_played else "released-"
-    of = "" if sound.is_played else " of the released power"
+    prefix = "" if sound.is_of_record else "released-"
+    of = "" if sound.is_of_record else " of the released power"
     records = []
     if sound.ear.content:
         full_pa = full_scale(float(np.abs(sound.ear.pressure).max()))

@@ -415,7 +415,7 @@ _HIGH = "Most of its energy lies above 12 kHz, which many ears and loudspeakers 
 
 def special(scene: Scene, numbers: RunNumbers) -> str:
     """Say in one or two sentences what is special about the sound of a run; empty for nothing."""
-    if numbers.played.laeq_db is None:
+    if numbers.of_record.laeq_db is None:
         return ""
     texts = [
         rule(scene, numbers)
@@ -530,7 +530,7 @@ def _loudest_band_hz(numbers: RunNumbers) -> float | None:
 
 def _a_weighted(numbers: RunNumbers) -> dict[str, float | None]:
     """Return the A-weighted third octaves of the record that is measured [dB(A)]."""
-    bands = numbers.played_bands_a
+    bands = numbers.bands_a_of_record
     return {} if bands is None else bands.by_name
 
 

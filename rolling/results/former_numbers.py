@@ -263,9 +263,9 @@ def _renamed(values: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, A
 
 def _levels(numbers: RunNumbers) -> dict[str, Any]:
     """Return levels by their former names."""
-    played = asdict(numbers.played)
-    names = _renamed(played, _OF_SOUND)
-    spreads = played["spreads"] or dict.fromkeys(_SPREADS)
+    of_record = asdict(numbers.of_record)
+    names = _renamed(of_record, _OF_SOUND)
+    spreads = of_record["spreads"] or dict.fromkeys(_SPREADS)
     names["uncertainty_db"] = _renamed(spreads, _SPREADS)
     levels = numbers.levels
     if levels.vibration is None:
@@ -291,10 +291,10 @@ def _levels(numbers: RunNumbers) -> dict[str, Any]:
 def _bands(numbers: RunNumbers) -> dict[str, Any]:
     """Return third octaves by their former names."""
     bands = numbers.bands
-    own = numbers.played_bands
+    own = numbers.bands_of_record
     named = {
         "third_octave_db": own,
-        "third_octave_a_db": numbers.played_bands_a,
+        "third_octave_a_db": numbers.bands_a_of_record,
         "plate_power_third_octave_db": bands.plate_power,
         "ball_power_third_octave_db": bands.ball_power,
         "force_third_octave_n": bands.force,
@@ -323,7 +323,7 @@ def _errors(numbers: RunNumbers) -> dict[str, Any]:
     facts: dict[str, Any] = {"reason": errors.reason}
     if errors.reason is None:
         facts = _renamed(values, _FACTS)
-    quantity = numbers.played_quantity
+    quantity = numbers.quantity_of_record
     return {
         **_renamed(values, _ERRORS),
         "error_estimate": facts,

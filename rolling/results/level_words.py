@@ -29,7 +29,7 @@ class NumberText(NamedTuple):
         The number with its uncertainty, `silent` without sound, or `-` where there is none.
     number_field : NumberField
         What is said of it.
-    is_played : bool
+    is_of_record : bool
         Whether it is a level of the record that is measured.
     is_repeated : bool
         Whether it is one of the two numbers of the run again.
@@ -39,7 +39,7 @@ class NumberText(NamedTuple):
     head: str
     text: str
     number_field: NumberField
-    is_played: bool
+    is_of_record: bool
     is_repeated: bool
 
 
@@ -49,7 +49,7 @@ def number_texts(numbers: RunNumbers) -> list[NumberText]:
     The levels of what ends are those of the whole record.
     """
     shown = as_heard(numbers)
-    played = shown.played
+    of_record = shown.of_record
     answers = (numbers.vibration.value, numbers.released_power.value)
     skipped = "lasting" if numbers.record.single_event else "event"
     texts = []
@@ -59,9 +59,9 @@ def number_texts(numbers: RunNumbers) -> list[NumberText]:
         number_text = NumberText(
             place=row.place,
             head=_head(row, numbers),
-            text=_text(row, is_silent=row.group is played and played.laeq_db is None),
+            text=_text(row, is_silent=row.group is of_record and of_record.laeq_db is None),
             number_field=row.number_field,
-            is_played=row.group is played,
+            is_of_record=row.group is of_record,
             is_repeated=row.value is not None and row.value in answers,
         )
         texts.append(number_text)
@@ -128,7 +128,7 @@ def level_rows(numbers: RunNumbers) -> dict[str, str]:
         if quantity.judged is not None:
             rows[f"verdict on the {name}"] = quantity.judged.sentence
     for level in number_texts(numbers):
-        if level.is_played and not level.is_repeated and level.text != NOTHING:
+        if level.is_of_record and not level.is_repeated and level.text != NOTHING:
             rows[level.head] = level.text
     part = of_solved_part([numbers])
     if part:

@@ -81,7 +81,7 @@ def doubts(
         *_about(RELEASED_POWER, _solver(scene, sound)),
         *_played_level(numbers),
     ]
-    if numbers.played.laeq_db is not None:
+    if numbers.of_record.laeq_db is not None:
         listed += _about(plays, [*_spread(numbers), *_errors(scene, numbers)])
     # What was measured replaces what a rule for the scene expects.
     return [*{doubt.key: doubt for doubt in listed}.values(), *silent_vibration_doubts(numbers)]
@@ -344,7 +344,7 @@ def _spread(numbers: RunNumbers) -> Iterator[Doubt]:
     """Yield the parts of ±: length and comb of the record, time steps, contact loss, baffle."""
     # A release has no comb and no motion.
     of_motion = [*_of_motion(numbers)] if numbers.record.source == "vibration" else []
-    spreads = numbers.played.spreads
+    spreads = numbers.of_record.spreads
     yield from _parts_of_spread(numbers, of_motion, None if spreads is None else spreads.laeq_db)
 
 

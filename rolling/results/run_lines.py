@@ -271,7 +271,7 @@ def _short_surface(numbers: RunNumbers) -> str:
 def error_line(label: str, numbers: RunNumbers) -> str:
     """Write the error estimate of a run, or an empty text without one."""
     errors = numbers.errors
-    own = numbers.played
+    own = numbers.of_record
     if errors.stretches is None or errors.grid_db is None or own.laeq_db is None:
         return ""
     grid = errors.grid_db
@@ -285,7 +285,7 @@ def error_line(label: str, numbers: RunNumbers) -> str:
         detail = f"{errors.subgrid_db:+.2f} ± {of_detail:.2f} dB"
         texts.append(f"{detail} from missing detail below the spacing")
     texts.append(f"{solver:+.2f} dB from the solver")
-    parts = numbers.played_quantity.parts
+    parts = numbers.quantity_of_record.parts
     whole = math.hypot(joined(parts, left_out=CORRECTED), grid_spread) if parts else None
     corrected = f"corrected LAeq {uncertain(own.laeq_db - grid - solver, whole)} dB(A)"
     band_db = band_error_db(numbers)

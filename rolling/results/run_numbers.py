@@ -70,7 +70,7 @@ from rolling.results.run_errors import (
 from rolling.results.run_quantities import UNKNOWN, judged, with_quantities
 from rolling.results.solved_run import SolvedRun
 from rolling.results.stated_sound import playing_source, sound_to_listen
-from rolling.results.uncertainty_parts import played_parts, vibration_parts, with_band_parts
+from rolling.results.uncertainty_parts import parts_of_record, vibration_parts, with_band_parts
 from rolling.scene.scene import Scene
 from rolling.sound import radiators
 from rolling.sound.contact_sound import ContactSound
@@ -139,7 +139,7 @@ def run_numbers(run: SolvedRun, release: ContactSound) -> RunNumbers:
     )
     numbers = with_quantities(
         numbers,
-        of_sound=played_parts(run, motion, instrument, band, errors),
+        of_sound=parts_of_record(run, motion, instrument, band, errors),
         of_vibration=vibration_parts(run, motion, instrument),
         of_estimate=of_estimate,
     )

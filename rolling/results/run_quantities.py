@@ -85,7 +85,7 @@ def heard_levels(numbers: RunNumbers) -> SourceLevels:
 
     What ends is heard as a whole, so the levels of its long record lead.
     """
-    own = numbers.played
+    own = numbers.of_record
     long = numbers.heard_whole
     if long is None:
         return own
@@ -317,5 +317,5 @@ def above_vibration_db(numbers: RunNumbers) -> float | None:
         return numbers.levels.release_over_vibration_db
     if numbers.estimate is None or numbers.estimate.laeq_db is None:
         return None
-    own = numbers.played.laeq_db
+    own = numbers.of_record.laeq_db
     return None if own is None else own - numbers.estimate.laeq_db

@@ -34,7 +34,7 @@ NO_PARTS: Mapping[str, float] = MappingProxyType({})
 # ---- of the level
 
 
-def played_parts(
+def parts_of_record(
     run: SolvedRun,
     motion: MotionNumbers | None,
     instrument: InstrumentNumbers | None,

@@ -118,7 +118,7 @@ def _sound_measures(run: Run) -> dict[str, float]:
     LAeq is 10 lg of the release. The same fluctuation as 20 lg has no absolute value.
     """
     numbers = run.numbers
-    spreads = numbers.played.spreads
+    spreads = numbers.of_record.spreads
     third_octaves = numbers.bands.released_power
     assert spreads is not None and third_octaves is not None  # the release plays
     sound = run.sound
@@ -126,7 +126,7 @@ def _sound_measures(run: Run) -> dict[str, float]:
     unscaled = level_uncertainty(sound.pressure, sound.sample_rate, sound.levels, False, laps=laps)
     factor = numbers.record.factor_pa_per_w_m2
     unscaled_db = 20 * math.log10(P_REF_PA / (factor * I_REF_W_M2)) if factor else math.nan
-    level_db = _or_nan(numbers.played.laeq_db)
+    level_db = _or_nan(numbers.of_record.laeq_db)
     bands_db = np.array(third_octaves.value, dtype=float)
     square = np.nan_to_num(10 ** (bands_db / 10))
     return {

@@ -171,7 +171,7 @@ def test_a_run_and_its_numbers_meet_no_trap(tmp_path: Path) -> None:
     run = rolling.simulate(loads(TINY), workers=1, progress=False)
     saved = run.save(tmp_path / "run")
     assert (saved / "report.html").is_file()
-    assert rolling.open_run(saved).numbers.played.laeq_db == run.numbers.played.laeq_db
+    assert rolling.open_run(saved).numbers.of_record.laeq_db == run.numbers.of_record.laeq_db
     assert np.geterr() == {"divide": "raise", "over": "raise", "under": "raise", "invalid": "raise"}
 
 

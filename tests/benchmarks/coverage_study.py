@@ -240,7 +240,7 @@ def of_grid(number: int, seed: int) -> Iterator[Difference]:
         errors = numbers.errors
         if levels.laeq_db is not None and errors.grid_db is not None:
             off = errors.grid_db + (errors.solver_db or 0.0)
-            off -= numbers.played.laeq_db - levels.laeq_db
+            off -= numbers.of_record.laeq_db - levels.laeq_db
             yield Difference(source, "LAeq, grid", number, off / errors.grid_uncertainty_db)
         for band in BAND_NAMES:
             error = numbers.bands.grid_error.by_name[band]

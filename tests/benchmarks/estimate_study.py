@@ -169,7 +169,7 @@ def compare(scene: rc.Scene) -> tuple[pd.DataFrame, dict[str, Any]]:
     errors["LAeq"] = {
         "estimated": numbers.errors.grid_db + numbers.errors.solver_db,
         "uncertainty": numbers.errors.grid_uncertainty_db,
-        "true": numbers.played.laeq_db - levels.laeq_db,
+        "true": numbers.of_record.laeq_db - levels.laeq_db,
     }
     table = pd.DataFrame.from_dict(errors, orient="index")
     table["off"] = (table.estimated - table.true).abs()
@@ -216,7 +216,7 @@ def _detail_row(scene: rc.Scene, run: rc.Run) -> dict[str, str]:
     stated = numbers.errors.subgrid_db + numbers.errors.grid_db
     columns = {
         "LAeq with detail": f"{stated:+.2f} ± {spread:.2f}",
-        "LAeq with detail, true": f"{numbers.played.laeq_db - detailed.laeq_db:+.2f}",
+        "LAeq with detail, true": f"{numbers.of_record.laeq_db - detailed.laeq_db:+.2f}",
     }
     for name in ("8000", "16000"):
         stated = numbers.bands.subgrid_error.by_name[name] + numbers.bands.grid_error.by_name[name]

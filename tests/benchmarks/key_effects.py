@@ -175,7 +175,7 @@ def _numbers(run: Run) -> dict[str, float]:
     numbers = {"centroid": math.nan}
     if pressure.any():
         numbers["centroid"] = 100 * math.log(centroid_hz(pressure, rate))
-    own = run.numbers.played.laeq_db
+    own = run.numbers.of_record.laeq_db
     released = own
     if run.numbers.levels.vibration is not None:
         released = run.numbers.levels.released_power_at_listener_db

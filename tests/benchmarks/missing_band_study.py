@@ -40,7 +40,7 @@ def compare(seed: int) -> list[dict[str, Any]]:
             numbers = rc.simulate(scene.with_(own), workers=1, progress=False).numbers
             error = numbers.errors.band_db or 0.0
             spread = numbers.errors.band_uncertainty_db or 0.0
-            levels[nodes] = numbers.played.laeq_db, error, spread
+            levels[nodes] = numbers.of_record.laeq_db, error, spread
         level, error, spread = levels[1]
         for nodes in (LONGEST, 2):
             own_level, own_error, own_spread = levels[nodes]

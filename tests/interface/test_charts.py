@@ -97,7 +97,7 @@ def test_third_octaves_and_their_uncertainty_are_those_of_the_runs() -> None:
         assert np.sort(marks[1]) == pytest.approx(np.sort(levels), abs=0.02)
         (bars,) = (part for part in own if part["kind"] == "errors")
         spread = np.subtract(*(points(read, bars, key)[1] for key in ("high", "low"))) / 2
-        known = run.numbers.played_bands.uncertainty[-len(spread) :]
+        known = run.numbers.bands_of_record.uncertainty[-len(spread) :]
         assert spread == pytest.approx(np.array(known, dtype=float), abs=0.02)
 
 

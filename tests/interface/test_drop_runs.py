@@ -93,23 +93,23 @@ def rolled(*changes: str) -> Run:
 def test_a_fall_has_a_sound_exposure_level(run: Run) -> None:
     numbers = run.numbers
     assert numbers.record.single_event
-    expected = numbers.played.laeq_db + 10 * math.log10(len(run.sound.pressure) / SAMPLE_RATE_HZ)
-    assert numbers.played.lae_db == pytest.approx(expected, abs=1e-9)
-    assert numbers.played.spreads.lae_db == numbers.played.spreads.laeq_db
+    expected = numbers.of_record.laeq_db + 10 * math.log10(len(run.sound.pressure) / SAMPLE_RATE_HZ)
+    assert numbers.of_record.lae_db == pytest.approx(expected, abs=1e-9)
+    assert numbers.of_record.spreads.lae_db == numbers.of_record.spreads.laeq_db
 
 
 def test_terminal_and_page_show_events_by_what_can_be_compared(run: Run) -> None:
     """LAeq of 20 ms stays in the numbers. LAFmax of a record that began just before is below."""
-    assert run.numbers.played.laf_max_db is run.numbers.played.las_max_db is None
+    assert run.numbers.of_record.laf_max_db is run.numbers.of_record.las_max_db is None
     table = run_lines.levels_table([run])
-    assert f"{run.numbers.played.lae_db:.1f}" in table and "silent" not in table
+    assert f"{run.numbers.of_record.lae_db:.1f}" in table and "silent" not in table
     assert "LAE, dB(A)" in table and "LAFmax" in table and "LAeq" not in table
     assert "released power" not in table  # it is computed for a ball that rolls
-    rows = [row for row in number_texts(run.numbers) if row.is_played]
+    rows = [row for row in number_texts(run.numbers) if row.is_of_record]
     assert rows[0].number_field.word.startswith("LAE") and rows[0].is_repeated
     assert not any("LAeq" in row.number_field.word for row in rows)
     assert repr(run).count("LAE") == 1 and "LAeq" not in repr(run)
-    assert f"{run.numbers.played.lae_db:.1f}" in run._repr_html_()
+    assert f"{run.numbers.of_record.lae_db:.1f}" in run._repr_html_()
 
 
 def test_a_record_that_is_long_enough_shows_its_maximum(run: Run) -> None:
@@ -117,11 +117,13 @@ def test_a_record_that_is_long_enough_shows_its_maximum(run: Run) -> None:
     loop = rolled()
     opened = rolled("rolling.speed_m_s=[[0, 0.5], [0.002, 0.51]]")
     assert loop.sound.closed and not opened.sound.closed
-    assert loop.numbers.played.laf_max_db >= loop.numbers.played.laeq_db
-    assert opened.numbers.played.laf_max_db is None and opened.sound.levels.laf_max_db is not None
+    assert loop.numbers.of_record.laf_max_db >= loop.numbers.of_record.laeq_db
+    assert (
+        opened.numbers.of_record.laf_max_db is None and opened.sound.levels.laf_max_db is not None
+    )
     for steady in (loop, opened):
         assert not steady.numbers.record.single_event
-        words = [row.number_field.word for row in number_texts(steady.numbers) if row.is_played]
+        words = [row.number_field.word for row in number_texts(steady.numbers) if row.is_of_record]
         assert not any("LAE" in word.replace("LAeq", "") for word in words)
 
 
@@ -135,7 +137,7 @@ def test_a_fall_is_drawn_without_the_release_of_a_ball_that_rolls(run: Run) -> N
 
 def test_falls_are_compared_by_their_exposure(run: Run) -> None:
     """The shorter record has the higher LAeq, and less energy."""
-    own = run.numbers.played
+    own = run.numbers.of_record
     levels_db = {"lae_db": own.lae_db + 6, "laeq_db": own.laeq_db - 6}
     longer = changed(run.numbers, {"levels": {"vibration": levels_db}})
     longer = with_quantities(longer, run.vibration.parts, {}, {})

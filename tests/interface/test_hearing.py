@@ -15,7 +15,7 @@ from rolling.results.run_result import Run
 
 def with_record(run: Run, pressure: np.ndarray, laeq_db: float) -> Run:
     sound = replace(run.sound, pressure=pressure)
-    levels = replace(run.numbers.played, laeq_db=laeq_db)
+    levels = replace(run.numbers.of_record, laeq_db=laeq_db)
     of_sources = replace(run.numbers.levels, released_power=levels)
     return replace(run, sound=sound, numbers=replace(run.numbers, levels=of_sources))
 
@@ -62,11 +62,11 @@ def test_silence_has_no_reason() -> None:
 def test_weighting_is_explained_where_it_raises_a_level(heard) -> None:
     words = dict(number_table(heard).explained)
     raised = any(
-        run.numbers.played.laeq_db > run.numbers.played.level_db  # type: ignore[operator]
+        run.numbers.of_record.laeq_db > run.numbers.of_record.level_db  # type: ignore[operator]
         for run in heard
     )
     assert ("LAeq above LZeq" in words) == raised
-    levels = replace(heard[0].numbers.played, level_db=heard[0].record_laeq_db - 1.0)
+    levels = replace(heard[0].numbers.of_record, level_db=heard[0].record_laeq_db - 1.0)
     of_sources = replace(heard[0].numbers.levels, released_power=levels)
     above = replace(heard[0], numbers=replace(heard[0].numbers, levels=of_sources))
     assert "LAeq above LZeq" in dict(number_table([above]).explained)

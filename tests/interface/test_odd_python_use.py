@@ -92,7 +92,7 @@ def test_a_file_is_no_folder(run: rc.Run, tmp_path: Path) -> None:
 
 def test_workers_of_numpy_are_counted(run: rc.Run) -> None:
     again = rc.simulate(run.scene, workers=np.int64(1), progress=False)  # type: ignore[arg-type]
-    assert again.numbers.played.laeq_db == run.numbers.played.laeq_db
+    assert again.numbers.of_record.laeq_db == run.numbers.of_record.laeq_db
 
 
 def test_threads_simulate_at_the_same_time(capsys: pytest.CaptureFixture[str]) -> None:
@@ -101,7 +101,7 @@ def test_threads_simulate_at_the_same_time(capsys: pytest.CaptureFixture[str]) -
 
     def solve(seed: int) -> None:
         scene = loads(TINY).with_(seed=seed)
-        levels[seed] = rc.simulate(scene, workers=1, progress=False).numbers.played.laeq_db
+        levels[seed] = rc.simulate(scene, workers=1, progress=False).numbers.of_record.laeq_db
 
     threads = [threading.Thread(target=solve, args=(seed,)) for seed in (1, 2, 3)]
     for thread in threads:

@@ -215,7 +215,7 @@ def test_levels_have_their_uncertainty_rounded_up(three) -> None:
         rows["LZpeak of the released power [dB]"],
         strict=True,
     ):
-        levels = run.numbers.played
+        levels = run.numbers.of_record
         for cell, level, spread in (
             (own, run.released_power.value, run.released_power.uncertainty),
             (peak, levels.lz_peak_db, levels.spreads.lz_peak_db),
@@ -341,12 +341,12 @@ def test_silence_and_missing_numbers_are_named() -> None:
     assert cells["LAFmax of the released power [dB(A)]"] == ["silent"]
     assert "is silent" in text.heard(silent, is_alone=True)
     both = runs_of("smooth", "one")
-    short = both[1].numbers.played
+    short = both[1].numbers.of_record
     levels = replace(both[1].numbers.levels, released_power=replace(short, laf_max_db=None))
     few = replace(both[1], numbers=replace(both[1].numbers, levels=levels))
     rows = dict(number_table([both[0], few, both[1]]).rows)
     assert rows["LAFmax of the released power [dB(A)]"][:2] == ["silent", "-"]
-    steady = silent.numbers.played.steady_level_db  # a constant power has a level, and no sound
+    steady = silent.numbers.of_record.steady_level_db  # a constant power has a level, and no sound
     assert f"{steady:.1f}" in cells["steady level of the released power [dB re 1 pW/m²]"][0]
 
 

@@ -134,7 +134,7 @@ def test_a_saved_run_has_the_bytes_of_the_command_and_comes_back_equal(
     again = rc.open_run(saved)
     assert again.scene == run.scene and again.label == run.label
     np.testing.assert_array_equal(again.release_power, run.release_power)
-    assert again.numbers.played.laeq_db == run.numbers.played.laeq_db
+    assert again.numbers.of_record.laeq_db == run.numbers.of_record.laeq_db
     with pytest.raises(rc.FolderError, match="mine-2"):
         run.save(saved)
     again.save(tmp_path / "other")

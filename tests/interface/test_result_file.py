@@ -117,7 +117,7 @@ def test_readers_of_netcdf_find_names_units_and_places(whole: Run) -> None:
 def test_the_sound_in_the_file_has_the_level_of_the_summary(whole: Run) -> None:
     pressure = whole.to_xarray()["sound/pressure"].values
     level = 20 * np.log10(np.sqrt(np.mean(pressure**2)) / 20e-6)
-    assert level == pytest.approx(whole.numbers.played.level_db, abs=1e-6)
+    assert level == pytest.approx(whole.numbers.of_record.level_db, abs=1e-6)
 
 
 def test_a_force_law_holds_the_load_of_the_run(tmp_path: Path) -> None:

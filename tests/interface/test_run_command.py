@@ -196,12 +196,12 @@ def test_a_smooth_ball_that_accelerates_is_silent(tmp_path: Path) -> None:
     )
     assert run(scene, out) == 0
     numbers = stored(out).numbers
-    assert numbers.played.laeq_db is None and numbers.played.level_db is None
+    assert numbers.of_record.laeq_db is None and numbers.of_record.level_db is None
     speed = read_scene(out / "scene.yaml").motion.distance(0.004) / 0.004
     power = closed_forms.smooth_release_power(5, speed, 5e-3, 210e9 / 0.91)
     # 0.3 % of release at a / spacing = 22, and a track rounded to whole nodes
     expected = 10 * np.log10(power / (4 * np.pi * 1e-12))
-    assert numbers.played.steady_level_db == pytest.approx(expected, abs=0.02)
+    assert numbers.of_record.steady_level_db == pytest.approx(expected, abs=0.02)
 
 
 def test_a_height_file_is_found_from_the_folder(tmp_path: Path) -> None:
@@ -292,12 +292,12 @@ def test_resound_solves_nothing_and_speed_scales(
         2 * slow.energy.release_power_mean_w, rel=1e-12
     )
     assert quick.record.duration_s == pytest.approx(slow.record.duration_s / 2, rel=1e-12)
-    louder = slow.played.steady_level_db + 10 * np.log10(2)
-    assert quick.played.steady_level_db == pytest.approx(louder, abs=1e-9)
+    louder = slow.of_record.steady_level_db + 10 * np.log10(2)
+    assert quick.of_record.steady_level_db == pytest.approx(louder, abs=1e-9)
     distance = ["resound", str(fast), "--set", "sound.distance_m=10", "--out", str(far)]
     assert cli.main([*distance, *words]) == 0
-    far_db = stored(far).numbers.played.level_db
-    assert far_db == pytest.approx(quick.played.level_db - 20, abs=1e-6)
+    far_db = stored(far).numbers.of_record.level_db
+    assert far_db == pytest.approx(quick.of_record.level_db - 20, abs=1e-6)
     capsys.readouterr()
     load = ["resound", str(first), "--set", "rolling.load_n=2", "--out", str(tmp_path / "no")]
     assert cli.main([*load, *words]) == 2

@@ -85,8 +85,8 @@ def test_numbers(run: Run) -> None:
     assert len(passes) == 2
     last = passes[-1]
     for of_pass, of_run in (
-        (last.laeq_db, numbers.played.laeq_db),
-        (last.level_db, numbers.played.level_db),
+        (last.laeq_db, numbers.of_record.laeq_db),
+        (last.level_db, numbers.of_record.level_db),
         (last.vibration_laeq_db, numbers.vibration.value),
         (last.release_power_mean_w, numbers.energy.release_power_mean_w),
     ):

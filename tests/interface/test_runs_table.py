@@ -166,8 +166,8 @@ def test_statistics_are_those_of_the_summaries(runs: list[RunFolder]) -> None:
         (
             "levels_released_power_laeq_db",
             None,
-            [one.played.laeq_db for one in numbers],
-            [one.played.spreads.laeq_db for one in numbers],
+            [one.of_record.laeq_db for one in numbers],
+            [one.of_record.spreads.laeq_db for one in numbers],
         ),
         (
             "released_power_a",
@@ -261,7 +261,7 @@ def test_a_level_of_a_fixed_gain_is_none_of_a_share_q(tmp_path: Path) -> None:
 def test_uncertainties_are_rounded_up(level: float | None, spread: float | None, text: str) -> None:
     levels = {"vibration": {"level_db": level, "spreads": {"laeq_db": spread, "level_db": spread}}}
     rows = number_texts(computed(level, levels=levels))
-    texts = {one.number_field.word: one.text for one in rows if one.is_played}
+    texts = {one.number_field.word: one.text for one in rows if one.is_of_record}
     assert texts["LAeq"] == texts["LZeq"] == text
     assert texts["steady level"] == "-"  # a vibration has none
 

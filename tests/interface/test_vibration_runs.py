@@ -68,14 +68,16 @@ def test_impacts_are_a_part_of_their_own(fast: Run) -> None:
 
 def test_levels_rise_with_speed_and_have_no_steady_level(steady: Run, fast: Run) -> None:
     # Six to nine decibels for three times the speed in practice, 2 to 25 in this short record.
-    assert 2 < fast.numbers.played.laeq_db - steady.numbers.played.laeq_db < 25
+    assert 2 < fast.numbers.of_record.laeq_db - steady.numbers.of_record.laeq_db < 25
     for run in (steady, fast):
         numbers = run.numbers
         released_db = numbers.levels.released_power_at_listener_db
-        assert numbers.played.laeq_db == numbers.levels.vibration.laeq_db != released_db
+        assert numbers.of_record.laeq_db == numbers.levels.vibration.laeq_db != released_db
         difference = numbers.levels.release_over_vibration_db
         assert difference == pytest.approx(-10 * np.log10(numbers.levels.equivalent_q))
-        assert numbers.played.steady_level_db is None and numbers.record.factor_pa_per_w_m2 is None
+        assert (
+            numbers.of_record.steady_level_db is None and numbers.record.factor_pa_per_w_m2 is None
+        )
         assert numbers.motion.balance_error < 1e-6  # the integrator's own tolerance
         assert numbers.motion.force_min_ratio < 1 < numbers.motion.force_max_ratio
         assert numbers.motion.force_law_min_n < 1 < numbers.motion.force_law_max_n
@@ -102,7 +104,7 @@ def test_a_release_beside_a_vibration_is_heard_at_the_distance_of_its_listener(
         assert of_farther == pytest.approx(of_near - fall, abs=1e-9)
     # The headline of a release stays at distance_m.
     for beside, level in zip(
-        _beside(released), (released.played.laeq_db, released.played.level_db), strict=True
+        _beside(released), (released.of_record.laeq_db, released.of_record.level_db), strict=True
     ):
         assert beside == pytest.approx(level - fall, abs=1e-9)
     for numbers in (own, near, farther, released):
@@ -138,7 +140,7 @@ def test_the_constant_load_solves_the_contact_of_a_scene_without_dynamics() -> N
     for name in set(plain.series) - {"step_time"}:  # a time of the clock
         assert np.array_equal(plain.series[name], still.series[name]), name
     assert np.array_equal(plain.sound.pressure, still.sound.pressure)
-    assert still.numbers.played.laeq_db == plain.numbers.played.laeq_db
+    assert still.numbers.of_record.laeq_db == plain.numbers.of_record.laeq_db
     assert plain.numbers.motion is None and plain.numbers.estimate is not None
     assert still.numbers.motion is not None and still.numbers.estimate is None
     assert still.to_xarray()["force_law"].attrs["own_load_n"] == 1.0
@@ -170,7 +172,7 @@ def test_a_smooth_plate_is_silent() -> None:
     text = VIBRATING.split("surface:")
     smooth = f"{text[0]}surface: {{kind: smooth, spacing_um: 2, width_um: 160}}\nrolling:"
     run = marched(smooth + text[1].split("rolling:")[1], ["rolling.distance_mm=0.1"])
-    assert run.numbers.played.laeq_db is None and run.vibration_sound is not None
+    assert run.numbers.of_record.laeq_db is None and run.vibration_sound is not None
     assert not run.vibration_sound.pressure.any()
     assert run.vibration_sound.rms_ratio < 1e-3  # what the solver's error of 1e-4 leaves
     assert single_picture("contact_filter", run) is None  # there are no heights to filter
@@ -181,7 +183,7 @@ def test_a_flight_longer_than_the_record_is_told() -> None:
     """A load of 1 mN brings the sphere back after many laps; a silent lap is no settled motion."""
     changes = ["rolling.load_n=0.001", "rolling.distance_mm=0.2", "surface.width_um=120"]
     run = marched(VIBRATING, changes)
-    assert run.numbers.motion.flight_share == 1 and run.numbers.played.laeq_db is None
+    assert run.numbers.motion.flight_share == 1 and run.numbers.of_record.laeq_db is None
     assert not run.numbers.motion.settled
     texts = doubt_lines(run)
     assert "the record is shorter than a flight" in texts["impacts"]
@@ -370,7 +372,7 @@ def test_a_short_track_states_the_mean_over_its_comb(undamped: Run) -> None:
     spread = numbers.motion.comb_spread_db
     step = numbers.motion.step_error_db
     loss = numbers.contact_loss_db / 2
-    assert numbers.played.spreads.laeq_db == pytest.approx(math.hypot(spread, step, loss))
+    assert numbers.of_record.spreads.laeq_db == pytest.approx(math.hypot(spread, step, loss))
     # Sound files and third octaves belong to the record.
     bands = [db for db in numbers.bands.vibration_a.value if db is not None]
     together = 10 * np.log10(np.sum(10 ** (np.array(bands) / 10)))
@@ -390,7 +392,7 @@ def test_a_free_plate_has_a_part_for_its_missing_baffle(undamped: Run) -> None:
     free = run.numbers
     assert undamped.numbers.motion.baffle_db == 0
     assert 2.5 <= free.motion.baffle_db <= 10
-    assert free.played.spreads.laeq_db > free.motion.baffle_db
+    assert free.of_record.spreads.laeq_db > free.motion.baffle_db
     assert free.bands.vibration.uncertainty_by_name["8000"] > 2.5  # far above coincidence
     lines = doubt_lines(run)
     assert "a free plate is computed as in a baffle" in lines["baffle"]
@@ -400,7 +402,7 @@ def test_a_free_plate_has_a_part_for_its_missing_baffle(undamped: Run) -> None:
 def test_a_damped_contact_states_the_level_of_its_record(undamped: Run) -> None:
     damped = heard_again(undamped, undamped.scene.with_({"plate.contact_loss_factor": 0.3}))
     numbers = damped.numbers
-    assert numbers.played.laeq_db == numbers.record.laeq_db
+    assert numbers.of_record.laeq_db == numbers.record.laeq_db
     assert "comb_mean" not in doubt_lines(damped)
 
 

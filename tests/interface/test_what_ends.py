@@ -89,7 +89,7 @@ def test_the_level_that_leads_is_that_of_the_sound_file(name: str, level) -> Non
     of_file = level(played(run), SAMPLE_RATE_HZ)
     heard = run.vibration
     assert heard.value == pytest.approx(of_file, abs=0.05)
-    own = run.numbers.played
+    own = run.numbers.of_record
     of_part = own.lae_db if run.numbers.record.single_event else own.laeq_db
     assert abs(of_part - of_file) > 1
     assert heard.solved_share == pytest.approx(run.numbers.listening.solved_share)
@@ -103,7 +103,7 @@ def test_the_level_that_leads_is_that_of_the_sound_file(name: str, level) -> Non
     assert row["vibration_db"] == heard.value
     assert row["vibration_solved_share"] == heard.solved_share
     assert text.main_level(run) == heard.value
-    rows = [row for row in level_words.number_texts(run.numbers) if row.is_played]
+    rows = [row for row in level_words.number_texts(run.numbers) if row.is_of_record]
     assert rows[0].text.startswith(shown)
     assert shown in run._repr_html_() and "solved" in run._repr_html_()
 
@@ -129,9 +129,9 @@ def test_a_fast_maximum_belongs_to_the_record_beside_it() -> None:
     """The solved part of 20 ms is too short for the time weighting, and the whole fall is not."""
     numbers = run_of("falls").numbers
     fast = numbers.listening.laf_max_db
-    assert numbers.played.laf_max_db is None
+    assert numbers.of_record.laf_max_db is None
     rows = level_words.number_texts(numbers)
-    texts = {one.number_field.word: one.text for one in rows if one.is_played}
+    texts = {one.number_field.word: one.text for one in rows if one.is_of_record}
     assert texts["LAFmax"].startswith(f"{fast:.1f}")
 
 
@@ -184,7 +184,7 @@ def test_runs_stored_without_these_levels_keep_the_solved_one() -> None:
     long = ListeningNumbers(seconds=1.0, laeq_db=-20.0, solved_share=0.1)
     numbers = replace(run.numbers, listening=long)
     numbers = with_quantities(numbers, {"record": 0.1}, {}, {})
-    assert numbers.vibration.value == numbers.played.laeq_db
+    assert numbers.vibration.value == numbers.of_record.laeq_db
     assert numbers.vibration.solved_share == 1.0
     own_db = numbers.levels.released_power_at_listener_db
     assert numbers.released_power.value == own_db

@@ -40,7 +40,7 @@ def test_the_change_is_that_of_a_run_with_the_loss(rings: dict[str, Any]) -> Non
     assert without.contact_loss_db < -0.5
     assert without.contact_loss_db == pytest.approx(change, abs=0.3)
     part = without.contact_loss_db / 2
-    assert without.played.spreads.laeq_db > abs(part)
+    assert without.of_record.spreads.laeq_db > abs(part)
     assert stated.contact_loss_db == 0
     assert not [doubt for doubt in stated.doubts if doubt.key == "contact_loss"]
     (doubt,) = [doubt for doubt in without.doubts if doubt.key == "contact_loss"]

@@ -176,7 +176,7 @@ def test_without_an_instrument_nothing_changes(tmp_path: Path) -> None:
     plain = run_of(scene_of(surface(7, AFFINE), None), tmp_path)
     told = run_of(scene_of(surface(7, AFFINE), {"tip_radius_um": 2.0}), tmp_path)
     assert plain.numbers.surface.instrument is None
-    assert plain.numbers.played.laeq_db == told.numbers.played.laeq_db
+    assert plain.numbers.of_record.laeq_db == told.numbers.of_record.laeq_db
     assert np.array_equal(plain.result.series["approach"], told.result.series["approach"])
     assert plain.result.stretches is None
 

@@ -92,7 +92,7 @@ def test_a_run_with_long_steps_tells_what_shorter_steps_add() -> None:
     slow = ["rolling.speed_m_s=0.02", "dynamics.release=false", "rolling.distance_mm=0.8"]
     long = marched(VIBRATING, [*slow, "numerics.step_nodes=4"]).numbers
     short = marched(VIBRATING, slow).numbers
-    wholes = [x.played.laeq_db - x.errors.band_db for x in (long, short)]
-    assert short.played.laeq_db - long.played.laeq_db > 3
+    wholes = [x.of_record.laeq_db - x.errors.band_db for x in (long, short)]
+    assert short.of_record.laeq_db - long.of_record.laeq_db > 3
     assert abs(wholes[0] - wholes[1]) < 2 * long.errors.band_uncertainty_db
     assert short.errors.band_uncertainty_db < long.errors.band_uncertainty_db
