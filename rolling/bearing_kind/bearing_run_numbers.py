@@ -3,35 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from rolling.bearing.band_uncertainty import BandUncertainty
 from rolling.bearing.linear_ring import linear_ring
-from rolling.bearing.ring_record import PLACES, UM_S
+from rolling.bearing.ring_record import PLACES
 from rolling.bearing.static_load import angles_under_loads
 from rolling.bearing_kind.bearing_check import departures
 from rolling.bearing_kind.bearing_doubts import JudgedBearing, doubts_of
 from rolling.bearing_kind.bearing_sentences import sentences
+from rolling.bearing_kind.housing_numbers import housing_numbers
 from rolling.bearing_kind.line_numbers import envelope_lines, velocity_lines
 from rolling.bearing_kind.solved_bearing import SolvedBearing
 from rolling.bearing_kind.velocities import rigid_velocities, velocities_below_bending
 from rolling.marches import effort
 from rolling.numbers.bearing_numbers import (
-    HOUSING,
     AngleNumbers,
     BallLoads,
     BearingEffort,
     BearingNumbers,
     FaultlessNumbers,
-    HousingNumbers,
     MarchedContact,
     MotionOfRing,
     RingNumbers,
     SpeedNumbers,
 )
 from rolling.numbers.doubt import Doubt
-from rolling.numbers.quantity import BandQuantity, Quantity, RecordOfNumber
 
 
 @dataclass(frozen=True)
@@ -82,7 +80,7 @@ def bearing_numbers(bearing: SolvedBearing, findings: MarchFindings) -> BearingN
         speeds=_speeds(bearing),
         loads=_loads(bearing),
         angles=_angles(bearing),
-        housing=_housing(bearing, doubts),
+        housing=housing_numbers(bearing, radial=rigid.radial, doubts=doubts),
         contacts=findings.contacts,
         effort=BearingEffort(march_cpu_s=None),
         departures=tuple(departures(scene)),
@@ -133,31 +131,4 @@ def _angles(bearing: SolvedBearing) -> AngleNumbers:
         free_deg=math.degrees(bearing.geometry.contact_angle),
         least_under_loads_deg=math.degrees(least),
         largest_under_loads_deg=math.degrees(largest),
-    )
-
-
-def _housing(bearing: SolvedBearing, doubts: Sequence[Doubt]) -> HousingNumbers | None:
-    """Return the sound of the housing plate, None for a scene without one."""
-    sound = bearing.housing
-    if sound is None:
-        return None
-    distance_m = bearing.scene.sound.distance_m
-    level_db = sound.levels.laeq_db
-    duration_s = bearing.record.duration_s
-    laeq = Quantity(
-        name=HOUSING,
-        value=level_db,
-        unit="dB(A)",
-        measure="LAeq",
-        record=RecordOfNumber(heard_s=duration_s, solved_s=duration_s, repeats=False),
-        where=f"at {distance_m:g} m from the plate",
-        meaning="A-weighted level of the housing plate that the ring shakes",
-        reason="the plate does not move" if level_db is None else "",
-    )
-    return HousingNumbers(
-        laeq=laeq.with_doubts(doubts),
-        third_octaves=BandQuantity.of(sound.levels.third_octave_db, "dB"),
-        distance_m=distance_m,
-        force_n=float(sound.force_n.std()),
-        velocity_um_s=UM_S * float(sound.velocity_m_s.std()),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from acoustics.numbers import decibels_a, rounded, rounded_up, si
+from acoustics.numbers import rounded, rounded_up, si
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing.lines import FAULT_LINES
 from rolling.bearing.ring_record import AXIAL, DIRECTIONS, NOTHING_UM_S
@@ -18,6 +18,7 @@ from rolling.numbers.bearing_numbers import (
     FaultlessNumbers,
     VelocityLine,
 )
+from rolling.numbers.quantity import uncertain
 from rolling.scene.bearing_scene import BearingScene
 
 BAND_WORDS = {
@@ -163,8 +164,8 @@ def housing_sentence(numbers: BearingNumbers) -> str:
         return ""
     if housing.laeq.value is None:
         return "The plate of its housing is silent."
-    level = decibels_a(housing.laeq.value)
-    return f"The plate of its housing is heard at {level} at {housing.distance_m:g} m."
+    level = uncertain(housing.laeq.value, housing.laeq.uncertainty)
+    return f"The plate of its housing is heard at {level} dB(A) at {housing.distance_m:g} m."
 
 
 # ---- lines

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from acoustics.arrays import Array
-from acoustics.bands import BAND_NAMES, EDGES_HZ, MID_HZ
-from acoustics.level import sound_levels
+from acoustics.bands import EDGES_HZ
+from acoustics.level import SoundLevels, sound_levels
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing.ring_record import AXIAL, RADIAL
 from rolling.bearing_kind.bearing_run import BearingRun
-from rolling.numbers.bearing_numbers import BandVelocities
+from rolling.bearing_kind.octave_parts import octave_parts, parts_of_total, powers_of
+from rolling.numbers.bearing_numbers import BandVelocities, HousingNumbers
 from rolling.recordings.compared_run import (
     ComparedRecord,
     ComparedRun,
@@ -76,7 +73,7 @@ def _sound(run: BearingRun) -> ComparedRun:
     record = faded_record(
         "sound of the housing", housing.pressure, round(run.record.rate_hz), highest_hz, PRESSURE
     )
-    spread = replace(unknown_spread(PRESSURE), level_parts=dict(numbers.laeq.parts))
+    spread = _spread_of_sound(numbers, housing.levels)
     warnings = [f"the ring of the run is rigid, so it is compared up to {highest_hz:.0f} Hz"]
     if not numbers.laeq.parts:
         warnings.append(_UNKNOWN_LEVEL)
@@ -90,40 +87,30 @@ def _sound(run: BearingRun) -> ComparedRun:
     )
 
 
-def _spread_of_motion(record: Recording, velocities: BandVelocities) -> RunSpread:
-    """Return what is uncertain of the levels of the ring along an axis.
-
-    Third octaves have the parts of the velocity in the band of ISO 15242 around them, those below
-    and above the parts of the nearest one. The parts of the total follow by power, because a wrong
-    gain changes all third octaves of a band in the same sense.
-    """
-    band_parts: dict[str, Array] = {}
-    for band, velocity in velocities.by_band.items():
-        is_inside = _is_of_band(band)
-        for source, part_db in velocity.parts.items():
-            parts = band_parts.setdefault(source, np.zeros(len(BAND_NAMES)))
-            parts[is_inside] = part_db
-    levels = sound_levels(record.samples, round(len(record.samples) / record.seconds), closed=False)
-    powers = _powers([levels.third_octave_db[name] for name in BAND_NAMES])
-    powers = np.where(EDGES_HZ[1:] <= record.highest, powers, 0.0)
-    whole = float(powers.sum()) or 1.0
+def _spread_of_sound(numbers: HousingNumbers, levels: SoundLevels) -> RunSpread:
+    """Return what is uncertain of the levels of the housing plate; nothing is known of old runs."""
+    bands = numbers.third_octaves
+    known = [spread is not None for spread in bands.uncertainty_by_name.values()]
     return replace(
-        unknown_spread(record.quantity),
-        level_parts={source: float(powers @ part) / whole for source, part in band_parts.items()},
-        band_parts=band_parts,
+        unknown_spread(PRESSURE),
+        level_parts=dict(numbers.laeq.parts),
+        band_parts={source: np.array(part) for source, part in bands.parts.items()},
+        known=np.array(known),
+        powers={"Z": powers_of(levels.third_octave_db), "A": powers_of(levels.third_octave_a_db)},
     )
 
 
-def _is_of_band(band: str) -> NDArray[np.bool_]:
-    """Tell which third octaves (31,) count with a band of ISO 15242."""
-    first_hz, last_hz = VELOCITY_BANDS_HZ[band]
-    if band == "low":
-        first_hz = 0.0
-    if band == "high":
-        last_hz = math.inf
-    return (first_hz <= MID_HZ) & (last_hz > MID_HZ)
+def _spread_of_motion(record: Recording, velocities: BandVelocities) -> RunSpread:
+    """Return what is uncertain of the levels of the ring along an axis.
 
-
-def _powers(levels_db: Iterable[float | None]) -> Array:
-    """Return the powers of third octaves (31,) from their levels, 0 where one is unknown."""
-    return np.array([0.0 if level is None else 10 ** (level / 10) for level in levels_db])
+    Third octaves have those of the velocity in the band around them.
+    """
+    parts = octave_parts(velocities)
+    levels = sound_levels(record.samples, round(len(record.samples) / record.seconds), closed=False)
+    powers = powers_of(levels.third_octave_db)
+    powers = np.where(EDGES_HZ[1:] <= record.highest, powers, 0.0)
+    return replace(
+        unknown_spread(record.quantity),
+        level_parts=parts_of_total(parts, powers),
+        band_parts=parts,
+    )

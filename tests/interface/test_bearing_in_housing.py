@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
+import pytest
 import soundfile
 from bearing_runs import WAVY, loads_bearing
 
 import rolling as rc
+from rolling.numbers.quantity import uncertain
 
 PLATE = {"material": "steel-s235", "length_mm": 120, "width_mm": 90, "thickness_mm": 8}
 
@@ -27,6 +30,21 @@ def test_a_folder_has_the_sound_of_the_plate(tmp_path: Path) -> None:
     samples, rate = soundfile.read(tmp_path / "run" / "housing.wav")
     assert rate == 48000 and 0.01 < np.abs(samples).max() <= 1
     assert any("housing" in sentence for sentence in run.numbers.sentences)
+
+
+def test_the_sound_of_the_plate_is_as_uncertain_as_what_shakes_it() -> None:
+    """The plate has the parts of the radial velocity, between those of its bands, and its own."""
+    numbers = rc.simulate(in_plate(), progress=False).numbers
+    laeq = numbers.housing.laeq
+    bands = numbers.velocities.radial.by_band.values()
+    assert laeq.parts.keys() >= {"record", "loss_factor"}
+    of_ring = [velocity.parts["loss_factor"] for velocity in bands]
+    assert min(of_ring) <= laeq.parts["loss_factor"] <= max(of_ring) and max(of_ring) > 0
+    assert laeq.uncertainty == pytest.approx(math.hypot(*laeq.parts.values()))
+    octaves = numbers.housing.third_octaves
+    assert all(spread >= 0.0 for spread in octaves.uncertainty if spread is not None)
+    sentence = next(text for text in numbers.sentences if "housing" in text)
+    assert uncertain(laeq.value, laeq.uncertainty) in sentence
 
 
 def test_a_bearing_without_a_plate_has_none(tmp_path: Path) -> None:
