@@ -24,6 +24,11 @@ def _has_swept_key(runs: Sequence[Run]) -> bool:
     return sweep_figures.swept_key(runs) is not None
 
 
+def _have_a_second_sound(runs: Sequence[Run]) -> bool:
+    """Return whether all runs have a released power beside the vibration that plays."""
+    return all(run.scene.has_release and run.stated().source == "vibration" for run in runs)
+
+
 def _has_turns(run: Run) -> bool:
     return run.numbers.turns is not None and run.numbers.turns.band_hz is not None
 
@@ -91,6 +96,16 @@ FIGURES = {
         article.max_level_table,
         article.has_loads,
         is_unasked=article.has_loads_and_seeds,
+    ),
+    "released_third_octaves_a": FigureKind(
+        sound_figures.released_third_octaves_a,
+        sound_figures.released_third_octave_a_table,
+        _have_a_second_sound,
+    ),
+    "released_spectrum": FigureKind(
+        sound_figures.released_spectrum,
+        sound_figures.released_spectrum_table,
+        _have_a_second_sound,
     ),
     # of one run
     "release_power": FigureKind(

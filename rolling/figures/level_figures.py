@@ -97,7 +97,7 @@ def levels(runs: Iterable[Run], key: str | None = None, ax: Axes | None = None) 
         _stand_one_above_the_other(ax, other, frame)
         other.set_ylabel(f"{name} of the released power [dB(A)]")
     own = picture.level_of(shown).name
-    if right and own not in (picture.VIBRATION.name, picture.MIXED.name):
+    if right and own not in (_VIBRATION.name, picture.MIXED.name):
         release_name = own
     else:
         release_name = _RELEASED.name

@@ -23,6 +23,7 @@ from acoustics.numbers import rounded
 from acoustics.plot_style import gridded
 from acoustics.texts import printable
 from rolling.figures.settings import own_settings
+from rolling.numbers.ball_numbers import Source
 from rolling.results import labels
 from rolling.results.labels import SEED
 from rolling.results.run_result import Run
@@ -250,24 +251,35 @@ class LevelOf(NamedTuple):
     meaning: str
 
 
-VIBRATION = LevelOf("vibration", "vibration: what a listener would hear of ball and plate")
+HEARD = "what a listener would hear of ball and plate"
 RELEASED = LevelOf("released power", "upper bound: all released energy counts as sound (q = 1)")
 FIXED_GAIN = LevelOf("release under a fixed gain", "fixed gain: only differences have a meaning")
 MIXED = LevelOf("vibration or released power", "each level as its scene has it: not comparable")
 
 
-def level_of(runs: Sequence[Run]) -> LevelOf:
-    """Return what the levels of runs are levels of."""
-    quantities = {_level_of_run(run) for run in runs}
-    if len(quantities) > 1:
+def level_of(runs: Sequence[Run], sources: Sequence[Source] | None = None) -> LevelOf:
+    """Return what the levels of runs are levels of.
+
+    Parameters
+    ----------
+    runs : sequence of Run
+    sources : sequence of vibration or release
+        Sources that are shown of the runs. Default: those of the records that are measured.
+    """
+    if sources is None:
+        sources = [run.sound.source for run in runs]
+    quantities = {_level_of_run(*both) for both in zip(runs, sources, strict=True)}
+    if len({of.name for of in quantities}) > 1:
         return MIXED
+    if len(quantities) > 1:  # vibrations of which some are computed, and others estimated
+        return LevelOf("vibration", f"vibration: {HEARD}")
     return quantities.pop()
 
 
-def _level_of_run(run: Run) -> LevelOf:
+def _level_of_run(run: Run, source: Source) -> LevelOf:
     """Return what the levels of a run are levels of."""
-    if run.sound.source == "vibration":
-        return VIBRATION
+    if source == "vibration":
+        return LevelOf("vibration", f"vibration, {run.numbers.vibration.how}: {HEARD}")
     if run.scene.sound.gain_pa_per_w_m2 is not None:
         return FIXED_GAIN
     q = run.scene.sound.q

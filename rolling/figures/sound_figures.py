@@ -20,11 +20,13 @@ from acoustics.spectrum import spectrogram as spectrogram_of
 from acoustics.weighting import a_weighting_db
 from rolling.figures import picture
 from rolling.figures.picture import axes_of, compared, finish, listed, subject
+from rolling.numbers.ball_numbers import Source
 from rolling.numbers.quantity import BandQuantity
 from rolling.results import labels
 from rolling.results.labels import SEED
 from rolling.results.run_errors import total_errors_db
 from rolling.results.run_result import Run
+from rolling.sound.contact_sound import ContactSound
 
 _Levels = Mapping[str, float | None]
 
@@ -33,12 +35,16 @@ _Levels = Mapping[str, float | None]
 
 
 def third_octaves(
-    runs: Run | Iterable[Run], ax: Axes | None = None, a_weighted: bool = False
+    runs: Run | Iterable[Run],
+    ax: Axes | None = None,
+    a_weighted: bool = False,
+    source: Source | None = None,
 ) -> Axes:
     """Plot third-octave levels of runs with their standard uncertainty.
 
     Where the level of up to three runs is off by more than 1 dB by their error estimate, a second
-    mark stands at the level less its error.
+    mark stands at the level less its error. Those of an estimated vibration have the uncertainty
+    that their record leaves.
 
     Parameters
     ----------
@@ -48,11 +54,17 @@ def third_octaves(
         Axes to draw on. Default: new axes.
     a_weighted : bool
         If true, plot A-weighted levels, otherwise levels without weighting (Z). Default: false.
+    source : vibration or release
+        Sound that is shown. Default: what plays, which is the vibration where there is one.
 
     Returns
     -------
     ax : matplotlib.axes.Axes
         Axes with levels, dB re 20 µPa, over nominal mid frequency, Hz.
+
+    Raises
+    ------
+    ValueError : a run has no sound of this source.
 
     References
     ----------
@@ -64,21 +76,22 @@ def third_octaves(
     >>> ax = rolling.plot.third_octaves([run], a_weighted=True)
     """
     shown = compared(runs)
+    sounds = [sound_of(run, source) for run in shown]
     curves = [
-        (label, _bands(run, a_weighted), _spreads(run))
-        for label, run in zip(labels.labels(shown), shown, strict=True)
+        (label, _bands(sound, a_weighted), _spreads(run, sound))
+        for label, run, sound in zip(labels.labels(shown), shown, sounds, strict=True)
     ]
     ax = plots.third_octaves(
         axes_of(ax),
         curves,
         # A band that is too uncertain in any run is grey in all of them.
         duration_s=min(run.sound.duration / run.laps for run in shown),
-        errors=[_band_errors(run) for run in shown],
+        errors=[_band_errors(run, sound) for run, sound in zip(shown, sounds, strict=True)],
         ordered=_is_ordered(shown),
     )
-    of = picture.level_of(shown)
+    of = picture.level_of(shown, [sound.source for sound in sounds])
     facts = [of.meaning, picture.distance_text(shown), picture.duration_text(shown)]
-    if len(shown) <= plots.FEW and any(run.sound.levels.level_db is not None for run in shown):
+    if len(shown) <= plots.FEW and any(sound.levels.level_db is not None for sound in sounds):
         facts.append("bars: ± standard uncertainty")
     weighted = "A-weighted" if a_weighted else "without weighting"
     ax.set_ylabel(f"{weighted_level(of, a_weighted)} [dB re 20 µPa]")
@@ -96,15 +109,41 @@ def third_octaves_a(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     return third_octaves(runs, ax, a_weighted=True)
 
 
-def third_octave_table(runs: Sequence[Run], a_weighted: bool = False) -> pd.DataFrame:
+def released_third_octaves_a(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
+    """Plot A-weighted third-octave levels of the released power, as `third_octaves` does.
+
+    Parameters
+    ----------
+    runs : Run or iterable of Run
+        Runs to plot, each with a released power.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with levels, dB re 20 µPa, over nominal mid frequency, Hz.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> ax = rolling.plot.released_third_octaves_a([run])
+    """
+    return third_octaves(runs, ax, a_weighted=True, source="release")
+
+
+def third_octave_table(
+    runs: Sequence[Run], a_weighted: bool = False, source: Source | None = None
+) -> pd.DataFrame:
     """Tabulate third octaves of runs with their uncertainties and errors [dB]."""
     frames = []
     for run in runs:
+        sound = sound_of(run, source)
         columns = {
-            "level_db": _bands(run, a_weighted),
-            "standard_uncertainty_db": _spreads(run),
+            "level_db": _bands(sound, a_weighted),
+            "standard_uncertainty_db": _spreads(run, sound),
         }
-        errors = _band_errors(run)
+        errors = _band_errors(run, sound)
         if errors is None:
             frame = band_table(columns)
         else:
@@ -128,7 +167,14 @@ def third_octave_a_table(runs: Sequence[Run]) -> pd.DataFrame:
     return third_octave_table(runs, a_weighted=True)
 
 
-def spectrum(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
+def released_third_octave_a_table(runs: Sequence[Run]) -> pd.DataFrame:
+    """Tabulate A-weighted third octaves of the released power of runs [dB]."""
+    return third_octave_table(runs, a_weighted=True, source="release")
+
+
+def spectrum(
+    runs: Run | Iterable[Run], ax: Axes | None = None, source: Source | None = None
+) -> Axes:
     """Plot A-weighted line spectra of the sound pressure of runs.
 
     Parameters
@@ -137,6 +183,8 @@ def spectrum(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
         Runs to plot.
     ax : matplotlib.axes.Axes
         Axes to draw on. Default: new axes.
+    source : vibration or release
+        Sound that is shown. Default: what plays, which is the vibration where there is one.
 
     Returns
     -------
@@ -149,10 +197,12 @@ def spectrum(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     >>> ax = rolling.plot.spectrum([run])
     """
     shown = compared(runs)
+    sounds = [sound_of(run, source) for run in shown]
     return _spectrum(
         axes_of(ax),
         shown,
-        spectra=[_a_weighted_lines(run) for run in shown],
+        sounds,
+        spectra=[_a_weighted_lines(sound) for sound in sounds],
         title="A-weighted spectrum",
         ylabel="A-weighted line level [dB re 20 µPa]",
         facts=[
@@ -161,7 +211,32 @@ def spectrum(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     )
 
 
-def power_density(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
+def released_spectrum(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
+    """Plot A-weighted line spectra of the released power of runs, as `spectrum` does.
+
+    Parameters
+    ----------
+    runs : Run or iterable of Run
+        Runs to plot, each with a released power.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with A-weighted line levels, dB re 20 µPa, over frequency, Hz.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> ax = rolling.plot.released_spectrum([run])
+    """
+    return spectrum(runs, ax, source="release")
+
+
+def power_density(
+    runs: Run | Iterable[Run], ax: Axes | None = None, source: Source | None = None
+) -> Axes:
     """Plot power spectral densities of the sound pressure of runs, by Welch's method.
 
     Parameters
@@ -170,6 +245,8 @@ def power_density(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
         Runs to plot.
     ax : matplotlib.axes.Axes
         Axes to draw on. Default: new axes.
+    source : vibration or release
+        Sound that is shown. Default: what plays, which is the vibration where there is one.
 
     Returns
     -------
@@ -186,10 +263,12 @@ def power_density(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     >>> ax = rolling.plot.power_density([run])
     """
     shown = compared(runs)
-    densities = [welch(run.sound.pressure, run.sound.sample_rate) for run in shown]
+    sounds = [sound_of(run, source) for run in shown]
+    densities = [welch(sound.pressure, sound.sample_rate) for sound in sounds]
     return _spectrum(
         axes_of(ax),
         shown,
+        sounds,
         spectra=[Lines.audible(density.frequency_hz, _level(density.psd)) for density in densities],
         title="Power spectral density",
         ylabel="density level [dB re (20 µPa)²/Hz]",
@@ -200,19 +279,25 @@ def power_density(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     )
 
 
-def spectrum_table(runs: Sequence[Run]) -> pd.DataFrame:
+def spectrum_table(runs: Sequence[Run], source: Source | None = None) -> pd.DataFrame:
     """Tabulate the A-weighted lines [dB re 20 µPa] of runs over frequency [Hz]."""
     frames = []
     for run in runs:
-        lines = _a_weighted_lines(run)
+        lines = _a_weighted_lines(sound_of(run, source))
         columns = {"frequency_hz": lines.frequency_hz, "a_weighted_line_level_db": lines.level_db}
         frames.append(pd.DataFrame({"run": run.label, **columns}))
     return pd.concat(frames, ignore_index=True).replace(-np.inf, np.nan)
 
 
+def released_spectrum_table(runs: Sequence[Run]) -> pd.DataFrame:
+    """Tabulate the A-weighted lines of the released power of runs over frequency [Hz]."""
+    return spectrum_table(runs, source="release")
+
+
 def _spectrum(
     ax: Axes,
     shown: Sequence[Run],
+    sounds: Sequence[ContactSound],
     *,
     spectra: Sequence[Lines],
     title: str,
@@ -223,7 +308,7 @@ def _spectrum(
     curves = [*zip(labels.labels(shown), spectra, strict=True)]
     plots.spectrum(ax, curves, ordered=_is_ordered(shown))
     ax.set_ylabel(ylabel)
-    of = picture.level_of(shown)
+    of = picture.level_of(shown, [sound.source for sound in sounds])
     facts = [of.meaning, picture.distance_text(shown), picture.duration_text(shown), *facts]
     if plots.drawn_as_means(curves):
         facts.append(f"bold: mean over 1/{plots.PER_OCTAVE} octave")
@@ -308,7 +393,7 @@ def release_power_table(run: Run) -> pd.DataFrame:
 
 
 def spectrogram(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> Axes:
-    """Plot the spectrogram of the sound pressure of a run, with a colour bar.
+    """Plot the spectrogram of what plays of a run, with a colour bar.
 
     Parameters
     ----------
@@ -336,7 +421,7 @@ def spectrogram(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> 
         extremes += _extremes(_spectrogram(other))
     limits = plots.level_limits(extremes)
     ax = plots.spectrogram(axes_of(ax), shown, run.sound.duration, limits)
-    of = picture.level_of([run])
+    of = picture.level_of([run], [sound_of(run).source])
     frame_ms = rounded(shown.frame_s * 1e3, 3)
     facts = [
         of.meaning,
@@ -355,7 +440,7 @@ _spectrograms: WeakKeyDictionary[Run, Spectrogram] = WeakKeyDictionary()
 def _spectrogram(run: Run) -> Spectrogram:
     """Return the spectrogram of a run, computed once."""
     if run not in _spectrograms:
-        sound = run.sound
+        sound = sound_of(run)
         _spectrograms[run] = spectrogram_of(
             sound.pressure, sound.sample_rate, sound.highest, sound.closed
         )
@@ -382,25 +467,41 @@ def band_table(columns: Mapping[str, _Levels]) -> pd.DataFrame:
     return table
 
 
-def _bands(run: Run, a_weighted: bool) -> _Levels:
-    """Return third-octave levels of a run by band [dB re 20 µPa]."""
-    if a_weighted:
-        return run.sound.levels.third_octave_a_db
-    return run.sound.levels.third_octave_db
+def sound_of(run: Run, source: Source | None = None) -> ContactSound:
+    """Return the sound of a source of a run, by default of what plays, at its stated level.
+
+    Raises
+    ------
+    ValueError : the run has no sound of this source.
+    """
+    return run.stated(source).along_track
 
 
-def _spreads(run: Run) -> _Levels:
-    """Return the standard uncertainties of the third octaves of a run [dB]."""
-    bands = run.numbers.bands_of_record
-    assert bands is not None  # each source that is measured has third octaves
-    return bands.uncertainty_by_name
+def _bands(sound: ContactSound, a_weighted: bool) -> _Levels:
+    """Return third-octave levels of a sound by band [dB re 20 µPa]."""
+    return sound.levels.third_octave_a_db if a_weighted else sound.levels.third_octave_db
 
 
-def _band_errors(run: Run) -> plots.BandErrors | None:
-    """Return the estimated errors of the third octaves of a run [dB]; None without an estimate."""
+def _spreads(run: Run, sound: ContactSound) -> _Levels:
+    """Return the standard uncertainties of the third octaves of a sound of a run [dB].
+
+    They are those of its record where the run states no others.
+    """
+    bands = run.numbers.bands
+    own = bands.vibration if sound.source == "vibration" else bands.released_power
+    if own is None or own.uncertainty is None:
+        return sound.uncertainty.third_octave_db
+    return own.uncertainty_by_name
+
+
+def _band_errors(run: Run, sound: ContactSound) -> plots.BandErrors | None:
+    """Return the estimated errors of the third octaves of a sound of a run [dB].
+
+    None without an estimate; it is made of the record that is measured.
+    """
     errors_db = total_errors_db(run.numbers)
     of_grid = run.numbers.bands.grid_error
-    if not errors_db or of_grid is None:
+    if not errors_db or of_grid is None or sound.source != run.sound.source:
         return None
     return plots.BandErrors(errors_db, of_grid.uncertainty_by_name)
 
@@ -410,9 +511,9 @@ def _by_name(bands: BandQuantity | None) -> _Levels:
     return dict.fromkeys(BAND_NAMES) if bands is None else bands.by_name
 
 
-def _a_weighted_lines(run: Run) -> Lines:
-    """Return the A-weighted lines of a run [dB re 20 µPa]."""
-    frequency, square = line_spectrum(run.sound.pressure, run.sound.sample_rate)
+def _a_weighted_lines(sound: ContactSound) -> Lines:
+    """Return the A-weighted lines of a sound [dB re 20 µPa]."""
+    frequency, square = line_spectrum(sound.pressure, sound.sample_rate)
     return Lines.audible(frequency, _level(square) + a_weighting_db(frequency))
 
 

@@ -384,7 +384,7 @@ def _of_source(runs: Sequence[RunFolder]) -> str:
     """Say what the third octaves of runs are levels of; nothing where runs differ."""
     sources = set[str]()
     for numbers in filter(None, map(numbers_of, runs)):
-        if numbers.record.source == "vibration":
+        if numbers.source_of_bands == "vibration":
             sources.add(" of the vibration")
         elif numbers.record.q is None:
             sources.add(" of the release under a fixed gain")
@@ -447,7 +447,7 @@ def mean_band_table(runs: Sequence[RunFolder], curves: Sequence[str]) -> pd.Data
 
 def _a_weighted_bands(run: RunFolder) -> Mapping[str, float | None]:
     """Return the A-weighted third octaves of the sound of a run by their names [dB(A)]."""
-    bands = getattr(numbers_of(run), "bands_a_of_record", None)  # a kind need not have any
+    bands = getattr(numbers_of(run), "leading_bands_a", None)  # a kind need not have any
     return {} if bands is None else bands.by_name
 
 

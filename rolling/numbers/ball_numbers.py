@@ -1019,6 +1019,16 @@ class RunNumbers:
         return self.released_power if self.vibration.value is None else self.vibration
 
     @property
+    def source_of_bands(self) -> Source:
+        """Source of the A-weighted third octaves that lead: the vibration, if it has them."""
+        return "release" if self.bands.vibration_a is None else "vibration"
+
+    @property
+    def leading_bands_a(self) -> BandQuantity | None:
+        """A-weighted third octaves of that source."""
+        return self.bands.vibration_a or self.bands.released_power_a
+
+    @property
     def heard_whole(self) -> ListeningNumbers | None:
         """The long record of what ends, whose level leads; None for a run that goes on."""
         long = self.listening

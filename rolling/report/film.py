@@ -110,9 +110,10 @@ def slow_motion(run: Run) -> SlowMotion | None:
 
 def audible_shares(run: Run) -> dict[int, float]:
     """Return the share of the A-weighted power above `AUDIBLE_HZ` by the rate of slowing."""
-    if run.sound.levels.laeq_db is None:
+    sound = run.stated().along_track
+    if sound.levels.laeq_db is None:
         return dict.fromkeys(RATES, 0.0)
-    frequency, _, power = weighted_lines(run.sound)
+    frequency, _, power = weighted_lines(sound)
     total = float(power.sum())
     return {rate: float(power[frequency > AUDIBLE_HZ * rate].sum()) / total for rate in RATES}
 

@@ -207,10 +207,11 @@ class Colour(NamedTuple):
 
 
 def colour(run: Run) -> Colour | None:
-    """Return the colour of the sound of a run; None if it is silent."""
-    if run.sound.levels.laeq_db is None:
+    """Return the colour of what plays of a run; None if it is silent."""
+    sound = run.stated().along_track
+    if sound.levels.laeq_db is None:
         return None
-    frequency, _, power = weighted_lines(run.sound)
+    frequency, _, power = weighted_lines(sound)
     share = np.cumsum(power) / power.sum()
     outside = (1.0 - MAIN) / 2.0
     return Colour(
@@ -253,16 +254,17 @@ def _rates(run: Run) -> str:
     """Give the rates at which the ball passes its contact width and the asperities, if they tell.
 
     Waves of the surface between the two lengths fit into the contact, so a release lies mostly
-    between the two rates. Empty where it does not, and for a vibration.
+    between the two rates. Empty where it does not, and where a vibration plays.
     """
     scene = run.scene
-    if run.sound.source == "vibration" or not scene.laws:
+    sound = run.stated().along_track
+    if sound.source == "vibration" or not scene.laws:
         return ""
-    speed = mean_speed(scene.motion, run.sound)
+    speed = mean_speed(scene.motion, sound)
     width = 2 * smooth_contact_of(scene).semi_axes_m()[0]
     rougher = max(scene.laws, key=attrgetter("rq_m"))
     length = 1e-6 * rougher.lengths_um[0]
-    frequency, _, power = weighted_lines(run.sound)
+    frequency, _, power = weighted_lines(sound)
     within = (frequency >= speed / width) & (frequency <= speed / length)
     if float(power[within].sum() / power.sum()) < MAINLY:
         return ""

@@ -88,8 +88,8 @@ def test_a_picture_that_cannot_be_drawn_costs_that_picture(
     assert {"third_octaves", "third_octaves_a", "levels"} <= {path.stem for path in paths}
     assert not (tmp_path / "figures" / "spectrum.png").exists()
     assert b'data-name="third_octaves"' in content and b'data-name="spectrum"' not in content
-    # The spectrum of the folder and of the page, and a spectrogram of each run.
-    assert len(caught) == 2 + len(three)
+    # Both spectra of the folder and of the page, and a spectrogram of each run.
+    assert len(caught) == 4 + len(three)
     assert all("left out" in str(item.message) for item in caught)
 
 
@@ -99,15 +99,20 @@ def test_a_picture_that_cannot_be_drawn_costs_that_picture(
 def test_curves_in_the_csv_add_up_to_the_levels(three) -> None:
     """The record is limited to the bands drawn; nine digits of a level leave 1e-7 dB."""
     pictures = {drawn.name: table_of(drawn) for drawn in comparing_pictures(three)}
-    for name, column, level in (
-        ("spectrum", "a_weighted_line_level_db", "laeq_db"),
-        ("third_octaves", "level_db", "level_db"),
-        ("third_octaves_a", "level_db", "laeq_db"),
+    for name, column, source, level in (
+        ("spectrum", "a_weighted_line_level_db", "vibration", "laeq_db"),
+        ("third_octaves", "level_db", "vibration", "level_db"),
+        ("third_octaves_a", "level_db", "vibration", "laeq_db"),
+        ("released_spectrum", "a_weighted_line_level_db", "release", "laeq_db"),
+        ("released_third_octaves_a", "level_db", "release", "laeq_db"),
     ):
         for run in three:
+            stated = run.stated(source)
             levels = pictures[name][column][pictures[name]["run"] == run.label]
             total = 10 * np.log10(np.nansum(10 ** (levels / 10)))
-            assert total == pytest.approx(getattr(run.sound.levels, level), abs=1e-6)
+            assert total == pytest.approx(getattr(stated.sound.levels, level), abs=1e-6)
+            if level == "laeq_db":
+                assert total == pytest.approx(stated.stated_db, abs=1e-6)
     power = table_of(single("release_power", three[0]))["release_power_w"]
     np.testing.assert_allclose(power, three[0].sound.power, rtol=1e-8)
 
@@ -229,8 +234,9 @@ def test_seeds_have_their_mean_and_standard_deviation() -> None:
     (drawn,) = comparing_pictures(runs, ["mean_third_octaves"])
     table = table_of(drawn)
     band = BAND_NAMES.index("4000")
-    levels = [run.sound.levels.third_octave_a_db["4000"] for run in runs[:3]]
+    levels = [run.numbers.bands.vibration_a.by_name["4000"] for run in runs[:3]]
     assert table["curve"][band] == "load 0.1 N"
+    assert drawn.caption.title.startswith("Mean third octaves of the vibration")
     assert table["mean_a_weighted_level_db"][band] == pytest.approx(np.mean(levels))
     assert table["standard_deviation_db"][band] == pytest.approx(np.std(levels, ddof=1))
     assert not [*comparing_pictures(runs[:2], ["mean_third_octaves"])]  # two seeds have no spread
@@ -338,13 +344,18 @@ def test_compared_runs_have_the_same_axes(three) -> None:
 
 @pytest.mark.parametrize(
     ("name", "quantity"),
-    [("three", "of the released power"), ("flying", "of the vibration")],
+    [("three", "vibration, estimated"), ("flying", "vibration, computed")],
 )
 def test_figures_of_levels_say_what_their_level_is(name: str, quantity: str) -> None:
+    """They show what plays; the released power beside it has figures of its own."""
     runs = runs_of(name)
     pictures = [*comparing_pictures(runs, ["third_octaves", "third_octaves_a", "spectrum"])]
     pictures.append(single("spectrogram", runs[0], runs))
-    assert all(quantity in words(picture) for picture in pictures)
+    assert all(quantity in words(picture).lower() for picture in pictures)
+    assert all("of the vibration" in picture.caption.title for picture in pictures)
+    released = [*comparing_pictures(runs, ["released_third_octaves_a", "released_spectrum"])]
+    assert len(released) == 2
+    assert all("of the released power" in picture.caption.title for picture in released)
 
 
 def test_figures_that_compare_runs_say_what_is_varied(three) -> None:
@@ -449,6 +460,7 @@ def test_silence_is_drawn() -> None:
 def test_a_folder_gets_the_figures_that_compare_runs(three, tmp_path) -> None:
     paths = write_figures(three, tmp_path)
     names = ["third_octaves", "third_octaves_a", "spectrum", "levels", "contact_areas"]
+    names += ["released_third_octaves_a", "released_spectrum"]
     assert paths == [tmp_path / "figures" / f"{name}.png" for name in names]
     assert all(imread(path).shape[2] >= 3 for path in paths)
 

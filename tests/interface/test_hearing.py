@@ -17,7 +17,10 @@ def with_record(run: Run, pressure: np.ndarray, laeq_db: float) -> Run:
     sound = replace(run.sound, pressure=pressure)
     levels = replace(run.numbers.of_record, laeq_db=laeq_db)
     of_sources = replace(run.numbers.levels, released_power=levels)
-    return replace(run, sound=sound, numbers=replace(run.numbers, levels=of_sources))
+    # Nothing vibrates, so that this record plays.
+    silent = replace(run.numbers.vibration, value=None)
+    numbers = replace(run.numbers, levels=of_sources, vibration=silent, heard=None)
+    return replace(run, sound=sound, numbers=numbers)
 
 
 def tone(hertz: float, samples: int = 48000) -> np.ndarray:
