@@ -69,7 +69,7 @@ from rolling.results.run_errors import (
 )
 from rolling.results.run_quantities import UNKNOWN, judged, with_quantities
 from rolling.results.solved_run import SolvedRun
-from rolling.results.stated_sound import playing_source, sound_to_listen
+from rolling.results.stated_sound import playing_source, sound_to_listen, whole_vibration_db
 from rolling.results.uncertainty_parts import parts_of_record, vibration_parts, with_band_parts
 from rolling.scene.scene import Scene
 from rolling.sound import radiators
@@ -142,6 +142,7 @@ def run_numbers(run: SolvedRun, release: ContactSound) -> RunNumbers:
         of_sound=parts_of_record(run, motion, instrument, band, errors),
         of_vibration=vibration_parts(run, motion, instrument),
         of_estimate=of_estimate,
+        whole_vibration_db=whole_vibration_db(run, numbers),
     )
     playing = sound_to_listen(run, numbers, playing_source(run, numbers))
     numbers = replace(numbers, heard=playing.numbers)

@@ -30,7 +30,11 @@ Parts = Mapping[str, float | None]
 
 
 def with_quantities(
-    numbers: RunNumbers, of_sound: Parts, of_vibration: Parts, of_estimate: Parts
+    numbers: RunNumbers,
+    of_sound: Parts,
+    of_vibration: Parts,
+    of_estimate: Parts,
+    whole_vibration_db: float | None = None,
 ) -> RunNumbers:
     """Return the numbers of a run with its two quantities, without doubts.
 
@@ -44,12 +48,17 @@ def with_quantities(
         Parts of the uncertainty of a computed vibration that does not play.
     of_estimate : dict, dB
         Parts of the uncertainty of an estimated vibration.
+    whole_vibration_db : float, dB(A)
+        Level of the whole record of a vibration that ends, where the release is measured. Default:
+        it has none, or it is not known.
     """
     if numbers.record.source == "vibration":
         of_vibration = of_sound
     return replace(
         numbers,
-        vibration=_vibration(numbers, _known(of_vibration), _known(of_estimate)),
+        vibration=_vibration(
+            numbers, _known(of_vibration), _known(of_estimate), whole_vibration_db
+        ),
         released_power=_released_power(numbers, _known(of_sound)),
     )
 
@@ -170,15 +179,30 @@ def _record(numbers: RunNumbers) -> RecordOfNumber:
 
 
 def _vibration(
-    numbers: RunNumbers, of_vibration: Mapping[str, float], of_estimate: Mapping[str, float]
+    numbers: RunNumbers,
+    of_vibration: Mapping[str, float],
+    of_estimate: Mapping[str, float],
+    whole_db: float | None,
 ) -> Quantity:
     """Return the vibration of a run: computed with dynamics, otherwise estimated where possible."""
     if numbers.record.source == "vibration":
         return _computed(numbers, heard_level_db(numbers), of_vibration)
     if numbers.levels.vibration is not None:
-        level_db = level_beside(numbers, numbers.levels.vibration.laeq_db)
+        level_db = _level_of_vibration(numbers, numbers.levels.vibration.laeq_db, whole_db)
         return _computed(numbers, level_db, of_vibration)
-    return _estimated(numbers, of_estimate)
+    return _estimated(numbers, of_estimate, whole_db)
+
+
+def _level_of_vibration(
+    numbers: RunNumbers, level_db: float | None, whole_db: float | None
+) -> float | None:
+    """Return the level of a vibration beside the release that is measured [dB(A)].
+
+    A vibration that ends falls by other decibels than the release, so it has a level of its own.
+    """
+    if numbers.heard_whole is None or level_db is None:
+        return level_beside(numbers, level_db)
+    return whole_db
 
 
 def _computed(numbers: RunNumbers, level_db: float | None, parts: Mapping[str, float]) -> Quantity:
@@ -211,10 +235,11 @@ def _computed(numbers: RunNumbers, level_db: float | None, parts: Mapping[str, f
     )
 
 
-def _estimated(numbers: RunNumbers, parts: Mapping[str, float]) -> Quantity:
+def _estimated(numbers: RunNumbers, parts: Mapping[str, float], whole_db: float | None) -> Quantity:
     """Return the vibration that a linear chain estimates for a run without dynamics."""
     estimate = numbers.estimate
-    level_db = None if estimate is None else level_beside(numbers, estimate.laeq_db)
+    solved_db = None if estimate is None else estimate.laeq_db
+    level_db = _level_of_vibration(numbers, solved_db, whole_db)
     quantity = Quantity(
         name=VIBRATION,
         value=level_db,
@@ -227,8 +252,11 @@ def _estimated(numbers: RunNumbers, parts: Mapping[str, float]) -> Quantity:
     )
     if estimate is None:
         return replace(quantity, reason="the run holds no estimate of it")
-    if level_db is None:
+    if solved_db is None:
         reason = "a contact that does not fluctuate within hearing moves neither ball nor plate"
+        return replace(quantity, reason=reason)
+    if level_db is None:
+        reason = "the level of its whole record is not known"
         return replace(quantity, reason=reason)
     meaning = (
         f"What a listener would hear, estimated by a linear chain for {estimate.bodies}; with a "

@@ -165,6 +165,32 @@ def sound_to_listen(
     return replace(stated, measure=LAEQ, stated_db=stated.stated_db - exposure_db(numbers))
 
 
+def whole_vibration_db(run: SolvedRun, numbers: RunNumbers) -> float | None:
+    """Return LAeq of the whole record of a vibration that ends, beside a release [dB(A)].
+
+    It is the level of the solved part, as it is stated, with the decibels by which the whole record
+    lies above that part. None where nothing vibrates, ends, or where the vibration is measured.
+    """
+    solved_db = _solved_vibration_db(numbers)
+    if solved_db is None or numbers.record.source == "vibration" or numbers.heard_whole is None:
+        return None
+    made = _made(run, numbers, "vibration")
+    if made.long is None:
+        return None
+    own_db = laeq_db(made.record.pressure, made.record.sample_rate)
+    whole_db = laeq_db(made.long.pressure, made.long.sample_rate)
+    if own_db is None or whole_db is None:
+        return None
+    return solved_db + whole_db - own_db
+
+
+def _solved_vibration_db(numbers: RunNumbers) -> float | None:
+    """Return LAeq of a vibration along the solved track [dB(A)]; None where nothing vibrates."""
+    if numbers.levels.vibration is not None:
+        return numbers.levels.vibration.laeq_db
+    return None if numbers.estimate is None else numbers.estimate.laeq_db
+
+
 def _stated(numbers: RunNumbers, record: ContactSound) -> StatedSound:
     """Return a record with the level that numbers state for its source."""
     quantity = numbers.vibration if record.source == "vibration" else numbers.released_power

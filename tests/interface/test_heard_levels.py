@@ -39,21 +39,29 @@ SMOOTH = """\
 surface: {kind: smooth, spacing_um: 2, width_um: 128}
 rolling: {load_n: 0.005, speed_m_s: 0.1, duration_s: 0.0005}
 """
-SCENES = {
-    "estimated": TINY,
-    "estimated, goes on": TINY + "sound: {listen_s: 1}\n",
-    "estimated, open": TINY.replace("speed_m_s: 0.1", "speed_m_s: [[0, 0.1], [0.1, 0.15]]"),
-    "computed": VIBRATING,
-    "computed, goes on": VIBRATING.replace("source: vibration", "listen_s: 1"),
-    "computed, release measured": VIBRATING.replace("source: vibration", "source: release"),
-    "falls": FALLING,
-    "smooth": TINY.partition("surface:")[0] + SMOOTH,
+GOES_ON = ("sound.listen_s=1",)
+ENDS = ("sound.listen_s=3", "rolling.resistance=0.02")
+ESTIMATED = ("dynamics=", "sound.source=", "plate.thickness_mm=", "plate.loss_factor=")
+MEASURED = ("sound.source=release",)
+# Scenes with changes.
+SCENES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "estimated": (TINY, ()),
+    "estimated, goes on": (VIBRATING, (*ESTIMATED, *GOES_ON)),
+    "estimated, ends": (VIBRATING, (*ESTIMATED, *ENDS)),
+    "estimated, open": (TINY.replace("speed_m_s: 0.1", "speed_m_s: [[0, 0.1], [0.1, 0.15]]"), ()),
+    "computed": (VIBRATING, ()),
+    "computed, goes on": (VIBRATING, GOES_ON),
+    "computed, ends": (VIBRATING, ENDS),
+    "computed, release measured": (VIBRATING, MEASURED),
+    "computed, release measured, ends": (VIBRATING, (*MEASURED, *ENDS)),
+    "falls": (FALLING, ()),
+    "smooth": (TINY.partition("surface:")[0] + SMOOTH, ()),
 }
 
 
 @cache
 def run_of(name: str) -> rc.Run:
-    return marched(SCENES[name])
+    return marched(*SCENES[name])
 
 
 def level_of_file(sound: HeardSound, common: float | None = None) -> tuple[float | None, float]:
@@ -76,6 +84,8 @@ def level_of_file(sound: HeardSound, common: float | None = None) -> tuple[float
 def test_a_file_plays_at_the_level_that_is_stated(name: str) -> None:
     """The level of a file is that of its quantity, unless the file says how far off it is."""
     run = run_of(name)
+    if name.endswith(("goes on", "ends")):
+        assert not run.numbers.listening.refused
     for sound in listen_sounds(run):
         level_db, peak = level_of_file(sound)
         facts = sound.facts()
@@ -131,6 +141,21 @@ def test_the_signal_of_an_estimate_has_its_level_before_any_gain() -> None:
     level = run.stated("vibration").level
     changes_db = run.vibration.parts["stiffness_changes"]
     assert abs(level.departure_db) == pytest.approx(changes_db, abs=0.03)
+
+
+@pytest.mark.parametrize("name", ["estimated, ends", "computed, release measured, ends"])
+def test_a_vibration_that_ends_has_the_level_of_its_own_whole_record(name: str) -> None:
+    """A release falls by other decibels, so its fall does not lead to the level of a vibration."""
+    run = run_of(name)
+    assert run.numbers.heard_whole is not None and not run.numbers.listening.refused
+    stated = run.stated("vibration")
+    listened = next(sound for sound in listen_sounds(run) if sound.group == "vibration")
+    assert listened.stated.long is not None
+    whole_db, _ = level_of_file(listened)
+    assert whole_db == pytest.approx(run.vibration.value, abs=0.05)
+    assert abs(listened.stated.level.gain_db) <= run.vibration.uncertainty
+    assert whole_db < stated.level.own_db - 3
+    assert "played_level" not in {doubt.key for doubt in run.numbers.doubts}
 
 
 def test_the_estimated_signal_repeats_without_a_click() -> None:
