@@ -288,7 +288,13 @@ def _mark_errors(ax: Axes, level: Array, errors: BandErrors, colour: str) -> lis
 
 
 @ignoring_underflow
-def spectrogram(ax: Axes, shown: Spectrogram, duration_s: float, limits_db: Limits) -> Axes:
+def spectrogram(
+    ax: Axes,
+    shown: Spectrogram,
+    duration_s: float,
+    limits_db: Limits,
+    unit: str = "dB re (20 µPa)²/Hz",
+) -> Axes:
     """Draw a spectrogram as colours over time and frequency, grey where there is silence.
 
     Rows below `lowest_resolved` are grey too, because a frame holds too few of their periods.
@@ -302,6 +308,8 @@ def spectrogram(ax: Axes, shown: Spectrogram, duration_s: float, limits_db: Limi
         Duration of the record, the whole width of the axes.
     limits_db : pair of float, dB
         Levels of the first and the last colour.
+    unit : str
+        Unit of the levels. Default: that of sound pressure.
 
     Returns
     -------
@@ -341,7 +349,7 @@ def spectrogram(ax: Axes, shown: Spectrogram, duration_s: float, limits_db: Limi
     ax.set_yticks(np.log10(MID_HZ[named]), [style.short_name(name) for name in BAND_NAMES[named]])
     ax.set(xlabel=f"time [{prefix}s]", ylabel="frequency [Hz]")
     beside = ax.inset_axes((1.03, 0.0, 0.04, 1.0))
-    label = "density level [dB re (20 µPa)²/Hz]"
+    label = f"density level [{unit}]"
     ax.figure.colorbar(image, cax=beside, label=label, extend="both")
     return ax
 

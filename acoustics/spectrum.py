@@ -25,7 +25,7 @@ ROW_EDGES_HZ = 10.0 ** (np.arange(50, 175) / 40.0)
 ROW_EDGES_HZ.setflags(write=False)
 
 _MAX_FRAMES = 400
-_FRAME_S = 0.04
+FRAME_S = 0.04  # of a spectrogram of a sound
 _FRAMES_IN_RECORD = 12.5  # 40 ms in 0.5 s; a shorter record has shorter frames
 _HOPS_IN_FRAME = 16
 _MIN_FRAME = 16
@@ -265,7 +265,8 @@ class Spectrogram:
     ----------
     time_s : array (m,), s. Middles of the frames.
     edges_hz : array (r + 1,), Hz. Edges of the rows.
-    level_db : array (r, m), dB re (20 uPa)^2/Hz. NaN where the sound is silent or unknown.
+    level_db : array (r, m), dB re (20 uPa)^2/Hz, or re the square of another reference value per
+        Hz. NaN where the sound is silent or unknown.
     window : str. Name of the window.
     frame_s, hop_s : float, s. Length and distance of the frames.
     enbw_hz : float, Hz. Equivalent noise bandwidth of the lines, which are 1 / `frame_s` apart.
@@ -283,7 +284,12 @@ class Spectrogram:
 
 
 def spectrogram(
-    pressure_pa: Array, sample_rate_hz: float, highest_hz: float = math.inf, closed: bool = True
+    pressure_pa: Array,
+    sample_rate_hz: float,
+    highest_hz: float = math.inf,
+    closed: bool = True,
+    frame_s: float = FRAME_S,
+    reference: float = P_REF_PA,
 ) -> Spectrogram:
     """Compute the density of a record in up to 400 frames and 124 rows from 20 Hz to 20 kHz.
 
@@ -303,6 +309,8 @@ def spectrogram(
         above the record's own Nyquist frequency, are NaN. Default infinity.
     closed : bool. If true, frames at the ends continue at the other end; otherwise there is silence
         before and after. Default True.
+    frame_s : float, s. Length of the frames, unless the record is short. Default 40 ms.
+    reference : float. Reference value of the levels, in the unit of the record. Default 20 uPa.
 
     Returns
     -------
@@ -326,7 +334,7 @@ def spectrogram(
 
     record = checked_record(pressure_pa, sample_rate_hz)
     n = len(record)
-    frame = max(_MIN_FRAME, round(min(_FRAME_S * sample_rate_hz, n / _FRAMES_IN_RECORD)))
+    frame = max(_MIN_FRAME, round(min(frame_s * sample_rate_hz, n / _FRAMES_IN_RECORD)))
     hop = max(1, frame // _HOPS_IN_FRAME, -(-n // _MAX_FRAMES))
     frame = max(frame, 2 * hop)
     frames = max(1, n // hop)
@@ -347,7 +355,7 @@ def spectrogram(
     sounding = rows > _ROUNDING * rows.max()
     sounding &= (ROW_EDGES_HZ[1:] <= min(highest_hz, sample_rate_hz / 2.0))[:, np.newaxis]
     level_db = np.full(rows.shape, np.nan)
-    level_db[sounding] = 10.0 * (np.log10(rows[sounding]) - math.log10(P_REF_PA**2))
+    level_db[sounding] = 10.0 * (np.log10(rows[sounding]) - math.log10(reference**2))
     return Spectrogram(
         time_s=(first + hop * np.arange(frames)) / sample_rate_hz,
         edges_hz=ROW_EDGES_HZ,

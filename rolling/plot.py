@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from acoustics import matplotlib_import  # noqa: F401, before matplotlib
 from acoustics.traps import ignoring_underflow
 from rolling.bearing_kind.bearing_figures import ball_forces, envelope, load_distribution
+from rolling.bearing_kind.pulse_figures import acceleration_signal, velocity_spectrogram
 from rolling.figures.article import max_level_over_load, spectra_over_load
 from rolling.figures.catalogue import draw
 from rolling.figures.channel_figures import (
@@ -45,13 +46,13 @@ if TYPE_CHECKING:  # matplotlib is imported by the figures, which guard its sett
     from matplotlib.axes import Axes
 
 __all__ = [
-    "ball_forces", "ball_surface", "channel_envelope", "channel_spectrum", "channel_third_octaves",
-    "contact_areas", "contact_filter", "contact_force", "contact_pressure", "envelope",
-    "levels", "load_distribution", "max_level_over_load", "mean_third_octaves", "mobilities",
-    "modulation", "places", "power_density", "recovery_events", "release_power",
+    "acceleration_signal", "ball_forces", "ball_surface", "channel_envelope", "channel_spectrum",
+    "channel_third_octaves", "contact_areas", "contact_filter", "contact_force", "contact_pressure",
+    "envelope", "levels", "load_distribution", "max_level_over_load", "mean_third_octaves",
+    "mobilities", "modulation", "places", "power_density", "recovery_events", "release_power",
     "released_spectrum", "released_third_octaves_a", "running_in",
     "sources", "spectra_over_load", "spectrogram", "spectrum", "surface", "third_octaves",
-    "wavelengths",
+    "velocity_spectrogram", "wavelengths",
 ]  # fmt: skip
 
 

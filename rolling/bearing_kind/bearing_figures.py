@@ -20,12 +20,18 @@ from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_record import AXIAL, PLACES, RADIAL, UM_S
 from rolling.bearing.static_load import ball_loads
 from rolling.bearing_kind import bearing_sentences
+from rolling.bearing_kind.pulse_figures import (
+    acceleration_signal,
+    run_title,
+    shown_samples,
+    signal_table,
+    velocity_spectrogram,
+)
 from rolling.bearing_kind.solved_bearing import SolvedBearing
 from rolling.figures.picture import axes_of, drawable, finish
 from rolling.kinds.figure_kind import FigureKind
 from rolling.numbers import views
 from rolling.numbers.bearing_numbers import EnvelopeLine, VelocityLine
-from rolling.results import labels
 
 if TYPE_CHECKING:
     from rolling.bearing_kind.bearing_run import BearingRun
@@ -35,7 +41,6 @@ _DECADES = 5  # of velocity, at most
 _ENVELOPE_LINES = 20  # at least, where the bearing hardly turns in the record
 _ENVELOPE_MULTIPLES = 3.2  # of the highest line of a fault, up to which an envelope is drawn
 _FIRST_LINE = 3  # of an envelope that is drawn; those below are its slow drift
-_TURNS = 2  # of the cage, over which ball forces are drawn
 _NAMED_BALLS = 4  # of which the forces are drawn
 _NOTHING_UM_S = 1e-12  # in the place of 0 on a logarithmic axis
 _BAND_COLOURS = ("0.93", "0.88", "0.93")
@@ -86,10 +91,13 @@ def spectrum(run: BearingRun, ax: Axes | None = None) -> Axes:
     ax.set_ylim(top / 10**_DECADES, top)
     bands_hz = run.bands_below_bending_hz
     velocities = run.numbers.below_bending.radial.um_s
+    marked = False
     for colour, (name, (low, high)) in zip(_BAND_COLOURS, bands_hz.items(), strict=True):
         if not high > low:  # the ring bends from below the band on
             continue
-        ax.axvspan(low, high, color=colour, zorder=0)
+        label = "_" if marked else "one of three bands, with its radial velocity"
+        marked = True
+        ax.axvspan(low, high, color=colour, zorder=0, label=label)
         ax.text(
             math.sqrt(low * high),
             0.985,
@@ -101,11 +109,18 @@ def spectrum(run: BearingRun, ax: Axes | None = None) -> Axes:
         )
     _draw_lines(ax, run.lines)
     if run.scene.ring_bending_hz < _SHOWN_HZ[1]:
-        ax.axvspan(run.scene.ring_bending_hz, _SHOWN_HZ[1], fill=False, hatch="//", alpha=0.25)
+        ax.axvspan(
+            run.scene.ring_bending_hz,
+            _SHOWN_HZ[1],
+            fill=False,
+            hatch="//",
+            alpha=0.25,
+            label="the ring bends",
+        )
         ax.text(run.scene.ring_bending_hz, 0.02, " rings bend", transform=ax.get_xaxis_transform())
     ax.set(xlabel="frequency [Hz]", ylabel="rms velocity of a line [µm/s]")
     ax.xaxis.set_major_formatter("{x:g}")
-    return finish(ax, f"Velocity of the {run.moving} ring: {_title(run)}", _facts(run))
+    return finish(ax, f"Velocity of the {run.moving} ring: {run_title(run)}", _facts(run))
 
 
 def envelope(run: BearingRun, ax: Axes | None = None) -> Axes:
@@ -139,7 +154,7 @@ def envelope(run: BearingRun, ax: Axes | None = None) -> Axes:
     ax.set_ylim(0, 1.3 * max(float(y.max()), _NOTHING_UM_S))
     _draw_lines(ax, lines.envelope_lines(run.kinematics))
     ax.set(xlabel="frequency [Hz]", ylabel="share of the mean square [%]")
-    return finish(ax, f"Envelope from 1,800 to 10,000 Hz: {_title(run)}", _facts(run))
+    return finish(ax, f"Envelope from 1,800 to 10,000 Hz: {run_title(run)}", _facts(run))
 
 
 def shown_of_envelope(run: BearingRun) -> NDArray[np.bool_]:
@@ -180,16 +195,17 @@ def _draw_lines(ax: Axes, shown: Sequence[BearingLine]) -> None:
         )
         if has_room:
             last = place
-            ax.text(
-                line.frequency_hz,
-                0.9,
-                drawable(line.name),
-                transform=ax.get_xaxis_transform(),
-                rotation=90,
-                ha="right",
-                va="top",
-                fontsize=7.5,
-            )
+        ax.text(
+            line.frequency_hz,
+            0.9,
+            drawable(line.name),
+            transform=ax.get_xaxis_transform(),
+            rotation=90,
+            ha="right",
+            va="top",
+            fontsize=7.5,
+            visible=has_room,  # the page shows more names as one zooms in
+        )
 
 
 def ball_forces(run: BearingRun, ax: Axes | None = None) -> Axes:
@@ -215,8 +231,7 @@ def ball_forces(run: BearingRun, ax: Axes | None = None) -> Axes:
     instance("run", run, SolvedBearing)
     ax = axes_of(ax)
     record = run.record
-    turns = _TURNS / run.kinematics.cage_hz
-    samples = max(2, min(len(record.ball_load_n), round(turns * record.rate_hz)))
+    samples = shown_samples(run)
     time_ms = 1e3 * np.arange(samples) / record.rate_hz
     balls = record.ball_load_n.shape[1]
     for ball in range(min(balls, _NAMED_BALLS)):
@@ -224,7 +239,7 @@ def ball_forces(run: BearingRun, ax: Axes | None = None) -> Axes:
         ax.plot(x, y, color=COLOURS[ball], linewidth=0.8, label=f"ball {ball}")
     ax.set_xlim(0, time_ms[-1])
     ax.set(xlabel="time [ms]", ylabel="load of a ball [N]")
-    return finish(ax, f"Loads of balls on the {run.moving} ring: {_title(run)}", _facts(run))
+    return finish(ax, f"Loads of balls on the {run.moving} ring: {run_title(run)}", _facts(run))
 
 
 def load_distribution(run: BearingRun, ax: Axes | None = None) -> Axes:
@@ -268,7 +283,7 @@ def load_distribution(run: BearingRun, ax: Axes | None = None) -> Axes:
     else:
         ax.set(xlabel="angle [degrees]", ylabel="load of a ball [N]", xlim=(0, 360))
     ax.set_ylim(0, 1.08 * largest)
-    return finish(ax, f"Load of a ball over its angle [N]: {_title(run)}", _facts(run))
+    return finish(ax, f"Load of a ball over its angle [N]: {run_title(run)}", _facts(run))
 
 
 def mean_loads_n(run: BearingRun) -> Array:
@@ -352,11 +367,6 @@ def load_table(run: BearingRun) -> DataFrame:
 # ---- the figures
 
 
-def _title(run: BearingRun) -> str:
-    """Return the scene of a run with its label."""
-    return labels.title(run.scene.name, run.label)
-
-
 def _facts(run: BearingRun) -> list[str]:
     """Return the condition of a run and the length of its record, for the note of a figure."""
     return [bearing_sentences.condition(run.scene), f"{run.record.duration_s:.3g} s"]
@@ -364,6 +374,8 @@ def _facts(run: BearingRun) -> list[str]:
 
 FIGURES = {
     "spectrum": FigureKind(spectrum, spectrum_table, is_single=True, is_written=True),
+    "acceleration_signal": FigureKind(acceleration_signal, signal_table, is_single=True),
+    "velocity_spectrogram": FigureKind(velocity_spectrogram, is_single=True),
     "envelope": FigureKind(envelope, envelope_table, is_single=True, is_written=True),
     "load_distribution": FigureKind(
         load_distribution, load_table, is_single=True, is_written=True, is_polar=True

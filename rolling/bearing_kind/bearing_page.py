@@ -1,9 +1,10 @@
-"""Parts of the page of bearings: the answer, a bearing that turns, spectra, lines and loads."""
+"""Parts of the page of bearings: bands, signal, spectra, lines, loads, and a bearing that turns."""
 
 from __future__ import annotations
 
 import base64
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,13 +18,15 @@ from rolling.bearing import lines
 from rolling.bearing.contact_lines import line_curvature
 from rolling.bearing.ring_record import NOTHING_UM_S, RADIAL, UM_S
 from rolling.bearing.tracks import BodyTrack
-from rolling.bearing_kind import bearing_figures, bearing_sentences, stored_run
-from rolling.figures.catalogue import single_picture
+from rolling.bearing_kind import bearing_sentences, stored_run
+from rolling.figures.catalogue import figures_of, picture_of
 from rolling.figures.settings import left_out_if_it_fails
-from rolling.kinds.page_parts import PageParts
+from rolling.kinds.page_parts import PageParts, Part
 from rolling.numbers.bearing_numbers import AXIAL_NAMES, AngleNumbers, BearingNumbers, VelocityLine
 from rolling.numbers.quantity import Quantity, spread_text
-from rolling.report import maps
+from rolling.report.charts import Chart
+from rolling.report.level_bars import Bars, Row, bars_over_decades
+from rolling.report.page_of_parts import exhibit
 from rolling.report.report_page import page_gains
 from rolling.terminal.streams import unbroken
 
@@ -38,10 +41,14 @@ _STEPS = 2**15 - 1  # of 16 bits
 _LEAST = 0.1
 _MOST = 3.0
 _PLACES_OF_SLIDER = 100
-PICTURES = {
-    "load_distribution": "Mean load of a ball at each angle, with the static balance.",
-    "ball_forces": "Loads of some balls over two turns of the cage.",
-}
+CHARTS = (
+    "acceleration_signal",
+    "velocity_spectrogram",
+    "spectrum",
+    "envelope",
+    "load_distribution",
+    "ball_forces",
+)
 
 
 def bearing_parts(runs: Sequence[BearingRun]) -> PageParts:
@@ -52,41 +59,37 @@ def bearing_parts(runs: Sequence[BearingRun]) -> PageParts:
     runs : sequence of BearingRun, at least one, in the order of the page.
     """
     gain = page_gains(runs)[stored_run.RING]
-    values = {
-        "views": [_view(run) for run in runs],
-        "band_names": [
-            f"{words}, below the bending" for words in bearing_sentences.BAND_WORDS.values()
-        ],
+    first = {
+        "together": f"Radial velocity of the ring of {len(runs)} bearings, rms.",
+        "compared": _compared_bands(runs) if len(runs) > 1 else [],
     }
     return PageParts(
-        template="bearing.html",
+        first=[Part("bearing_first.html", first)],
+        charts=[Part("bearing_charts.html"), Part("bearing_instrument.html")],
+        doubted=[Part("bearing_doubted.html")],
         styles=("bearing.css",),
         script="bearing/begin.js",
         engine="bearing/worker.js",
-        values=values,
+        shared={"views": [_view(run, number) for number, run in enumerate(runs)]},
         data={"runs": [{**data_of(run), "gain": gain} for run in runs]},
     )
 
 
-def _view(run: BearingRun) -> dict[str, Any]:
-    """Return the words, tables and pictures of a run."""
-    pictures = {}
-    for name, words in PICTURES.items():
-        drawn = single_picture(name, run)
-        with left_out_if_it_fails(f"{name} of {run.label}"):
-            content = None if drawn is None else drawn.file("png")
-            if content is not None:
-                pictures[name] = maps.uri("image/png", content), words
+def _view(run: BearingRun, number: int) -> dict[str, Any]:
+    """Return the words, tables and charts of a run, whose number on the page is given."""
     numbers = run.numbers
     duration_s = numbers.motion.duration_s
     first, _, *others = numbers.sentences  # the second has the axial velocities
+    faults = [*bearing_sentences.fault_sentences(run.scene, numbers)]
+    lead = faults[0] if faults else bearing_sentences.leading_lines(numbers)
     return {
         "label": printable(run.label or run.scene.name),
         "what": _on_page(first),
-        "sentences": [_on_page(sentence) for sentence in others],
-        "rows": _band_rows(numbers),
-        "bands": _radial_bands(numbers),
-        "axial_verdict": "" if numbers.axial_doubt is None else numbers.axial_doubt.severity.word,
+        "lead": _on_page(lead),
+        "sentences": [_on_page(sentence) for sentence in others if sentence != lead],
+        "bars": bars_over_decades("Radial velocity of the ring, rms [µm/s]", _bars(numbers)),
+        "rows": [(name, *map(" ".join, cells)) for name, cells in _band_rows(numbers)],
+        "line_heads": _line_heads(numbers),
         "lines": [line_cells(line, duration_s) for line in numbers.lines],
         "envelope_lines": [
             (
@@ -96,9 +99,54 @@ def _view(run: BearingRun) -> dict[str, Any]:
             )
             for line in numbers.envelope_lines
         ],
-        "pictures": pictures,
+        "charts": _charts(run, number),
         "facts": _facts(run),
     }
+
+
+def _charts(run: BearingRun, number: int) -> dict[str, Chart]:
+    """Return the charts of a run by their names."""
+    figures = figures_of([run])
+    charts = {}
+    for name in CHARTS:
+        with left_out_if_it_fails(f"{name} of {run.label}"):
+            # A chart has an axis along, where a file may have one around.
+            kind = replace(figures[name], is_polar=False)
+            charts[name] = exhibit(picture_of(name, kind, run)) | {"run": number}
+    return charts
+
+
+# ---- velocities in the three bands
+
+
+def _bars(numbers: BearingNumbers) -> list[Row]:
+    """Return the radial velocity of each band below the bending as a row of bars."""
+    words = bearing_sentences.band_words(numbers.ring.bending_hz)
+    radial = numbers.below_bending.radial.by_band
+    return [_bar(f"{name}", radial[band]) for band, name in words.items()]
+
+
+def _compared_bands(runs: Sequence[BearingRun]) -> list[Bars]:
+    """Return bars of the radial velocity of all runs, those of each band together."""
+    compared = []
+    for band, name in bearing_sentences.BAND_WORDS.items():
+        rows = []
+        for run in runs:
+            label = printable(run.label or run.scene.name)
+            rows.append(_bar(label, run.numbers.below_bending.radial.by_band[band]))
+        compared.append(bars_over_decades(f"{name} [µm/s], below the bending of the ring", rows))
+    return compared
+
+
+def _bar(name: str, velocity: Quantity) -> Row:
+    """Return a velocity with its ± as a row of bars."""
+    words, spread = _cell(velocity)
+    value = velocity.value
+    low = high = None
+    if value is not None and spread.startswith("±") and velocity.uncertainty is not None:
+        factor = 10 ** (velocity.uncertainty / 20)
+        low, high = value / factor, value * factor
+    return Row(name=name, value=value, low=low, high=high, words=words, spread=spread)
 
 
 def _band_rows(numbers: BearingNumbers) -> list[tuple[str, list[tuple[str, str]]]]:
@@ -120,18 +168,6 @@ def _band_rows(numbers: BearingNumbers) -> list[tuple[str, list[tuple[str, str]]
     return rows
 
 
-def _radial_bands(numbers: BearingNumbers) -> list[tuple[str, str]]:
-    """Return the radial velocity of each of the three bands below the bending, with its ±.
-
-    A band that lies above the bending has none.
-    """
-    words = bearing_sentences.band_words(numbers.ring.bending_hz)
-    return [
-        _cell(velocity) if band in words else (bearing_sentences.NO_VELOCITY, "")
-        for band, velocity in numbers.below_bending.radial.by_band.items()
-    ]
-
-
 def _cell(velocity: Quantity) -> tuple[str, str]:
     """Return the value of a velocity and its ±, or the verdict of one that is not to be quoted.
 
@@ -150,6 +186,22 @@ def _cell(velocity: Quantity) -> tuple[str, str]:
 def _on_page(sentence: str) -> str:
     """Return a sentence with the sign of micrometres, and numbers beside their units."""
     return unbroken(sentence.replace(" um/s", " µm/s"))
+
+
+def _line_heads(numbers: BearingNumbers) -> list[str]:
+    """Return the heads of the table of lines; the axial velocities may have a verdict."""
+    axial = "Axial [µm/s]"
+    if numbers.axial_doubt is not None:
+        axial += f", {numbers.axial_doubt.severity.word}"
+    return [
+        "Line",
+        "What happens",
+        "Frequency [Hz]",
+        "Radial [µm/s]",
+        "radial, over surroundings",
+        axial,
+        "axial, over surroundings",
+    ]
 
 
 def line_cells(line: VelocityLine, duration_s: float) -> list[str]:
@@ -220,9 +272,6 @@ def data_of(run: BearingRun) -> dict[str, Any]:
     narrow = run.record.spectra[RADIAL]
     shown = (narrow.frequency_hz >= 20) & (narrow.frequency_hz <= 20000)
     log_hz, um_s = thinned(np.log(narrow.frequency_hz[shown]), UM_S * narrow.rms[shown])
-    pulses = run.record.envelope
-    in_view = bearing_figures.shown_of_envelope(run)
-    pulse_hz, share = thinned(pulses.frequency_hz[in_view], pulses.rms[in_view])
     return {
         "label": printable(run.label or run.scene.name),
         "bearing": _model_of(run),
@@ -237,10 +286,8 @@ def data_of(run: BearingRun) -> dict[str, Any]:
         "bands": _bands_m_s(run.numbers),
         "gain": stored_run.ring_sound(run).own_gain,
         "spectrum": {"hz": _digits(np.exp(log_hz), 6), "um_s": _digits(um_s, 4)},
-        "envelope": {"hz": _digits(pulse_hz, 6), "share": _digits(share, 4)},
         "lines": [_mark(line) for line in run.lines],
         "bendingHz": run.scene.ring_bending_hz,
-        "envelopeLines": [_mark(line) for line in lines.envelope_lines(run.kinematics)],
     }
 
 

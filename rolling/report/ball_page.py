@@ -4,6 +4,8 @@ This module gathers the content as plain text, numbers and data URIs. Layout and
 `assets/`.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,7 +19,7 @@ from acoustics.texts import printable
 from rolling.figures.catalogue import comparing_pictures, single_names, single_picture
 from rolling.figures.picture import Picture
 from rolling.figures.settings import left_out_if_it_fails
-from rolling.kinds.page_parts import PageParts
+from rolling.kinds.page_parts import PageParts, Part
 from rolling.numbers.doubt import Doubt
 from rolling.report import (
     assumed,
@@ -29,7 +31,8 @@ from rolling.report import (
     page_sounds,
     text,
 )
-from rolling.report.charts import Chart, chart_of
+from rolling.report.charts import Chart
+from rolling.report.page_of_parts import ChartList, exhibit
 from rolling.results import answer, description, run_lines, verdict
 from rolling.results.level_words import SILENT
 from rolling.results.listening import QUIET_DB, Raised
@@ -38,13 +41,16 @@ from rolling.results.run_result import Run
 from rolling.results.stated_sound import StatedSound
 from rolling.terminal import defaults
 
-LARGEST_CSV = 20_000  # bytes of a table on the page; of longer ones it has the curves as drawn
 MAX_RUNS = defaults.MAX_RUNS_ON_PAGE
 MAX_BESIDE = 3  # runs whose own pictures stand below each other
 MAIN_CURVES = "third_octaves_a"  # which the page shows first; the others are one choice away
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 SURFACES = ("surface", "ball_surface")
 VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
+ARTICLE = (
+    "Lee, B.; Kim, K.; Kim, T.: Analysis of Contact Noise Due to Elastic Recovery of Surface"
+    " Asperities for Spherical Contact. Inventions 2025, 10(1), 17. doi:10.3390/inventions10010017"
+)
 CHANNELS = ("channel_third_octaves", "channel_spectrum", "channel_envelope")
 
 
@@ -61,50 +67,83 @@ def ball_parts(runs: Sequence[Run]) -> PageParts:
     scale = maps.map_scale(shown)
     views = _views(shown)
     players = [_player(view, scale) for view in views]
-    charts = PageCharts(views)
-    values = {
-        "descriptions": _descriptions(shown),
-        "film": film,
-        "sentence": description.runs_sentence(runs),
-        "follows": answer.follows(runs),
-        "units": leading_numbers.units(runs),
-        "listeners": number_table.listeners(runs),
-        "assumptions": text.facts(runs, [assumed.assumptions(run) for run in runs]),
-        "provenance": text.provenance(runs),
+    charts = BallCharts(views)
+    shared = {
         "views": views,
+        "film": film,
         "quiet_db": QUIET_DB,
         "sounds": [view.stated for view in views],
         "with_released": " ".join(str(view.number) for view in views if view.released),
-        "lengths": {round(run.sound.duration, 4) for run in runs},
-        "short": any(doubt.key == "short_loop" for view in views for doubt in view.repeats),
         "map_scale": scale,
-        "map_flies": any(any(player["maps"]["instead"]) for player in players if player["maps"]),
-        "stills": any(player["maps"] and not player["falls"] for player in players),
-        "MAIN_CURVES": MAIN_CURVES,
         "filmed": any(player["film"] for player in players),
         "moved": any(len(view.curves) > 1 for view in views),
+        "is_known": charts.is_known,
+        "crowded": len(views) > MAX_BESIDE,
+    }
+    return PageParts(
+        first=[Part("hero.html", _first(runs, players))],
+        beside=[Part("player.html"), Part("contents.html")] if views else [],
+        charts=_charts(runs, shown, views, players),
+        more=[Part("details.html", _details(runs, shown, views))] if views else [],
+        has_number_table=False,
+        styles=("heard.css", "play.css"),
+        has_plain_players=False,
+        script="page/begin.js" if views else "page/plain.js",
+        engine="engine/worklet.js" if any(view.live for view in views) else "",
+        shared=shared,
+        data={"runs": players, "view": scale, "bands": BAND_NAMES},
+        charted=charts,
+        cited=[ARTICLE],
+    )
+
+
+def _first(runs: Sequence[Run], players: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the values of the first view."""
+    return {
+        "sentence": description.runs_sentence(runs),
+        "follows": answer.follows(runs),
+        "units": leading_numbers.units(runs),
+        "stills": any(player["maps"] and not player["falls"] for player in players),
+    }
+
+
+def _charts(
+    runs: Sequence[Run],
+    shown: Sequence[Run],
+    views: Sequence[RunView],
+    players: Sequence[Mapping[str, Any]],
+) -> list[Part]:
+    """Return the instrument, the spectra and the contact; of too many runs the spectra alone."""
+    spectra = {
         "curves": _comparing_exhibits(runs),
+        "MAIN_CURVES": MAIN_CURVES,
+        "listeners": number_table.listeners(runs),
+    }
+    if not views:
+        return [Part("spectra.html", spectra)]
+    moving = {
+        "map_flies": any(any(player["maps"]["instead"]) for player in players if player["maps"]),
         "surfaces": _surfaces(shown),
+    }
+    return [
+        Part("play.html", {"band_names": BAND_NAMES}),
+        Part("spectra.html", spectra),
+        Part("moving.html", moving),
+    ]
+
+
+def _details(runs: Sequence[Run], shown: Sequence[Run], views: Sequence[RunView]) -> dict[str, Any]:
+    """Return the values of what few people ask for."""
+    return {
+        "descriptions": _descriptions(shown),
+        "assumptions": text.facts(runs, [assumed.assumptions(run) for run in runs]),
+        "provenance": text.provenance(runs),
+        "lengths": {round(run.sound.duration, 4) for run in runs},
+        "short": any(doubt.key == "short_loop" for view in views for doubt in view.repeats),
         "vibration": [name for name in VIBRATION if any(name in view.pictures for view in views)],
         "channels": [name for name in CHANNELS if any(name in view.pictures for view in views)],
         "channel_lines": run_lines.channel_lines(shown),
     }
-    shared = {
-        "numbered": charts.add,
-        "is_known": charts.is_known,
-        "sharing": charts.sharing,
-        "crowded": len(views) > MAX_BESIDE,
-    }
-    return PageParts(
-        template="report.html",
-        styles=("heard.css", "play.css", "chart.css"),
-        has_plain_players=False,
-        script="page/begin.js" if shown else "page/chart.js",
-        engine="engine/worklet.js",
-        values=values,
-        shared=shared,
-        data={"runs": players, "view": scale, "bands": BAND_NAMES, "charts": charts.shown},
-    )
 
 
 def _descriptions(runs: Sequence[Run]) -> list[str]:
@@ -290,17 +329,12 @@ def _rounded(levels: Mapping[str, float | None]) -> list[float | None]:
 # ---- pictures
 
 
-class PageCharts:
-    """The charts of a page in the order in which its templates show them."""
+class BallCharts(ChartList):
+    """The charts of a page of balls, some of which runs of equal bodies share."""
 
     def __init__(self, views: Sequence[RunView]) -> None:
-        self.shown = list[Chart]()
+        super().__init__()
         self._views = views
-
-    def add(self, chart: Chart) -> int:
-        """Show a chart and return its number."""
-        self.shown.append(chart)
-        return len(self.shown) - 1
 
     def is_known(self, chart: Chart) -> bool:
         """Tell whether equal curves are shown already, as runs of equal bodies have them."""
@@ -322,11 +356,8 @@ def _is_same(chart: Chart, other: Chart) -> bool:
 
 
 def _exhibit(picture: Picture) -> Chart:
-    """Read a picture as a chart with its table."""
-    chart = chart_of(picture)
-    table = picture.file("csv")
-    if table is not None and len(table) <= LARGEST_CSV:
-        chart["csv"] = table.decode()
+    """Read a picture as a chart with its table, over time with the length of its unit."""
+    chart = exhibit(picture)
     if picture.name in TIMELINES:
         chart["second"] = _seconds(chart["x"]["unit"])
     return chart

@@ -14,6 +14,7 @@ from matplotlib.container import BarContainer, ErrorbarContainer
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle, StepPatch
+from matplotlib.text import Text
 from matplotlib.ticker import FixedLocator
 
 from acoustics.arrays import Array
@@ -70,9 +71,27 @@ def chart_of(picture: Picture) -> Chart:
         "xs": places,
         "curves": curves,
         "parts": parts,
-        "texts": [text.get_text() for text in ax.texts],
+        "texts": [text.get_text() for text in ax.texts if not _is_name(ax, text)],
+        "named": [_name(text) for text in ax.texts if _is_name(ax, text)] or None,
         "aspect": None if aspect == "auto" else aspect,
         "ground": None if ground == _WHITE else ground,
+    }
+
+
+def _is_name(ax: Axes, text: Text) -> bool:
+    """Tell whether a text names a place along x, at a height of the axes."""
+    return _is_in_data(ax, text) == (True, False)
+
+
+def _name(text: Text) -> dict[str, Any]:
+    """Return the name of a place along x: text, height in the axes, and how it stands."""
+    at, high = text.get_position()
+    return {
+        "at": numbers([at])[0],
+        "text": text.get_text().strip(),
+        "high": high,
+        "up": text.get_rotation() == 90,
+        "begins": text.get_horizontalalignment() == "left",
     }
 
 
@@ -229,7 +248,10 @@ def _line(ax: Axes, line: Line2D) -> list[Part]:
     x, y = (np.asarray(np.ma.filled(data, np.nan), dtype=float) for data in line.get_data())
     along, across = _is_in_data(ax, line)
     if not (along and across):
-        return [{"kind": "rule", "along": along, "at": numbers(x if along else y)[0]}]
+        rule: Part = {"kind": "rule", "along": along, "at": numbers(x if along else y)[0]}
+        if along and y[-1] < 1.0:
+            rule["high"] = float(y[-1])
+        return [rule]
     if not len(x):
         return []
     part = {"kind": "line", **_thinned(ax, x, y=y), "alpha": line.get_alpha()}
@@ -257,6 +279,8 @@ def _bar(ax: Axes, bar: Rectangle) -> Part:
     ends = [left, left + bar.get_width(), low, low + bar.get_height()]
     kind = "bar" if all(_is_in_data(ax, bar)) else "span"
     part: Part = {"kind": kind, "ends": numbers(ends), "alpha": bar.get_alpha()}
+    if to_rgba(bar.get_facecolor())[3] == 0.0:
+        part["hollow"] = True
     return part
 
 

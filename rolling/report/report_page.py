@@ -1,23 +1,22 @@
 """The report page of runs of any kind: an HTML file without network access.
 
 All pages have title, answer, doubts, numbers, and how to make the runs again. A kind gives what
-its page has beside these: pictures, an instrument to play with, their scripts and styles.
+its page has beside these: a drawing, charts, an instrument to play with, their scripts and styles.
 """
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from markupsafe import Markup
 
 from acoustics import wav
 from acoustics.numbers import rounded
 from acoustics.texts import printable
-from rolling import __version__
 from rolling.kinds.heard_sound import HeardSound
+from rolling.kinds.page_parts import PageParts, Part
 from rolling.kinds.registry import kind_of, kind_of_runs
 from rolling.report import leading_numbers, number_table, page_sounds, text
-from rolling.report.templates import environment, joined_script
+from rolling.report.page_of_parts import ChartList, PageOfParts
 from rolling.results import verdict
 
 
@@ -40,36 +39,55 @@ def page(runs: Sequence[Any], unsolved: Sequence[str] = (), notice: str = "") ->
     ValueError : the runs are of several kinds.
     """
     kind = kind_of_runs(runs)
-    parts = kind.page_parts(runs)
+    own = kind.page_parts(runs)
+    parts = [*own.charts, _doubts(runs, own)]
+    if own.has_number_table:
+        parts.append(Part("numbers.html"))
+    parts += [Part("again.html", {"recipes": text.recipes(runs)}), *own.more]
+    made = PageOfParts(
+        title=text.titles(runs),
+        noise=kind.noise,
+        notice=notice,
+        unsolved=[printable(label) for label in unsolved],
+        drawing=own.drawing,
+        first=_plain_first(runs, own) if own.first is None else own.first,
+        beside=own.beside,
+        parts=parts,
+        charted=own.charted or ChartList(),
+        styles=own.styles,
+        script=own.script,
+        engine=own.engine,
+        shared={
+            "runs": runs,
+            "labels": [printable(run.label or run.scene.name) for run in runs],
+            "columns": leading_numbers.shown_columns(runs),
+            "meanings": leading_numbers.meanings(runs),
+            "verdict_words": leading_numbers.verdict_words(runs),
+            "table": number_table.number_table(runs),
+            "players": players(runs) if own.has_plain_players else [],
+            **own.shared,
+        },
+        data=own.data,
+        cited=own.cited,
+    )
+    return made.written()
+
+
+def _plain_first(runs: Sequence[Any], own: PageParts) -> list[Part]:
+    """Return the first view of runs of a kind that gives none of its own."""
+    return [Part("plain_first.html", {"sentences": kind_of_runs(runs).sentences(runs)})]
+
+
+def _doubts(runs: Sequence[Any], own: PageParts) -> Part:
+    """Return the section on what to doubt."""
     solved = [(run.label, run.numbers) for run in runs]
-    templates = environment()
-    templates.globals |= {"crowded": False, **parts.shared}
-    template = templates.get_template(parts.template)
     values = {
-        "version": __version__,
-        "title": text.titles(runs),
-        "noise": kind.noise,
-        "text": text,
-        "runs": runs,
-        "labels": [printable(run.label or run.scene.name) for run in runs],
-        "unsolved": [printable(label) for label in unsolved],
-        "notice": notice,
-        "sentences": kind.sentences(runs),
-        "columns": leading_numbers.shown_columns(runs),
-        "meanings": leading_numbers.meanings(runs),
-        "verdict_words": leading_numbers.verdict_words(runs),
-        "players": players(runs) if parts.has_plain_players else [],
         "doubts": leading_numbers.doubts(runs),
         "headline": verdict.headline(solved),
         "notes": [note.text for note in verdict.notes(solved)],
-        "table": number_table.number_table(runs),
-        "recipes": text.recipes(runs),
-        "css": Markup("".join(text.asset(name) for name in ("report.css", *parts.styles))),
-        "js": Markup(joined_script(parts.script)),
-        "engine": Markup(joined_script(parts.engine) if parts.engine else ""),
-        "data": parts.data,
+        "doubted": own.doubted,
     }
-    return template.render(values | dict(parts.values)).encode()
+    return Part("doubts.html", values)
 
 
 # ---- sounds

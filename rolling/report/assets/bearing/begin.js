@@ -1,6 +1,8 @@
 // Start of the page of a bearing, and its events.
 
-import { drawEnvelope, drawSpectrum } from "./charts.js";
+import { openCharts } from "../page/chart.js";
+import { listenToCopying } from "../page/copy.js";
+import { drawSpectrum } from "./charts.js";
 import { drawBearing, showTurn, showZone, turn } from "./picture.js";
 import { hear, soundLatest } from "./sound.js";
 import { $, $$, data, digits, state, velocity } from "./state.js";
@@ -98,11 +100,12 @@ function choose(number) {
   for (const part of $$("[data-only]")) part.hidden = Number(part.dataset.only) !== number;
   drawBearing();
   resetSliders();
-  drawEnvelope();
 }
 
 function begin() {
   document.documentElement.classList.add("scripted");
+  openCharts(data.charts, data.runs.map((run) => run.label));
+  listenToCopying();
   choose(0);
   for (const name of sliders) $(`#${name}`).addEventListener("input", takeSliders);
   $("#reset").addEventListener("click", resetSliders);
@@ -116,7 +119,7 @@ function begin() {
       for (const other of $$("audio")) if (other !== player) other.pause();
     });
   }
-  new ResizeObserver(() => { drawSpectrum(); drawEnvelope(); }).observe($("#spectrum").parentElement);
+  new ResizeObserver(drawSpectrum).observe($("#live-spectrum").parentElement);
   if (!motionUnwanted.matches) turn(true);
 }
 

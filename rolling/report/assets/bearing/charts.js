@@ -1,4 +1,4 @@
-// Charts: the spectrum of velocity with bands and lines of the bearing, and that of the envelope.
+// The live spectrum of velocity, with bands and lines of the bearing.
 
 import { draw } from "./picture.js";
 import { $, data, digits, state, velocity } from "./state.js";
@@ -11,18 +11,18 @@ const BOTTOM = 40;
 const SHOWN_HZ = [20, 20000];
 const DECADES = 5; // of velocity, at most
 const NAME_ROWS = 3;
-const ROW = 14;
+const NAME_ROW = 14;
 const NARROW = 560; // width of a chart that has no room for units
-const LETTER = 6.6; // width of a letter
+const NAME_LETTER = 6.6; // width of a letter
 const TICKS_HZ = [20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000];
 
 /** Return an empty chart of the width of its box, and its scales. */
-function openChart(selector, [low, high], logarithmic) {
+function openSpectrum(selector, [low, high]) {
   const svg = $(selector);
   const width = Math.max(svg.clientWidth, 280);
   svg.replaceChildren();
   svg.setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);
-  const share = logarithmic ? (hz) => Math.log(hz / low) / Math.log(high / low) : (hz) => (hz - low) / (high - low);
+  const share = (hz) => Math.log(hz / low) / Math.log(high / low);
   const x = (hz) => LEFT + (width - LEFT - RIGHT) * share(hz);
   return { svg, width, x, low, high };
 }
@@ -45,13 +45,13 @@ function drawLines(chart, lines, top, bottom) {
   const inside = lines.filter(({ hz }) => hz > chart.low && hz < chart.high).sort((one, other) => one.hz - other.hz);
   for (const { name, hz, minor } of inside) {
     const place = chart.x(hz);
-    const half = (name.length * LETTER) / 2;
+    const half = (name.length * NAME_LETTER) / 2;
     const begin = Math.min(Math.max(place - half, 2), chart.width - 2 * half - 2);
     const row = minor ? -1 : ends.findIndex((end) => begin > end);
-    const above = row < 0 ? top : top - 6 - ROW * row;
+    const above = row < 0 ? top : top - 6 - NAME_ROW * row;
     draw(chart.svg, "path", { class: row < 0 ? "kinematic minor" : "kinematic", d: `M${place} ${above}V${bottom}` });
     if (row < 0) continue;
-    ends[row] = begin + 2 * half + LETTER;
+    ends[row] = begin + 2 * half + NAME_LETTER;
     draw(chart.svg, "text", { x: begin + half, y: above - 3, "text-anchor": "middle", class: "name" }, name);
   }
 }
@@ -79,14 +79,14 @@ function drawFrequencies(chart, ticks) {
 }
 
 /** Return the path of points under a scale of values. */
-const pathOf = (points, y) => points.map(([place, value], k) => `${k ? "L" : "M"}${place} ${y(value).toFixed(1)}`).join("");
+const lineOf = (points, y) => points.map(([place, value], k) => `${k ? "L" : "M"}${place} ${y(value).toFixed(1)}`).join("");
 
 /** Return the lines of the chosen run at a speed. */
 const linesAt = (rpm) => state.run.lines.map((line) => ({ ...line, hz: (line.hz * rpm) / state.run.bearing.rpm }));
 
 /** Draw the spectrum of the radial velocity: that of the run, and the latest of the small model. */
 export function drawSpectrum() {
-  const chart = openChart("#spectrum", SHOWN_HZ, true);
+  const chart = openSpectrum("#live-spectrum", SHOWN_HZ);
   const { run, moved, settings } = state;
   const own = thinned(chart, (k) => run.spectrum.hz[k], run.spectrum.um_s);
   const live = moved ? thinned(chart, (k) => k * moved.width, moved.radial.map((rms) => 1e6 * rms)) : [];
@@ -115,26 +115,6 @@ export function drawSpectrum() {
   drawFrequencies(chart, TICKS_HZ);
   drawBending(chart, TOP, bottom);
   drawLines(chart, linesAt(settings.rpm), TOP, bottom);
-  if (own.length) draw(chart.svg, "path", { class: "curve own", d: pathOf(own, y) });
-  if (live.length) draw(chart.svg, "path", { class: "curve live", d: pathOf(live, y) });
-}
-
-/** Draw the spectrum of the squared envelope of the run, at its own speed. */
-export function drawEnvelope() {
-  const { hz, share } = state.run.envelope;
-  const highest = hz.at(-1);
-  const chart = openChart("#envelope", [0, highest], false);
-  const points = thinned(chart, (k) => hz[k], share);
-  const largest = Math.max(...points.map(([, value]) => value), 1e-9);
-  const bottom = HEIGHT - BOTTOM;
-  const y = (value) => bottom - (bottom - TOP) * (value / largest);
-  const step = [10, 20, 50, 100, 200, 500, 1000, 2000].find((each) => highest / each < chart.width / 60) ?? 5000;
-  drawFrequencies(chart, Array.from({ length: Math.floor(highest / step) + 1 }, (_, k) => k * step));
-  for (const part of [0, 0.5, 1]) {
-    draw(chart.svg, "path", { class: "grid", d: `M${LEFT} ${y(part * largest)}H${chart.width - RIGHT}` });
-    draw(chart.svg, "text", { x: LEFT - 6, y: y(part * largest) + 4, "text-anchor": "end" }, part ? digits(100 * part * largest, 2) : "0");
-  }
-  draw(chart.svg, "text", { transform: `translate(12 ${(TOP + bottom) / 2}) rotate(-90)`, "text-anchor": "middle" }, "Share of mean [%]");
-  drawLines(chart, state.run.envelopeLines, TOP, bottom);
-  if (points.length) draw(chart.svg, "path", { class: "curve live", d: pathOf(points, y) });
+  if (own.length) draw(chart.svg, "path", { class: "curve own", d: lineOf(own, y) });
+  if (live.length) draw(chart.svg, "path", { class: "curve live", d: lineOf(live, y) });
 }

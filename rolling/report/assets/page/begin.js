@@ -4,7 +4,8 @@ import { $, $$, data, lengthOf, ownTime, runs, say, state } from "./core.js";
 import { glide, soundAlone } from "./audio.js";
 import { hear, mix, pause, play, render, seek } from "./player.js";
 import { listenToHeard, showHeard, showLoudness } from "./heard.js";
-import { copy, roundOf, saveRecord } from "./records.js";
+import { roundOf, saveRecord } from "./records.js";
+import { listenToCopying } from "./copy.js";
 import { showStill, timeOfMap } from "./contact.js";
 import { playFilm, realTime, seekFilm, seekFilmTo, showFilm, showRate, stopFilm } from "./film.js";
 import { openCharts } from "./chart.js";
@@ -100,7 +101,7 @@ function listen() {
   on("#film-seek", "input", (slider) => { stopFilm(); seekFilm(Number(slider.value)); });
   on("#map-seek", "input", (slider) => { pause(); seek(timeOfMap(Number(slider.value))); });
   on("[data-wav]", "click", saveRecord);
-  on("[data-copy]", "click", (button) => copy($(`#${button.dataset.copy}`).textContent, button));
+  listenToCopying(say);
 }
 
 begin();

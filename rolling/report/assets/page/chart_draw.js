@@ -39,8 +39,9 @@ export const namesOf = ({ curves }) => [...new Set(curves.map((curve) => curve.n
 export function keyOf(chart, name) {
   const number = chart.curves.findIndex((curve) => curve.name === name), parts = chart.parts.filter((part) => part.of === number);
   const marked = parts.find((part) => part.size), lined = parts.some((part) => part.width || ["rule", "steps"].includes(part.kind));
-  const filled = parts.find((part) => ["span", "bar", "band"].includes(part.kind)), key = drawn("g", { style: `--c: ${chart.paints[number]}` });
+  const filled = parts.find((part) => ["span", "bar", "band"].includes(part.kind) && !part.hollow), hollow = parts.some((part) => part.hollow), key = drawn("g", { style: `--c: ${chart.paints[number]}` });
   if (!parts.length) key.append(drawn("rect", { x: 9, y: 0, width: 12, height: 12, class: "bar" })); // a colour of an image
+  if (hollow) key.append(drawn("rect", { x: 3, y: 1, width: 24, height: 10, class: "hollow" }));
   if (filled) key.append(drawn("rect", { x: 3, y: 1, width: 24, height: 10, class: "bar", opacity: filled.alpha }));
   else if (lined) key.append(drawn("path", { d: "M1 6H29", class: "line", "stroke-dasharray": dashesOf(chart.curves, number) }));
   if (marked) key.append(drawn("path", { d: markOf(marked, chart), transform: "translate(15 6)", class: lined ? "mark" : "mark open" }));
@@ -101,8 +102,22 @@ export function drawChart(svg, chart, view, width) {
   plot.append(...groups);
   const middle = { x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2, class: "silent" };
   const texts = chart.texts?.map((text) => drawn("text", middle, text));
-  svg.replaceChildren(drawAxes(view, places), plot, ...(texts ?? []), drawn("path", { class: "playhead" }), drawn("g", { class: "over" }));
+  svg.replaceChildren(drawAxes(view, places), plot, ...(texts ?? []), ...drawNames(chart, places), drawn("path", { class: "playhead" }), drawn("g", { class: "over" }));
   return places;
+}
+
+/** Draw the names of places along x that have room, those that stand upright beside their lines. */
+function drawNames({ named }, { box, x }) {
+  const ends = new Map(), kept = [];
+  for (const { at, text, high, up, begins } of [...(named ?? [])].sort((one, other) => one.at - other.at)) {
+    const pixel = x.pixel(at), top = box.bottom - high * (box.bottom - box.top), half = (LETTER * text.length) / 2;
+    const [from, to] = up ? [pixel - ROW + 4, pixel] : begins ? [pixel, pixel + 2 * half + 4] : [pixel - half, pixel + half];
+    if (from < Math.max(box.left, ends.get(high) ?? 0) || to > box.right) continue;
+    ends.set(high, to);
+    if (up) kept.push(drawn("text", { transform: `translate(${pixel - 3} ${top}) rotate(-90)`, class: "name end" }, text));
+    else kept.push(drawn("text", { x: begins ? pixel + 4 : pixel, y: high > 0.5 ? top + 12 : top - 4, class: begins ? "name" : "name middle" }, text));
+  }
+  return kept;
 }
 
 const rectOf = (x0, y0, x1, y1) => ({ x: Math.min(x0, x1), y: Math.min(y0, y1), width: Math.abs(x1 - x0), height: Math.abs(y1 - y0) });
@@ -159,10 +174,12 @@ function shapeOf(part, chart, { box, x, y, step }) {
     const [low, high] = kind === "span" ? [box.top, box.bottom] : part.ends.slice(2).map(py);
     const rect = rectOf(px(part.ends[0]), low, px(part.ends[1]), high);
     if (kind === "image") return drawn("image", { ...rect, href: part.png, preserveAspectRatio: "none" });
-    return drawn("rect", { ...rect, class: "bar", opacity: kind === "bar" ? opacity : null });
+    const look = part.hollow ? "hollow" : of === undefined ? "missing" : "bar";
+    return drawn("rect", { ...rect, class: look, opacity: kind === "bar" ? opacity : null });
   }
   if (kind === "rule") {
-    const points = part.along ? [[px(part.at), box.top], [px(part.at), box.bottom]] : [[box.left, py(part.at)], [box.right, py(part.at)]];
+    const from = box.bottom - (part.high ?? 1) * (box.bottom - box.top);
+    const points = part.along ? [[px(part.at), from], [px(part.at), box.bottom]] : [[box.left, py(part.at)], [box.right, py(part.at)]];
     return stroke(points, of === undefined ? { class: "rule" } : {});
   }
   if (kind === "band") {

@@ -6,7 +6,8 @@ import { live, liveOf } from "./play_live.js";
 import { sayPlayed } from "./play_notes.js";
 import { SETTINGS, isLive } from "./play_settings.js";
 import { engineUrl, openWorker } from "./play_sound.js";
-import { copy, wavOf } from "./records.js";
+import { copy } from "./copy.js";
+import { wavOf } from "./records.js";
 import { ballMass, loadOf } from "../engine/chain.js";
 import { renderedRecord } from "../engine/graph.js";
 

@@ -1,11 +1,10 @@
 // ---- records: decoding, looping, and saving ----
 
-import { $, runs, say, soundOf } from "./core.js";
+import { $, runs, soundOf } from "./core.js";
 import { RATE } from "../engine/rate.js";
 import { download } from "./chart_save.js";
 
 const rounds = new Map(); // promises of buffers by sound of a run
-const COPIED_MS = 2000;
 
 /** Decode the samples of a player, without a click of the user. */
 export function samplesOf(player) {
@@ -62,21 +61,4 @@ export function wavOf(channels, comment, rate = RATE) {
   }
   new Uint8Array(file.buffer).set(text, end + 20);
   return file.buffer;
-}
-
-/** Copy a text, and confirm it on its button for a while. */
-export async function copy(text, button) {
-  try {
-    await navigator.clipboard.writeText(text);
-  } catch { // not every browser lets a file use the clipboard
-    const area = document.body.appendChild(document.createElement("textarea"));
-    area.value = text;
-    area.select();
-    document.execCommand("copy");
-    area.remove();
-  }
-  say("copied");
-  const before = button.dataset.label ??= button.textContent;
-  button.textContent = "Copied";
-  setTimeout(() => { button.textContent = before; }, COPIED_MS);
 }
