@@ -28,6 +28,7 @@ from rolling.numbers.run_file import StoredNumbers
 from rolling.numbers.views import NumberRow
 from rolling.results import (
     answer,
+    description,
     labels,
     level_words,
     listening,
@@ -296,6 +297,10 @@ class OneBall(Kind):
         from rolling.figures.ball_figures import FIGURES
 
         return FIGURES
+
+    def subject(self, runs: Sequence[Run]) -> str:
+        """Say which ball rolls on which plate, under which loads."""
+        return description.subject([run.scene for run in runs])
 
     def page_parts(self, runs: Sequence[Run]) -> PageParts:
         """Return the parts of the page of balls."""

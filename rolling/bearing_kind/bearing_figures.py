@@ -195,17 +195,18 @@ def _draw_lines(ax: Axes, shown: Sequence[BearingLine]) -> None:
         )
         if has_room:
             last = place
-        ax.text(
-            line.frequency_hz,
-            0.9,
-            drawable(line.name),
-            transform=ax.get_xaxis_transform(),
-            rotation=90,
-            ha="right",
-            va="top",
-            fontsize=7.5,
-            visible=has_room,  # the page shows more names as one zooms in
-        )
+        if not line.minor:
+            ax.text(
+                line.frequency_hz,
+                0.9,
+                drawable(line.name),
+                transform=ax.get_xaxis_transform(),
+                rotation=90,
+                ha="right",
+                va="top",
+                fontsize=7.5,
+                visible=has_room,  # the page shows more names as one zooms in
+            )
 
 
 def ball_forces(run: BearingRun, ax: Axes | None = None) -> Axes:

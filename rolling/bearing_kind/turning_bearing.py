@@ -203,6 +203,18 @@ class TurningBearing(MarchesInFiles):
 
         return FIGURES
 
+    def subject(self, runs: Sequence[BearingRun]) -> str:
+        """Say which bearing turns, how fast and under which loads, and what is varied."""
+        from rolling.bearing_kind.bearing_sentences import condition
+        from rolling.figures.picture import varied
+
+        words = [condition(runs[0].scene)]
+        if len(runs) > 1:
+            named = runs[0].scene.bearing.named
+            words = [f"bearing {named}" if named else runs[0].scene.name, *varied(runs)]
+        text = ", ".join(words)
+        return f"{text[0].upper()}{text[1:]}"
+
     def page_parts(self, runs: Sequence[BearingRun]) -> PageParts:
         """Return the parts of the page of bearings; of very many it has numbers alone."""
         if len(runs) > defaults.MAX_RUNS_ON_PAGE:

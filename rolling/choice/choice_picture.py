@@ -5,6 +5,8 @@ Where what is heard has no third octaves, each specimen is a point above its qua
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,7 +21,8 @@ from rolling.choice.choice_numbers import ChoiceNumbers, Contender
 from rolling.choice.choice_sentences import capital, in_short
 from rolling.choice.difference import Difference
 from rolling.choice.heard_specimen import HeardQuantity, levels_of
-from rolling.figures.picture import DPI, WIDTH_IN, Picture, drawable
+from rolling.figures.picture import DPI, WIDTH_IN, Picture, drawable, finish
+from rolling.figures.picture import picture as captioned_picture
 from rolling.figures.settings import own_settings
 
 HEIGHT_IN = 6.0
@@ -36,7 +39,7 @@ def draw_spectra(choice: ChoiceNumbers, ax: Axes) -> Axes:
         look = curve_style(number, len(choice.contenders))
         ax.plot(MID_HZ, levels[number], label=drawable(contender.label), markersize=3.5, **look)
     ax.set_ylim(*level_limits(level for bands in levels for level in bands))
-    gridded(ax, ylabel="vibration, dB(A)")
+    gridded(ax, ylabel="vibration [dB(A)]")
     _scale(ax, choice)
     return ax
 
@@ -51,9 +54,9 @@ def draw_difference(choice: ChoiceNumbers, ax: Axes) -> Axes:
         other = choice.contenders[number]
         louder = np.maximum(_band_levels(quietest), _band_levels(other))
         is_heard = louder > np.nanmax(louder) - FAINT_DB
-        _draw_band(ax, difference, is_heard, number, len(choice.contenders))
+        _draw_band(ax, difference, other.label, is_heard, number, len(choice.contenders))
     ax.axhline(0.0, color="0.3", linewidth=0.8)
-    gridded(ax, ylabel=f"louder than {drawable(quietest.label)}, dB", xlabel="third octave, Hz")
+    gridded(ax, ylabel=f"louder than {drawable(quietest.label)} [dB]", xlabel="frequency [Hz]")
     _scale(ax, choice)
     return ax
 
@@ -65,12 +68,15 @@ def _band_levels(contender: Contender) -> Array:
     return levels_of(squares)
 
 
-def _draw_band(ax: Axes, difference: Difference, is_heard: Array, number: int, count: int) -> None:
+def _draw_band(
+    ax: Axes, difference: Difference, name: str, is_heard: Array, number: int, count: int
+) -> None:
     """Draw a difference by third octave, and the band of its ±."""
     look: dict[str, Any] = curve_style(number, count)
     assert difference.band_db is not None and difference.band_uncertainty_db is not None
     shown = np.where(is_heard, difference.band_db, np.nan)
-    ax.plot(MID_HZ, shown, markersize=3.5, **look)
+    label = drawable(name)
+    ax.plot(MID_HZ, shown, markersize=3.5, label=label, **look)
     low = shown - difference.band_uncertainty_db
     high = shown + difference.band_uncertainty_db
     ax.fill_between(MID_HZ, low, high, color=look.get("color", COLOURS[1]), alpha=0.2, linewidth=0)
@@ -127,7 +133,8 @@ def draw_points(choice: ChoiceNumbers, ax: Axes) -> Axes:
     ax.set_xticks(range(len(shown)), [quantity.words for quantity in shown])
     ax.set_xlim(-0.5, len(shown) - 0.5)
     kind = "" if choice.leading.is_level else " rms"
-    gridded(ax, ylabel=f"{choice.leading.drawn or choice.leading.words}, {unit}{kind}")
+    shown_unit = unit.replace("um/", "µm/")
+    gridded(ax, ylabel=f"{choice.leading.drawn or choice.leading.words}{kind} [{shown_unit}]")
     return ax
 
 
@@ -138,6 +145,31 @@ def _points(contender: Contender, quantity: HeardQuantity) -> Array:
         return levels[np.isfinite(levels)]
     values = contender.rms_in(quantity.name)
     return values[values > 0]
+
+
+def pictures(choice: ChoiceNumbers) -> list[Picture]:
+    """Return the pictures of the page: difference and levels by third octave, or all specimens."""
+    note = f"Means over {_specimens(choice)} and speeds within 3 %"
+    quietest = choice.contenders[0].label
+    if choice.contenders[0].third_octaves is None:
+        note = f"{_specimens(choice)} of each candidate; the lines are their means"
+        return [_captioned("specimens", partial(draw_points, choice), "All specimens", note)]
+    title = f"How much louder than {quietest}, by third octave"
+    spread = f"{note}; the band is ± one standard uncertainty of the pairs"
+    return [
+        _captioned("difference", partial(draw_difference, choice), title, spread),
+        _captioned("third_octaves", partial(draw_spectra, choice), "Third octaves", note),
+    ]
+
+
+def _captioned(name: str, draw: Callable[..., Axes], title: str, note: str) -> Picture:
+    """Draw axes as a picture of their own with title and note."""
+
+    def drawn(ax: Axes) -> Axes:
+        """Draw, and give the title."""
+        return finish(draw(ax=ax), title, [note])
+
+    return captioned_picture(name, drawn)
 
 
 @own_settings()

@@ -17,7 +17,7 @@ from rolling.choice.choice_doubts import WITHOUT_SOLUTION, doubts
 from rolling.choice.choice_numbers import ChoiceNumbers, Contender
 from rolling.choice.difference import Difference
 from rolling.choice.heard_specimen import HeardQuantity
-from rolling.numbers.doubt import Severity
+from rolling.numbers.doubt import Doubt, Severity
 from rolling.numbers.quantity import uncertain
 
 PROBABLE = 0.8  # probability from which on a candidate is probably quieter
@@ -27,17 +27,31 @@ _OVER = 0.999  # probabilities above are not told apart
 
 def sentences(choice: ChoiceNumbers) -> list[str]:
     """Return the answer: who is quieter and how sure, where the difference lies, and one doubt."""
-    limits = [doubt for doubt in doubts(choice) if doubt.severity is not Severity.NOTE]
+    limits = limiting_doubts(choice)
     of_pairs = [doubt.line for doubt in limits if doubt.key == WITHOUT_SOLUTION]
     others = [doubt.line for doubt in limits if doubt.key != WITHOUT_SOLUTION]
+    return [*verdicts(choice), *of_pairs, *explanations(choice), *others]
+
+
+def verdicts(choice: ChoiceNumbers) -> list[str]:
+    """Return who is quieter, by how much and how sure, a sentence for each quantity."""
+    if len(choice.quantities) == 1:
+        return [_verdict(choice)]
+    texts: list[str] = []
+    for place in range(len(choice.by_quantity)):
+        texts += _by_quantity(choice, place)
+    return texts
+
+
+def explanations(choice: ChoiceNumbers) -> list[str]:
+    """Return where the difference lies, and whether it is heard in the room."""
     audible = [choice.audible[0].text] if choice.audible else []
-    if len(choice.quantities) > 1:
-        verdicts: list[str] = []
-        for place in range(len(choice.by_quantity)):
-            verdicts += _by_quantity(choice, place)
-    else:
-        verdicts = [_verdict(choice)]
-    return [*verdicts, *of_pairs, *_where(choice), *audible, *others]
+    return [*_where(choice), *audible]
+
+
+def limiting_doubts(choice: ChoiceNumbers) -> list[Doubt]:
+    """Return the doubts that limit the answer."""
+    return [doubt for doubt in doubts(choice) if doubt.severity is not Severity.NOTE]
 
 
 def in_short(choice: ChoiceNumbers) -> str:

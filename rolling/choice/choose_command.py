@@ -86,7 +86,7 @@ def write_choice(choice: Choice) -> None:
         path = choice.folder / f"{contender.candidate.folder_name}.wav"
         whole_files.write_bytes(path, sound.wav)
     with progress.step("writing the page"):
-        whole_files.write_bytes(choice.folder / PAGE, choice_page.page(choice, sounds, png))
+        whole_files.write_bytes(choice.folder / PAGE, choice_page.page(choice, sounds))
     whole_files.write_json(choice.folder / CHOICE, as_json(choice))
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from rolling.commands.run import run_scene
 from rolling.figures.picture import csv_bytes, slug
+from rolling.recordings.agreement import sentences
 from rolling.recordings.recorded import quantity_of
 from rolling.recordings.recording_comparison import RecordingComparison, words
 from rolling.recordings.recording_comparison import compare as compare_record
@@ -123,7 +124,7 @@ def _write_comparison(
     whole_files.write_bytes(page.with_suffix(".csv"), numbers)
     whole_files.write_bytes(page, content)
     if not progress.is_quiet():
-        print(*map(folded, comparison.notes), sep="\n")
+        print(*map(folded, [*sentences(comparison), *comparison.notes]), sep="\n")
         for heading, table in words(comparison).items():
             print(f"\n{heading}\n{table.to_string(index=False)}")
         print()

@@ -340,6 +340,13 @@ class Kind(ABC):
         """Return the figures that runs of this kind may have, by name; the first one leads."""
         return {}
 
+    def subject(self, runs: Sequence[Any]) -> str:
+        """Say what runs of one scene are about, for the title of a page: what rolls on what.
+
+        The default is the name of the scene.
+        """
+        return str(runs[0].scene.name)
+
     def sentences(self, runs: Sequence[Any]) -> Sequence[str]:
         """Return the sentences with which the page of runs begins, the most important one first."""
         return ()

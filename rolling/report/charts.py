@@ -92,6 +92,7 @@ def _name(text: Text) -> dict[str, Any]:
         "high": high,
         "up": text.get_rotation() == 90,
         "begins": text.get_horizontalalignment() == "left",
+        "last": not text.get_visible(),
     }
 
 

@@ -1,4 +1,4 @@
-"""Page of a recording beside a run: third octaves, all numbers, and both records to listen to."""
+"""Page of a recording beside a run: where they agree, charts, both records, and all numbers."""
 
 from __future__ import annotations
 
@@ -6,50 +6,94 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from markupsafe import Markup
 from matplotlib.axes import Axes
 
 from acoustics import level, plots
-from acoustics.bands import BAND_NAMES, NOMINAL_HZ
+from acoustics.bands import BAND_NAMES, MID_HZ, NOMINAL_HZ
+from acoustics.plot_style import COLOURS, band_ticks
 from acoustics.wav import PEAK
 from acoustics.wav import SAMPLE_RATE_HZ as RATE
-from rolling import __version__
 from rolling.figures.picture import finish, picture
 from rolling.figures.settings import left_out_if_it_fails
+from rolling.kinds.page_parts import Part
+from rolling.numbers.quantity import uncertain
+from rolling.recordings import agreement
 from rolling.recordings.recorded import FAINTEST, PRESSURE
-from rolling.recordings.recording_comparison import THIRD_OCTAVE, RecordingComparison, words
-from rolling.report import maps, page_sounds, text
-from rolling.report.templates import environment
+from rolling.recordings.recording_comparison import (
+    MODULATION,
+    THIRD_OCTAVE,
+    RecordingComparison,
+    words,
+)
+from rolling.report import page_sounds, text
+from rolling.report.charts import Chart
+from rolling.report.level_bars import Bars, Row, bars_around_zero
+from rolling.report.page_of_parts import PageOfParts, exhibit
 from rolling.results import labels
 
 HEARD_S = 20.0  # of each sound on the page
+_EQUAL_DB = 1e-9  # difference of totals that were made equal
 
 
 def page(run: Any, comparison: RecordingComparison) -> bytes:
-    """Write a page with the third octaves, all numbers, and the records at equal loudness."""
-    title = labels.title(run.scene.name, run.label)
-    drawn = {}
-    for number, pair in enumerate(comparison.pairs):
-        with left_out_if_it_fails("of the third octaves"):
-            draw = partial(_third_octaves, title, comparison, number)
-            content = picture("third_octaves", draw).file("svg")
-            drawn[pair.named("third octaves")] = maps.uri("image/svg+xml", content or b"")
-    tables = {}
+    """Write a page with the agreement, the differences, and the records at equal loudness."""
+    tables = []
     for heading, table in words(comparison).items():
-        tables[heading] = Markup(table.to_html(index=False, border=0))
-    template = environment().get_template("recording.html")
-    return template.render(
-        version=__version__,
-        seconds=HEARD_S,
-        title=title,
-        notes=comparison.notes,
-        tables=tables,
-        pictures=drawn,
-        sounds=_sounds(comparison),
-        is_sound=comparison.quantity is PRESSURE,
-        quantity=comparison.quantity.name,
-        css=Markup(text.asset("report.css")),
-    ).encode()
+        rows = [[str(cell) for cell in row] for row in table.itertuples(index=False)]
+        tables.append((f"{heading[0].upper()}{heading[1:]}", [*table.columns], rows))
+    first = {
+        "sentences": agreement.sentences(comparison),
+        "bars": _total_bars(comparison),
+        "sounds": _sounds(comparison),
+        "seconds": HEARD_S,
+        "is_sound": comparison.quantity is PRESSURE,
+        "quantity": comparison.quantity.name,
+    }
+    made = PageOfParts(
+        title=f"{text.titles([run])}, beside a recording",
+        first=[Part("recording_first.html", first)],
+        parts=[
+            Part("charts.html", {"heading": "Levels", "charts": _charts(run, comparison)}),
+            Part("recording_notes.html", {"notes": comparison.notes}),
+            Part("recording_numbers.html", {"tables": tables}),
+        ],
+    )
+    return made.written()
+
+
+def _total_bars(comparison: RecordingComparison) -> Bars | None:
+    """Return the differences of total levels as bars; None where all were made equal."""
+    rows = []
+    table = comparison.table
+    totals = table[~table["quantity"].isin([THIRD_OCTAVE, MODULATION])]
+    for total in totals.itertuples():
+        difference_db = float(total.difference_db)
+        if abs(difference_db) < _EQUAL_DB:
+            continue
+        spread_db = float(total.difference_uncertainty_db)
+        value, _, spread = uncertain(difference_db, spread_db).partition(" ± ")
+        row = Row(
+            name=", ".join(filter(None, (str(total.quantity), str(total.channel)))),
+            value=difference_db,
+            low=difference_db - spread_db,
+            high=difference_db + spread_db,
+            words=f"{value} dB",
+            spread=f"± {spread}" if spread else "",
+        )
+        rows.append(row)
+    return bars_around_zero("Total level, run less recording [dB]", rows) if rows else None
+
+
+def _charts(run: Any, comparison: RecordingComparison) -> list[Chart]:
+    """Return the difference and the third octaves of each pair of records."""
+    title = labels.title(run.scene.name, run.label)
+    charts = []
+    for number in range(len(comparison.pairs)):
+        for name, draw in (("difference", _difference), ("third_octaves", _third_octaves)):
+            with left_out_if_it_fails(f"of the {name}"):
+                drawn = picture(name, partial(draw, title, comparison, number))
+                charts.append(exhibit(drawn))
+    return charts
 
 
 def _sounds(comparison: RecordingComparison) -> dict[str, str]:
@@ -62,6 +106,24 @@ def _sounds(comparison: RecordingComparison) -> dict[str, str]:
     loudest = max(np.abs(samples).max() for samples in sounds.values())
     gain = PEAK / max(FAINTEST, loudest)
     return {name: page_sounds.compressed(gain * samples) for name, samples in sounds.items()}
+
+
+def _difference(run_title: str, comparison: RecordingComparison, number: int, ax: Axes) -> Axes:
+    """Plot the difference of the third octaves of a pair of records with its ±, by its number."""
+    bands = agreement.band_differences(comparison, number)
+    known = bands.difference_db
+    spread = bands.uncertainty_db
+    ax.fill_between(
+        MID_HZ, known - spread, known + spread, color=COLOURS[0], alpha=0.2, linewidth=0
+    )
+    ax.plot(MID_HZ, known, color=COLOURS[0], marker="o", markersize=3.5, label="run less recording")
+    ax.axhline(0.0, color="0.3", linewidth=0.8)
+    ax.set_xscale("log")
+    band_ticks(ax)
+    ax.minorticks_off()
+    ax.set(xlabel="frequency [Hz]", ylabel="run less recording [dB]")
+    title = comparison.pairs[number].named(f"Difference of the third octaves: {run_title}")
+    return finish(ax, title, ["the band is ± one standard uncertainty of the difference"])
 
 
 def _third_octaves(run_title: str, comparison: RecordingComparison, number: int, ax: Axes) -> Axes:

@@ -12,6 +12,7 @@ import numpy as np
 from acoustics.numbers import rounded
 from acoustics.texts import printable
 from rolling.in_si.physics_of_scene import smooth_contact_of
+from rolling.kinds.registry import kind_of
 from rolling.numbers.views import NOTHING
 from rolling.results import description
 from rolling.results.run_quantities import heard_level_db
@@ -35,8 +36,15 @@ def asset(name: str) -> str:
 
 
 def titles(runs: Sequence[Any]) -> str:
-    """Join the titles of the scenes, or their names where they have none, in printable letters."""
-    return printable(", ".join(dict.fromkeys(run.scene.title or run.scene.name for run in runs)))
+    """Join the titles of the scenes in printable letters, where they lack one their subjects."""
+    by_scene: dict[str, list[Any]] = {}
+    for run in runs:
+        by_scene.setdefault(run.scene.title or run.scene.name, []).append(run)
+    names = []
+    for name, of_scene in by_scene.items():
+        scene = of_scene[0].scene
+        names.append(name if scene.title else kind_of(scene).subject(of_scene))
+    return printable(", ".join(dict.fromkeys(names)))
 
 
 def heard(run: Run, is_alone: bool, stated: StatedSound | None = None) -> str:

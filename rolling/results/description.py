@@ -83,6 +83,18 @@ def _sentence(scenes: Sequence[Scene], swept: Sequence[str]) -> str:
     return f"{_ball(scenes)} {moves} {_load(scenes)}{ending}."
 
 
+def subject(scenes: Sequence[Scene]) -> str:
+    """Say what rolls on what under which loads in the runs of one scene, for a title."""
+    ball = _ball(scenes).partition(" ")[2]
+    loads = [scene.load for scene in scenes]
+    words = f"{rounded(min(loads), 3)} N"
+    if all(scene.rolling.load_n == WEIGHT for scene in scenes):
+        words = "under its own weight"
+    elif min(loads) < max(loads):
+        words = f"{rounded(min(loads), 3)} to {rounded(max(loads), 3)} N"
+    return f"{ball[0].upper()}{ball[1:]} on {_plate(scenes)}, {words}"
+
+
 def _unique(scenes: Sequence[Scene], word: Callable[[Scene], str]) -> list[str]:
     """Return the different words for scenes, without empty ones, in their order."""
     return [text for text in dict.fromkeys(map(word, scenes)) if text]

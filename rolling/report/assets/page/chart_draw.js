@@ -106,18 +106,17 @@ export function drawChart(svg, chart, view, width) {
   return places;
 }
 
-/** Draw the names of places along x that have room, those that stand upright beside their lines. */
+/** Draw the names of places along x that have room, upright ones beside their lines; those that come last give way. */
 function drawNames({ named }, { box, x }) {
-  const ends = new Map(), kept = [];
-  for (const { at, text, high, up, begins } of [...(named ?? [])].sort((one, other) => one.at - other.at)) {
+  const taken = [], inOrder = [...(named ?? [])].sort((one, other) => one.last - other.last || one.at - other.at);
+  return inOrder.flatMap(({ at, text, high, up, begins }) => {
     const pixel = x.pixel(at), top = box.bottom - high * (box.bottom - box.top), half = (LETTER * text.length) / 2;
     const [from, to] = up ? [pixel - ROW + 4, pixel] : begins ? [pixel, pixel + 2 * half + 4] : [pixel - half, pixel + half];
-    if (from < Math.max(box.left, ends.get(high) ?? 0) || to > box.right) continue;
-    ends.set(high, to);
-    if (up) kept.push(drawn("text", { transform: `translate(${pixel - 3} ${top}) rotate(-90)`, class: "name end" }, text));
-    else kept.push(drawn("text", { x: begins ? pixel + 4 : pixel, y: high > 0.5 ? top + 12 : top - 4, class: begins ? "name" : "name middle" }, text));
-  }
-  return kept;
+    if (from < box.left || to > box.right + 1 || taken.some((other) => other.high === high && from < other.to && to > other.from)) return [];
+    taken.push({ high, from, to });
+    if (up) return drawn("text", { transform: `translate(${pixel - 3} ${top}) rotate(-90)`, class: "name end" }, text);
+    return drawn("text", { x: begins ? pixel + 4 : pixel, y: high > 0.5 ? top + 12 : top - 4, class: begins ? "name" : "name middle" }, text);
+  });
 }
 
 const rectOf = (x0, y0, x1, y1) => ({ x: Math.min(x0, x1), y: Math.min(y0, y1), width: Math.abs(x1 - x0), height: Math.abs(y1 - y0) });
