@@ -53,7 +53,7 @@ def acceleration_signal(run: BearingRun, ax: Axes | None = None) -> Axes:
     instance("run", run, SolvedBearing)
     ax = axes_of(ax)
     shown = shown_samples(run)
-    time_ms = 1e3 * np.arange(shown) / run.record.rate_hz
+    time_ms = np.asarray(1e3 * np.arange(shown) / run.record.rate_hz, dtype=float)
     x, y = thinned(time_ms, run.record.acceleration_m_s2[:shown, 0])
     ax.plot(x, y, color=COLOURS[0], linewidth=0.7, label="radially, along the load")
     ax.set_xlim(0, time_ms[-1])

@@ -131,7 +131,7 @@ def plot_limit(result: Limit, ax: Axes | None = None) -> Axes:
             label=drawable(printable(f"answer: {labels.worded(result.key, result.value)}")),
         )
     gridded(ax)
-    name, unit = labels.named(result.key)
+    name, key_unit = labels.named(result.key)
     if has_names:
         ax.set_xticks(x, [drawable(str(point.value)) for point in ordered])
     else:
@@ -139,11 +139,11 @@ def plot_limit(result: Limit, ax: Axes | None = None) -> Axes:
         ticks = _few([float(point.value) for point in ordered])
         ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
         ax.xaxis.set_minor_locator(NullLocator())
-    ax.set_xlabel(f"{name}, {unit}" if unit else name)
+    ax.set_xlabel(f"{name} [{key_unit}]" if key_unit else name)
     subject = "what a listener would hear"
     if not result.quantity.is_level:
         subject = f"{result.quantity.drawn}, {result.quantity.words}"
-    ax.set_ylabel(f"{subject}, {unit}")
+    ax.set_ylabel(f"{subject} [{unit}]")
     title = f"{result.name}: the search for {result.level_db:g} {unit}, its steps numbered"
     ax.set_title(
         drawable(printable(title)),

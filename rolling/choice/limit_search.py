@@ -47,6 +47,7 @@ DIGITS = 4  # of a value of the search
 CUTS = 4  # of a range whose ends are refused
 TABLE = "below.csv"
 PICTURE = "below.png"
+PAGE = "below.html"
 
 
 def coarsest_value(
@@ -366,7 +367,8 @@ def _middle(quieter: Value, louder: Value, names: Sequence[Value]) -> Value | No
 
 
 def write_limit(result: Limit) -> list[Path]:
-    """Write table and picture of the search into its folder, and return the written files."""
+    """Write table, picture and page of the search into its folder, and return the files."""
+    from rolling.choice.advice_page import limit_page
     from rolling.choice.advice_pictures import limit_picture
     from rolling.figures.picture import csv_bytes
     from rolling.figures.settings import left_out_if_it_fails
@@ -376,4 +378,5 @@ def write_limit(result: Limit) -> list[Path]:
     with left_out_if_it_fails("below"):
         whole_files.write_bytes(result.folder / PICTURE, limit_picture(result))
         written.append(result.folder / PICTURE)
-    return written
+    whole_files.write_bytes(result.folder / PAGE, limit_page(result))
+    return [*written, result.folder / PAGE]

@@ -44,6 +44,7 @@ NEXT = 2  # values that the sentence names after the first
 USUAL = Budget(within_db=defaults.IMPROVED_WITHIN_DB)
 TABLE = "improve.csv"
 PICTURE = "improve.png"
+PAGE = "improve.html"
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,9 +215,9 @@ class Sensitivities:
         width = max(map(len, names), default=0)
         lines = []
         for name, row in zip(names, self.rows, strict=True):
-            line = f"{name:{width}}  {_number(row.db, row.uncertainty_db, self.quantity)}"
+            line = f"{name:{width}}  {in_words(row.db, row.uncertainty_db, self.quantity)}"
             if row.chain_db is not None:
-                of_chain = _number(row.chain_db, row.chain_uncertainty_db, self.quantity)
+                of_chain = in_words(row.chain_db, row.chain_uncertainty_db, self.quantity)
                 line += f", linear chain {of_chain}"
             lines.append(line)
         return lines
@@ -396,7 +397,7 @@ class _SpecimenLoop:
             self.failed.append(LeftOut(change.key, change.name, "then nothing sounds"))
             return None
         row = self._sensitivity(change, base, changed, len(omitted))
-        text = _number(row.db, row.uncertainty_db, self._quantity)
+        text = in_words(row.db, row.uncertainty_db, self._quantity)
         progress.line(f"{change.name}: {text} per +{change.step}")
         return row
 
@@ -437,7 +438,8 @@ class _SpecimenLoop:
 
 
 def write_sensitivities(result: Sensitivities) -> list[Path]:
-    """Write table and picture of the changes into their folder, and return the written files."""
+    """Write table, picture and page of the changes into their folder, and return the files."""
+    from rolling.choice.advice_page import sensitivities_page
     from rolling.choice.advice_pictures import sensitivities_picture
     from rolling.figures.picture import csv_bytes
     from rolling.figures.settings import left_out_if_it_fails
@@ -448,7 +450,8 @@ def write_sensitivities(result: Sensitivities) -> list[Path]:
         with left_out_if_it_fails("improve"):
             whole_files.write_bytes(result.folder / PICTURE, sensitivities_picture(result))
             written.append(result.folder / PICTURE)
-    return written
+    whole_files.write_bytes(result.folder / PAGE, sensitivities_page(result))
+    return [*written, result.folder / PAGE]
 
 
 # ---- sentences
@@ -475,8 +478,8 @@ def _sentences(result: Sensitivities) -> Iterator[str]:
         if row.differs_from_chain:
             yield (
                 f"The linear chain does not confirm the change by {row.change.name}:"
-                f" {_number(row.chain_db, row.chain_uncertainty_db, result.quantity)} in place of"
-                f" {_number(row.db, row.uncertainty_db, result.quantity)} per +{row.change.step}."
+                f" {in_words(row.chain_db, row.chain_uncertainty_db, result.quantity)} in place of"
+                f" {in_words(row.db, row.uncertainty_db, result.quantity)} per +{row.change.step}."
             )
     wide = [row for row in result.rows if (row.uncertainty_db or 0.0) > result.within_db]
     if wide:
@@ -533,7 +536,7 @@ def _in_band(result: Sensitivities) -> str:
     return "" if result.quantity.is_level else f" from {result.quantity.words}"
 
 
-def _number(db: float | None, uncertainty_db: float | None, quantity: HeardQuantity) -> str:
+def in_words(db: float | None, uncertainty_db: float | None, quantity: HeardQuantity) -> str:
     """Write a change with its sign, its ± and its unit."""
     assert db is not None
     sign = ""

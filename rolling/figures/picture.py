@@ -23,6 +23,7 @@ from acoustics.numbers import rounded
 from acoustics.plot_style import gridded
 from acoustics.texts import printable
 from rolling.figures.settings import own_settings
+from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.ball_numbers import Source
 from rolling.results import labels
 from rolling.results.labels import SEED
@@ -216,7 +217,7 @@ def subject(runs: Sequence[Run]) -> str:
     return ", ".join([scenes, *varied(runs)])
 
 
-def varied(runs: Sequence[Run]) -> list[str]:
+def varied(runs: Sequence[RunFolder]) -> list[str]:
     """Write the values of the swept keys of runs: load 5 to 100 N, Ra 0.1 µm."""
     texts = []
     for key in dict.fromkeys(name for run in runs for name in run.values):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, NOMINAL_HZ
@@ -55,7 +56,7 @@ class BandDifferences(NamedTuple):
         bands = np.arange(begins[widest], lasts[widest])
         return self._of(bands) if len(bands) >= FEWEST else None
 
-    def _of(self, bands: Array) -> Agreement:
+    def _of(self, bands: NDArray[np.intp]) -> Agreement:
         """Return the agreement in bands by their numbers."""
         return Agreement(
             within_db=float(np.abs(self.difference_db[bands]).max()),

@@ -14,7 +14,7 @@ from matplotlib.container import BarContainer, ErrorbarContainer
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle, StepPatch
-from matplotlib.text import Text
+from matplotlib.text import Annotation, Text
 from matplotlib.ticker import FixedLocator
 
 from acoustics.arrays import Array
@@ -71,11 +71,16 @@ def chart_of(picture: Picture) -> Chart:
         "xs": places,
         "curves": curves,
         "parts": parts,
-        "texts": [text.get_text() for text in ax.texts if not _is_name(ax, text)],
+        "texts": [text.get_text() for text in ax.texts if _is_said(ax, text)],
         "named": [_name(text) for text in ax.texts if _is_name(ax, text)] or None,
         "aspect": None if aspect == "auto" else aspect,
         "ground": None if ground == _WHITE else ground,
     }
+
+
+def _is_said(ax: Axes, text: Text) -> bool:
+    """Tell whether a text belongs to the whole axes, and to no place of them."""
+    return _is_in_data(ax, text) == (False, False) and not isinstance(text, Annotation)
 
 
 def _is_name(ax: Axes, text: Text) -> bool:

@@ -30,7 +30,7 @@ class Row(NamedTuple):
     beside: float | None = None
 
 
-class Bar(NamedTuple):
+class LevelBar(NamedTuple):
     """A row with its places in thousandths of the width.
 
     `begin` and `end` are None where there is no value; `spread_ends` are those of the ±.
@@ -47,13 +47,13 @@ class Bars(NamedTuple):
     """Bars on a common scale.
 
     label : str. What they are of, with the unit.
-    bars : list of Bar.
+    bars : list of LevelBar.
     ticks : list of pairs. Place in thousandths of the width, and its text.
     zero : float or None. Place of zero where bars stand on both sides of it.
     """
 
     label: str
-    bars: list[Bar]
+    bars: list[LevelBar]
     ticks: list[tuple[float, str]]
     zero: float | None = None
 
@@ -100,7 +100,7 @@ def _ends(rows: Sequence[Row]) -> Iterable[float]:
                 yield value
 
 
-def _bar(row: Row, place: Callable[[float], float], base: float) -> Bar:
+def _bar(row: Row, place: Callable[[float], float], base: float) -> LevelBar:
     """Return the bar of a row, from a base to its value."""
     begin = end = spread_ends = None
     if row.value is not None:
@@ -108,7 +108,7 @@ def _bar(row: Row, place: Callable[[float], float], base: float) -> Bar:
     if row.low is not None and row.high is not None:
         spread_ends = place(row.low), place(row.high)
     beside = None if row.beside is None else place(row.beside)
-    return Bar(row=row, begin=begin, end=end, spread_ends=spread_ends, beside=beside)
+    return LevelBar(row=row, begin=begin, end=end, spread_ends=spread_ends, beside=beside)
 
 
 def _within(place: float) -> float:

@@ -248,7 +248,7 @@ def _refuse_nothing_of_its_files(choice: Choice) -> None:
     names = {path.name for path in choice.folder.iterdir()}
     sounds = {f"{one.candidate.folder_name}.wav" for one in choice.contenders}
     assert names >= {"choice.html", "choice.csv", "choice.png", "choice.json", *sounds}
-    page = (choice.folder / "choice.html").read_text()
+    page = (choice.folder / "choice.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
     assert page.count("<audio") == len(choice.contenders)
     assert choice.sentences[0].split(" (")[0] in page
     stored = json.loads((choice.folder / "choice.json").read_text())

@@ -1,0 +1,131 @@
+"""Pages of advice: what would help, and which value stays below a level."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from matplotlib.axes import Axes
+
+from acoustics.texts import printable
+from rolling.choice.advice_pictures import plot_limit
+from rolling.choice.sensitivity import in_words
+from rolling.figures.picture import finish, picture
+from rolling.figures.settings import left_out_if_it_fails
+from rolling.kinds.page_parts import Part
+from rolling.report.level_bars import Bars, Row, bars_around_zero
+from rolling.report.page_of_parts import PageOfParts, exhibit
+from rolling.results import labels
+from rolling.results.notes import UNVALIDATED
+
+if TYPE_CHECKING:
+    from rolling.choice.limit import Limit
+    from rolling.choice.sensitivity import Sensitivities, Sensitivity
+
+
+def sensitivities_page(result: Sensitivities) -> bytes:
+    """Write the page of what would help: the change by each value of the drawing as a bar."""
+    lead, *others = result.sentences
+    heads = ["Value", f"per step, {result.quantity.decibels}", "linear chain", "specimens"]
+    rows = [_cells(row) for row in result.rows]
+    made = PageOfParts(
+        title=f"What would make it quieter? {printable(result.name)}",
+        first=[Part("advice_first.html", {"lead": lead, "bars": _bars(result)})],
+        parts=[_doubts(others), Part("table.html", {"heads": heads, "rows": rows})],
+    )
+    return made.written()
+
+
+def _bars(result: Sensitivities) -> Bars | None:
+    """Return the changes as bars with their ± and the linear chain; None without any."""
+    if not result.rows:
+        return None
+    where = "" if result.quantity.is_level else f" from {result.quantity.words}"
+    chain = ""
+    if any(row.chain_db is not None for row in result.rows):
+        chain = "; the upright mark is the linear chain"
+    unit = result.quantity.decibels
+    label = f"Louder{where} with a larger value [{unit}]; left is quieter{chain}"
+    rows = []
+    for row in result.rows:
+        words = in_words(row.db, row.uncertainty_db, result.quantity).removesuffix(f" {unit}")
+        value, _, spread = words.partition(" ± ")
+        low = high = None
+        if row.uncertainty_db is not None:
+            low = row.db - row.uncertainty_db
+            high = row.db + row.uncertainty_db
+        bar = Row(
+            name=_name(row),
+            value=row.db,
+            low=low,
+            high=high,
+            words=value,
+            spread=f"± {spread}" if spread else "",
+            beside=row.chain_db,
+        )
+        rows.append(bar)
+    return bars_around_zero(label, rows)
+
+
+def _name(row: Sensitivity) -> str:
+    """Name a value of the drawing with its step."""
+    return printable(f"{row.change.name}, +{row.change.step}")
+
+
+def _cells(row: Sensitivity) -> list[str]:
+    """Return the cells of a value in the table."""
+    chain = ""
+    if row.chain_db is not None:
+        chain = in_words(row.chain_db, row.chain_uncertainty_db, row.quantity)
+    computed = in_words(row.db, row.uncertainty_db, row.quantity)
+    return [_name(row), computed, chain, str(row.difference.pairs)]
+
+
+def limit_page(result: Limit) -> bytes:
+    """Write the page of a search for the coarsest value below a level."""
+    lead, *others = result.sentences
+    unit = result.quantity.level_unit
+    word, _ = labels.named(result.key)
+    charts = []
+    with left_out_if_it_fails("below"):
+        charts.append(exhibit(picture("below", partial(_search, result))))
+    heads = ["Value", f"mean, {unit}", f"95 % lie below, {unit}", "specimens", "step of the search"]
+    rows: list[list[str]] = []
+    for number, point in enumerate(result.points, start=1):
+        rows.append(
+            [
+                printable(labels.worded(result.key, point.value)),
+                f"{point.mean_db:.1f}",
+                f"{point.upper_db:.1f}",
+                str(len(point.levels_db)),
+                str(number),
+            ]
+        )
+    made = PageOfParts(
+        title=f"Which {word} stays below {result.level_db:g} {unit}? {printable(result.name)}",
+        first=[Part("advice_first.html", {"lead": lead, "bars": None})],
+        parts=[
+            Part("charts.html", {"heading": "Level over the value", "charts": charts}),
+            _doubts(others),
+            Part("table.html", {"heads": heads, "rows": rows}),
+        ],
+    )
+    return made.written()
+
+
+def _search(result: Limit, ax: Axes) -> Axes:
+    """Plot the path of a search with a title and a note."""
+    note = f"all {result.noun} as points; 95 % of them lie below the curve with 95 % confidence"
+    return finish(plot_limit(result, ax), f"Search in {result.name}", [note])
+
+
+def _doubts(sentences: Sequence[str]) -> Part:
+    """Return the section on what to doubt."""
+    values: dict[str, Any] = {
+        "doubts": sentences,
+        "headline": "",
+        "notes": [UNVALIDATED],
+        "doubted": [],
+    }
+    return Part("doubts.html", values)
