@@ -179,7 +179,7 @@ def _abreast(rows: Sequence[Sequence[str]]) -> Iterator[str]:
 
 
 @ignoring_underflow
-def check_scene(scene: Scene, solve: bool = True) -> Findings:
+def check_scene(scene: Scene, solve: bool = True, pilots: Sequence[Scene] = ()) -> Findings:
     """Judge all runs of a scene before anything is computed.
 
     Parameters
@@ -188,6 +188,8 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
         Scene, with or without a sweep.
     solve : bool
         If true, solve a few positions of each run, which tell more than closed forms. Default true.
+    pilots : sequence of Scene
+        Short runs that are solved before, whose time counts. Default: none.
 
     Returns
     -------
@@ -222,7 +224,7 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
             name = run_name(run.values) or scene.name
             rows[name], doubts[name] = check_run(run.scene, solved)
             quantities[name] = level_doubts.forecasts(run.scene, doubts[name])
-    seconds = _core_seconds(scenes, [*rows.values()])
+    seconds = _core_seconds(scenes, [*rows.values()]) + forecast.pilot_seconds(pilots)
     whole = f"{forecast.takes(seconds)}, with start, files and page"
     if len(runs) == 1:
         of_all = (("time of the whole run", whole),)

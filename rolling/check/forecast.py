@@ -91,6 +91,20 @@ def beside_seconds(scenes: Sequence[Scene], cores: int) -> float:
     return alone * cores + shared
 
 
+def pilot_seconds(pilots: Sequence[Scene]) -> float:
+    """Estimate the time [s] of short runs that give a first answer, with their page.
+
+    Others may be solved meanwhile, so it counts on one core.
+    """
+    if not pilots:
+        return 0.0
+    seconds = PAGE
+    for scene in pilots:
+        seconds += march_seconds(scene) + motion_seconds(scene) + RUN + PAGE_RUN
+        seconds += STEP * scene.track.steps + SAMPLE * scene.duration * SAMPLE_RATE
+    return seconds
+
+
 def takes(core_seconds: float) -> str:
     """Write the time of a whole run: a few seconds, or so long on all cores."""
     if core_seconds / cost.cores() < SHORT:

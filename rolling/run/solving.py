@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -23,8 +23,8 @@ from rolling.results import labels
 from rolling.run import folder as folders
 from rolling.run.cluster import Cluster
 from rolling.run.ending import Ending
-from rolling.run.executor import FinishedRun, RunFiles, RunLoop, ended_by_signal
-from rolling.run.pilots import Pilots
+from rolling.run.executor import RunFiles, RunLoop, ended_by_signal
+from rolling.run.pilots import PilotRun, Pilots
 from rolling.run.pools import Pool, local_pool
 from rolling.run.worker import finish_and_keep_run, finish_run
 from rolling.scene.messages import SceneError
@@ -198,6 +198,26 @@ def _identity_of(run: RunFolder) -> tuple[str, ...]:
     return tuple(sorted({contact_identity(march.scene) for march in marches}))
 
 
+class _RunOfLoop(NamedTuple):
+    """A run that the loop solves: one of the scene, or a pilot.
+
+    place : RunFolder. Its scene and folder.
+    label : str. Its label.
+    marches : list of March. The marches that it needs.
+    pilot : PilotRun or None. The pilot that it is; None for a run of the scene.
+    """
+
+    place: RunFolder
+    label: str
+    marches: list[March]
+    pilot: PilotRun | None = None
+
+    @classmethod
+    def of_pilot(cls, pilot: PilotRun) -> Self:
+        """Return a pilot as a run of the loop."""
+        return cls(place=pilot.place, label=pilot.label, marches=pilot.marches, pilot=pilot)
+
+
 def _solve_lacking(
     kind: Kind,
     folder: Path,
@@ -222,14 +242,16 @@ def _solve_lacking(
     pilots = Pilots(kind, folder, piloted, [label_of[run.folder] for run in piloted])
     if pilots.all:  # the whole marches wait for them
         marches = [[march._replace(is_first=False) for march in of_run] for of_run in marches]
-    first = [pilot.place for pilot in pilots.lacking]
+    tasks = [_RunOfLoop.of_pilot(pilot) for pilot in pilots.lacking]
+    for run, label, needed in zip(lacking, names, marches, strict=True):
+        tasks.append(_RunOfLoop(place=run, label=label, marches=needed))
     pilots.make_folder()
     refusals.refuse_few_addresses(contacts_of(marches))
     store = kind.march_store(folder, done, sources)
     is_compared = ending is not None and len(runs) <= defaults.MAX_RUNS_COMPARED
     run_files = RunFiles(
-        runs=[*first, *lacking],
-        labels=[*(pilot.label for pilot in pilots.lacking), *names],
+        runs=[task.place for task in tasks],
+        labels=[task.label for task in tasks],
         folder=folder,
         finish=finish_and_keep_run if is_compared else finish_run,
     )
@@ -243,19 +265,17 @@ def _solve_lacking(
             elif pool is None:
                 pool = stack.enter_context(local_pool(workers, contacts_of(marches)))
             stack.enter_context(ended_by_signal())
-            needed = [pilot.marches for pilot in pilots.lacking] + marches
-            loop = RunLoop(needed, store, bar, run_files)
+            loop = RunLoop([task.marches for task in tasks], store, bar, run_files)
             for finished in loop.finished_runs(pool):
-                number = finished.number - len(first)
-                if number < 0:
-                    _tell_pilot(pilots, finished, loop, ending)
+                task = tasks[finished.number]
+                if task.pilot is not None:
+                    _tell_pilot(pilots, task.pilot, finished.digest, loop, ending)
                     continue
                 count += 1
                 if ending is not None and finished.digest:
-                    ending.kept.digests[lacking[number].folder] = finished.digest
+                    ending.kept.digests[task.place.folder] = finished.digest
                 if count == 1 and len(lacking) > 1 and not pilots.all:
-                    sound = lacking[number].folder / LISTEN
-                    progress.line(f"the first sound, {names[number]}: {sound}")
+                    progress.line(f"the first sound, {task.label}: {task.place.folder / LISTEN}")
     except OSError as error:
         text = system_errors.sentence(error)
         if system_errors.is_of_a_place(error) and not progress.has_solved():
@@ -264,24 +284,24 @@ def _solve_lacking(
     except KeyboardInterrupt:
         progress.line(advice)
         raise
-    # A pilot that failed is no run.
-    failures = {number - len(first): reason for number, reason in loop.failures.items()}
-    failures = {number: reason for number, reason in failures.items() if number >= 0}
-    for number, reason in failures.items():
-        run = lacking[number]
+    failures: dict[str, str] = {}
+    for number, reason in loop.failures.items():
+        task = tasks[number]
+        if task.pilot is not None:  # which is no run
+            continue
         with suppress(OSError, FolderError):  # of a folder that cannot be written
-            whole_files.make_below(run.home, run.folder)
-            whole_files.write_json(run.folder / FAILED, {"reason": reason})
-    return {names[number]: reason for number, reason in failures.items()}
+            whole_files.make_below(task.place.home, task.place.folder)
+            whole_files.write_json(task.place.folder / FAILED, {"reason": reason})
+        failures[task.label] = reason
+    return failures
 
 
 def _tell_pilot(
-    pilots: Pilots, finished: FinishedRun, loop: RunLoop, ending: Ending | None
+    pilots: Pilots, pilot: PilotRun, digest: str, loop: RunLoop, ending: Ending | None
 ) -> None:
     """Say what a pilot found, and queue the page of all pilots after the last one."""
-    pilot = pilots.lacking[finished.number]
-    if finished.digest:
-        pilots.kept.digests[pilot.place.folder] = finished.digest
+    if digest:
+        pilots.kept.digests[pilot.place.folder] = digest
     pilots.tell(pilot)
     if pilots.are_told and ending is not None and ending.first_page is not None:
         loop.queue_page(ending.first_page, *pilots.page_arguments)

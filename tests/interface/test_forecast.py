@@ -13,11 +13,13 @@ from scene_text import PLAIN
 import rolling
 from rolling.archive.definition import in_group
 from rolling.ball_kinds.balls import KIND
+from rolling.ball_kinds.rolling_ball import ROLLING
 from rolling.bearing_kind import bearing_forecast, bearing_simulation
 from rolling.bearing_kind.bearing_forecast import BearingForecast, forecast_of
 from rolling.bearing_kind.contact_plan import contact_plan
 from rolling.check import cost, forecast
 from rolling.check.findings import check_scene, conclusion
+from rolling.kinds.registry import kind_of
 from rolling.marches import march_piece
 from rolling.marches.march_variables import MAPS_GROUP, STATE_SERIES, STEP_SERIES
 from rolling.marches.observers import maps_arrays
@@ -96,6 +98,24 @@ def test_a_forecast_counts_start_files_and_page() -> None:
     swept = loads(PLAIN, (*short, "sweep.surface.seed=[1, 2, 3]"))
     many = check_scene(swept, solve=False)
     assert many.seconds > single.seconds + forecast.FIGURES * cost.cores()
+
+
+def test_a_forecast_counts_the_pilots_of_a_scene() -> None:
+    """Each load has its pilot, and a short track has none."""
+    long = ("surface.width_um=256", "rolling.load_n=1", "rolling.duration_s=0.2")
+    for changes, pilots in (
+        (long, 1),
+        ((*long, "sweep.rolling.load_n=[1, 2]"), 2),
+        ((*long, "rolling.duration_s=0.002"), 0),
+    ):
+        scene = loads(PLAIN, changes)
+        pilot = ROLLING.pilot(scene.runs()[0].scene)
+        assert (pilot is not None) == (pilots > 0)
+        without = check_scene(scene, solve=False).seconds
+        seconds = kind_of(scene).check(scene, solve=False).seconds
+        marched = 0.0 if pilot is None else pilots * forecast.march_seconds(pilot.scene)
+        assert seconds >= without + marched
+        assert (seconds > without) == (pilots > 0)
 
 
 def test_a_long_run_is_forecast_in_numbers() -> None:
