@@ -15,7 +15,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtr, stdtrit
 
 from acoustics.arrays import Array
 
@@ -74,13 +74,13 @@ def joint_freedom(of_pairs: PairedMean, total: float) -> float:
 
 def student_factor(freedom: float) -> float:
     """Return the factor by which an error holds the mean with the probability of one sigma."""
-    return float(student.ppf(ONE_SIGMA, freedom))
+    return float(stdtrit(freedom, ONE_SIGMA))
 
 
 def sureness(mean: float, total: float, freedom: float) -> float:
     """Return the probability that the sign of a mean with a total error is right."""
     if total > 0:
-        return float(student.cdf(abs(mean) / total, freedom))
+        return float(stdtr(freedom, abs(mean) / total))
     return 1.0 if mean else 0.5
 
 

@@ -19,8 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.stats import nct, norm
-from scipy.stats import t as student
+from scipy.special import nctdtrit, ndtri, stdtr
 
 from acoustics.arrays import Array
 from acoustics.pairs import SURE
@@ -210,7 +209,7 @@ def tolerance_factor(count: int, share: float = SHARE, confidence: float = CONFI
     confidence (ISO 16269-6, unknown mean and deviation).
     """
     root = math.sqrt(count)
-    return float(nct.ppf(confidence, count - 1, norm.ppf(share) * root)) / root
+    return float(nctdtrit(count - 1, ndtri(share) * root, confidence)) / root
 
 
 def tolerance_limit(levels_db: Array) -> float:
@@ -266,7 +265,7 @@ def falls(ordered: Sequence[Point]) -> list[Fall]:
         if not np.all(np.isfinite(rise)) or rise.mean() >= 0:
             continue
         error = float(np.std(rise, ddof=1)) / math.sqrt(len(rise))
-        if error == 0 or student.cdf(-rise.mean() / error, len(rise) - 1) >= SURE:
+        if error == 0 or stdtr(len(rise) - 1, -rise.mean() / error) >= SURE:
             sure_falls.append(Fall(quieter.value, louder.value))
     return sure_falls
 

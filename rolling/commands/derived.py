@@ -11,9 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from acoustics.traps import ignoring_underflow
-from rolling import figures
 from rolling.contact.processor_time import ProcessorTime
-from rolling.figures.settings import PictureWarning
 from rolling.kinds.run_folder import BANDS, PAGE, SUMMARY, TABLE, RunFolder
 from rolling.results import labels, runs_table
 from rolling.results.common_gain import write_with_common_gain
@@ -71,30 +69,30 @@ def write_derived(ending: Ending, runs: Sequence[RunFolder], report: bool) -> No
     # A page from the future was written before a clock was set back.
     if last.is_file() and newest <= last.stat().st_mtime_ns <= time.time_ns():
         return
-    with progress.step("writing the table"):
-        write_tables(runs, folder)
     if not report:
+        with progress.step("writing the table"):
+            write_tables(runs, folder)
         return
-    unsolved = [run for run in runs if not run.is_done]
-    content, spent = _drawn(ending, done, unsolved)
+    content, spent = _drawn(ending, runs)
     for run in done:  # before the page, which must not be older than a summary
         write_stored(run.folder, with_page(read_stored(run.folder), spent, len(done)))
     whole_files.write_bytes(folder / PAGE, content)
 
 
-def _drawn(
-    ending: Ending, done: Sequence[RunFolder], unsolved: Sequence[RunFolder]
-) -> tuple[bytes, ProcessorTime]:
-    """Write the figures that compare runs, and return their page and its processor time.
+def _drawn(ending: Ending, runs: Sequence[RunFolder]) -> tuple[bytes, ProcessorTime]:
+    """Write table and figures of runs, and return their page and its processor time.
 
-    Where the command has several processes, one draws the figures and another one the page.
+    Where the command has several processes, one writes table and figures and another one the page,
+    so that this process need not load what draws.
     """
     page_file = ending.folder / f".{PAGE}{whole_files.PARTIAL}"
+    done = [run for run in runs if run.is_done]
+    unsolved = [run for run in runs if not run.is_done]
     names = labels.labels(unsolved) if unsolved else []
-    calls: list[tuple[Any, ...]] = []
-    if figures.has_written_figures(done):
-        calls.append((_figure_files, (ending.kept, done, ending.folder)))
-    calls.append((_page_file, (ending.kept, done, page_file, names)))
+    calls: list[tuple[Any, ...]] = [
+        (_table_and_figures, (ending.kept, runs, ending.folder)),
+        (_page_file, (ending.kept, done, page_file, names)),
+    ]
     with progress.step("drawing the figures and the page"):
         drawn = ending.each(_with_warnings, calls)
     try:
@@ -102,8 +100,13 @@ def _drawn(
     finally:
         page_file.unlink(missing_ok=True)
     whole = ProcessorTime(0.0, 0.0)
-    for spent, warned in drawn:
+    warned = list[str]()
+    for spent, of_call in drawn:
         whole = whole.plus(spent)
+        warned += of_call
+    if warned:
+        from rolling.figures.settings import PictureWarning  # slow to import
+
         for text in warned:
             warnings.warn(text, PictureWarning, stacklevel=2)
     return content, whole
@@ -114,6 +117,8 @@ def _with_warnings(
     function: Callable[..., None], arguments: tuple[Any, ...]
 ) -> tuple[ProcessorTime, list[str]]:
     """Call a function that draws; return its processor time, and the pictures that it left out."""
+    from rolling.figures.settings import PictureWarning  # slow to import
+
     began = ProcessorTime.now()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", PictureWarning)
@@ -129,9 +134,14 @@ def _with_warnings(
     return ProcessorTime.now().since(began), texts
 
 
-def _figure_files(kept: KeptRuns, done: Sequence[RunFolder], folder: Path) -> None:
-    """Write the figures of runs into a folder."""
-    figures.write_figures(open_runs(done, kept.read), folder)
+def _table_and_figures(kept: KeptRuns, runs: Sequence[RunFolder], folder: Path) -> None:
+    """Write the table of runs, and the figures of those that are done, into a folder."""
+    from rolling import figures  # slow to import
+
+    write_tables(runs, folder)
+    done = [run for run in runs if run.is_done]
+    if figures.has_written_figures(done):
+        figures.write_figures(open_runs(done, kept.read), folder)
 
 
 def _page_file(
@@ -185,6 +195,7 @@ def write_table(frame: pd.DataFrame, path: Path) -> None:
 
 def write_report(runs: Sequence[Any], folder: Path, unsolved: Sequence[RunFolder]) -> None:
     """Write the figures and the page of runs into their folder."""
+    from rolling import figures
     from rolling.report import report_page
 
     if figures.has_written_figures(runs):

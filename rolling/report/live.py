@@ -11,6 +11,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.loss_factors import LossFactor, loss_factor_at
 from acoustics.radiation import HalfSpaceBody
+from acoustics.resampling import resample_closed
 from acoustics.ritz_plate import RitzPlate
 from acoustics.wav import PEAK, SAMPLE_RATE_HZ
 from rolling.dynamics import _motion_kernels
@@ -334,12 +335,10 @@ def _stored_table(
     table: LawTable, load_n: float, start: float, rows: Array, count: int
 ) -> tuple[Data, LawTable]:
     """Return closed rows as stored columns, and as the table that they decode to."""
-    from scipy.signal import resample  # slow to import
-
     spacing = table.spacing * len(rows) / count
     weights = slope_weights(table.breaks, load_n ** (2 / 3))
     if count < len(rows):
-        rows = resample(rows, count, axis=0)
+        rows = np.column_stack([resample_closed(column, count) for column in rows.T])
     columns = []
     decoded = np.empty((count, rows.shape[1]))
     for k in range(1, rows.shape[1]):

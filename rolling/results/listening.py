@@ -361,9 +361,13 @@ class ListenSound(HeardSound):
         """Level of what is heard [dB(A)], before its end is raised; LAE of what ends."""
         return self.stated.level.level_db
 
+    @cached_property
+    def _own_gain(self) -> Gain:
+        return own_gain(self._written_record)
+
     def _gains(self, common: float | None) -> tuple[Gain, Gain]:
         """Return its own gain, and the gain that is used."""
-        own = own_gain(self._written_record)
+        own = self._own_gain
         if common is not None and own.rule != SILENCE:
             return own, Gain(common, COMMON_GAIN)
         return own, own

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import signal
 
 from acoustics.spectrum import article_line_level_db, line_spectrum, welch
 
@@ -76,6 +77,17 @@ def test_welch_density_of_noise_adds_up_to_its_mean_square():
     # White: 1/24000 per Hz at every line, each uncertain by 1/sqrt(1.9 * 100 segments) = 7 %; 5 of
     # these for 2400 lines.
     np.testing.assert_allclose(psd.psd[1:-1], 1.0 / 24000.0, rtol=0.37)
+
+
+@pytest.mark.parametrize("n", [5, 16, 31, 2400, 48001])
+def test_densities_are_those_of_scipy(n):
+    record = noise(n, n)
+    psd = welch(record, 48000.0)
+    window = signal.get_window("hann", round(48000.0 / psd.line_width_hz))
+    options = {"noverlap": len(window) // 2, "detrend": False}
+    frequency_hz, expected = signal.welch(record, 48000.0, window, **options)
+    np.testing.assert_array_equal(psd.frequency_hz, frequency_hz)
+    np.testing.assert_allclose(psd.psd, expected, rtol=1e-13)
 
 
 @pytest.mark.parametrize("frequency_hz", [1000.0, 1003.7])

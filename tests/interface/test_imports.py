@@ -269,13 +269,36 @@ def test_nothing_heavy_is_loaded_before_it_is_needed(code: str) -> None:
 
 def test_a_process_that_solves_loads_no_packages_of_pictures_motions_or_dask() -> None:
     """Every worker and every part of a sweep starts so: these packages took half of its time."""
-    code = "import sys, rolling.run.executor, rolling.run.worker as runs\nprint(*sys.modules)"
+    unused = {"matplotlib", "dask", "pandas", "xarray", "jinja2", "scipy.signal", "scipy.stats"}
+    unused |= {"scipy.optimize", "scipy.integrate", "scipy.interpolate", "scipy.ndimage", "mosqito"}
+    loaded = loaded_by("rolling.run.executor, rolling.run.worker as runs")
+    assert not unused & loaded
+
+
+def test_a_command_that_hands_out_tasks_loads_nothing_that_draws() -> None:
+    """Its processes draw table, figures and page, and load what they need for that."""
+    loaded = loaded_by("rolling.commands.run")
+    assert not {"matplotlib", "pandas", "PIL", "jinja2", "h5py", "scipy.stats"} & loaded
+
+
+def loaded_by(modules_to_import: str) -> set[str]:
+    """Return the names of all modules in a process that imports some."""
+    code = f"import sys, {modules_to_import}\nprint(*sys.modules)"
     printed = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
     ).stdout
-    unused = {"matplotlib", "dask", "pandas", "xarray", "jinja2", "scipy.signal", "scipy.stats"}
-    unused |= {"scipy.optimize", "scipy.integrate", "scipy.interpolate", "scipy.ndimage", "mosqito"}
-    assert not unused & {*printed.split()}
+    return {*printed.split()}
+
+
+def test_no_run_imports_the_slowest_packages_of_scipy() -> None:
+    """They take half a second each; a filter of long records of varying speed alone needs one."""
+    slow = ("scipy.signal", "scipy.stats")
+    users = set()
+    for package in FLOORS:
+        for module in modules(package):
+            if any(name.startswith(slow) for name in imported(module)):
+                users.add(module)
+    assert users == {"acoustics.resampling"}
 
 
 def test_a_room_that_lists_its_files_lists_all_of_them() -> None:
