@@ -185,8 +185,9 @@ def welch(signal: Array, sample_rate_hz: float) -> Psd:
     total = np.zeros(segment // 2 + 1)
     for first in firsts:
         total += _frame_density(record[first : first + segment], window, sample_rate_hz)
+    frequency_hz = np.asarray(np.fft.rfftfreq(segment, 1.0 / sample_rate_hz), dtype=float)
     return Psd(
-        frequency_hz=np.fft.rfftfreq(segment, 1.0 / sample_rate_hz),
+        frequency_hz=frequency_hz,
         psd=total / len(firsts),
         window="hann",
         line_width_hz=sample_rate_hz / segment,

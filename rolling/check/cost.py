@@ -91,7 +91,7 @@ def subcells(scene: Scene) -> int:
         return grid_error.law_subcells(scene)
     if not grid_error.has_blended_edges(scene):
         return 1
-    step = refined.median_step(scene_surface(scene).heights)
+    step = scene_surface(scene).median_step
     slope = refined.rms_slope(step, scene.spacing)
     return refined.auto_subcells(slope, scene.contact_modulus, scene.hardness)
 

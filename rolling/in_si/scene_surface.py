@@ -32,7 +32,7 @@ from rolling.surface.heights import Statistics
 from rolling.surface.instrument import InstrumentSight, sight, with_law
 from rolling.surface.levelling import Levelling
 from rolling.surface.preparation import Effect
-from rolling.surface.refined import cells_of_patch
+from rolling.surface.refined import cells_of_patch, median_step
 from rolling.surface.single_faults import add_faults
 from rolling.terminal import progress
 
@@ -58,6 +58,11 @@ class SceneSurface:
         """Roughness of the heights that are used."""
         with progress.step("roughness of the surface"):
             return surface.statistics(self.heights, self.spacing)
+
+    @cached_property
+    def median_step(self) -> float:
+        """Median change of the heights [m] from node to node."""
+        return median_step(self.heights)
 
     @property
     def has_seam(self) -> bool:
