@@ -32,6 +32,8 @@ class SolvedBearing(RunFolder):
     `BearingRun`.
     """
 
+    MADE_ONCE = ("housing", "lines")
+
     scene: BearingScene
     label: str
     record: RingRecord

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from rolling.scene.sweep import Value
 from rolling.terminal.whole_files import read_regular
@@ -31,7 +31,11 @@ class RunFolder:
     values : mapping. The swept values of the run, by dotted key.
     scene : scene of any kind. The scene with these values, without a sweep.
     folder : Path. The folder of the run.
+    MADE_ONCE : tuple of str. Cached properties of a solved run that take long to make. Copies make
+        them again when they are asked for; a command that keeps a run keeps them beside it.
     """
+
+    MADE_ONCE: ClassVar[tuple[str, ...]] = ()
 
     values: Mapping[str, Value]
     scene: Any
@@ -41,6 +45,11 @@ class RunFolder:
     def home(self) -> Path:
         """The folder that `rolling run` made: the folder of the sweep for a run of a sweep."""
         return self.folder.parent if self.values else self.folder
+
+    @property
+    def made(self) -> dict[str, Any]:
+        """Properties of `MADE_ONCE` that are made already, by name."""
+        return {name: vars(self)[name] for name in self.MADE_ONCE if name in vars(self)}
 
     @property
     def is_done(self) -> bool:

@@ -46,6 +46,15 @@ class SolvedRun(RunFolder):
     It equals no other run, so it can be the key of a dictionary. Its fields are described at `Run`.
     """
 
+    MADE_ONCE = (
+        "channels",
+        "long",
+        "made_records",
+        "release",
+        "sound_by_place",
+        "wavelength_octaves",
+    )
+
     scene: Scene
     label: str
     result: Result

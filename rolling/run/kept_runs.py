@@ -1,9 +1,10 @@
 """Runs that a command has heard, kept as files until its end needs them again.
 
 The end of a command compares its runs: their gain, their figures, their page. It reads the runs
-that the processes have made, so that no sound is made twice. The file of a run is read by the
-command that had it made only, and its digest, which came from that process, must hold: a pickle of
-somebody else is never opened. Where a file is missing, the run is made again from its result.
+that the processes have made, with their long records, so that no sound is made twice. The file of a
+run is read by the command that had it made only, and its digest, which came from that process, must
+hold: a pickle of somebody else is never opened. Where a file is missing, the run is made again from
+its result.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ def keep(run: Any) -> str:
     classes this process got from another process cannot be named in a pickle.
     """
     try:
-        content = pickle.dumps(run)
+        content = pickle.dumps((run, run.made))
     except pickle.PicklingError:
         return ""
     digest = hashlib.sha256(content).hexdigest()
@@ -76,9 +77,11 @@ class KeptRuns:
                 path = self.folder / folders.PIECES / folders.KEPT / digest
                 content = read_regular(path, MAX_BYTES)
                 if hashlib.sha256(content).hexdigest() == digest:
-                    kept = pickle.loads(content)
+                    kept, made = pickle.loads(content)
                     stored = read_stored(run.folder)
-                    return replace(kept, label=label, numbers=stored.numbers, stored=stored)
+                    again = replace(kept, label=label, numbers=stored.numbers, stored=stored)
+                    vars(again).update(made)
+                    return again
         return kind_of(run.scene).read_run(run, label)
 
     def remove_others(self) -> None:

@@ -20,7 +20,7 @@ from rolling.ball_kinds import one_ball
 from rolling.commands import derived
 from rolling.figures.settings import PictureWarning
 from rolling.kinds.run_folder import RunFolder
-from rolling.results import run_result
+from rolling.results import listening, long_record, run_result
 from rolling.results.run_result import Run, read_run, write_run
 from rolling.run import folder as folders
 from rolling.run import kept_runs
@@ -114,6 +114,23 @@ def test_a_kept_run_is_the_run_that_is_read(run: Run) -> None:
             assert same(again.series[name], values), name
     kept.remove()
     assert not (run.folder / folders.PIECES).exists()
+
+
+def test_a_kept_run_has_the_records_that_were_made_for_its_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The common gain and the page play the long records of vibration and release."""
+    heard = marched(TINY, ("sound.listen_s=6",), folder=tmp_path)
+    write_run(heard)
+    files = [sound.wav() for sound in listening.new_sounds(heard)]
+    kept = KeptRuns(tmp_path)
+    kept.digests[tmp_path] = kept_runs.keep(heard)
+    made: list[str] = []
+    for name in ("make_long_record", "reason_against_long_record"):
+        monkeypatch.setattr(long_record, name, lambda *_, **__: made.append("a record"))
+    again = kept.read(heard, heard.label)
+    assert [sound.wav() for sound in listening.new_sounds(again)] == files
+    assert len(files) == 2 and not made
 
 
 class Trap:
