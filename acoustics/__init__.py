@@ -51,6 +51,7 @@ _NAMES = {
         "squared_envelope_spectrum",
         "velocity_bands",
     ),
+    "acoustics.room": ("in_room",),
     "acoustics.spectrum": ("Psd", "line_spectrum", "welch"),
     "acoustics.uncertainty": (
         "LevelUncertainty",

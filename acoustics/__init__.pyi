@@ -33,6 +33,7 @@ from acoustics.ring_velocity import VelocityBands as VelocityBands
 from acoustics.ring_velocity import narrow_spectrum as narrow_spectrum
 from acoustics.ring_velocity import squared_envelope_spectrum as squared_envelope_spectrum
 from acoustics.ring_velocity import velocity_bands as velocity_bands
+from acoustics.room import in_room as in_room
 from acoustics.spectrum import Psd as Psd
 from acoustics.spectrum import line_spectrum as line_spectrum
 from acoustics.spectrum import welch as welch

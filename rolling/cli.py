@@ -250,7 +250,9 @@ def _listen(given: argparse.Namespace) -> int:
     """Write a long record of a run."""
     with progress.step(LOADING):
         from rolling.commands.stored_runs import listen
-    return _print_paths(listen(given.folder, given.seconds, given.speed, given.seed))
+    return _print_paths(
+        listen(given.folder, given.seconds, given.speed, given.seed, given.reverberation)
+    )
 
 
 def _choose(given: argparse.Namespace) -> int:

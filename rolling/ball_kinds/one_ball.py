@@ -225,11 +225,18 @@ class OneBall(Kind):
         return listening.listen_gains(stored)
 
     def write_long(
-        self, run: Run, seconds: float, speed: float | tuple[float, float] | None, seed: int
+        self,
+        run: Run,
+        seconds: float,
+        speed: float | tuple[float, float] | None,
+        seed: int,
+        reverberation_s: float | None,
     ) -> Path:
-        """Let the ball roll on beyond the solved track, and write long.wav."""
+        """Let the ball roll on beyond the solved track, and write long.wav, or room.wav."""
+        if reverberation_s is not None:
+            listening.refuse_reverberation(reverberation_s)
         long = run.listen(seconds, speed, seed)
-        path = listening.write_long(run, long)
+        path = listening.write_long(run, long, reverberation_s)
         stated = run.stated()
         progress.line(listening.describe_long_record(stated, long))
         for text in long.numbers.limits or ():

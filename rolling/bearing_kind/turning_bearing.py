@@ -127,8 +127,18 @@ class TurningBearing(MarchesInFiles):
         """Return the acceleration of the ring, and the sound of a housing plate."""
         return stored_run.sounds(run)
 
-    def write_long(self, run: BearingRun, seconds: float, speed: Any, seed: int) -> Path:
+    def write_long(
+        self,
+        run: BearingRun,
+        seconds: float,
+        speed: Any,
+        seed: int,
+        reverberation_s: float | None,
+    ) -> Path:
         """Let the ring move for longer, and write long.wav."""
+        if reverberation_s is not None:
+            words = "long.wav of a bearing is the acceleration of its ring, which no room carries"
+            raise ValueError(f"--reverberation: {words}")
         if speed is not None or seed:
             raise ValueError("--speed, --seed: a bearing turns on at the speed of its scene")
         return stored_run.write_long(run, seconds)

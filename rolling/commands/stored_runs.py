@@ -127,8 +127,11 @@ def listen(
     seconds: float = defaults.LISTENED_SECONDS,
     speed: float | tuple[float, float] | None = None,
     seed: int = 0,
+    reverberation_s: float | None = None,
 ) -> list[Path]:
     """Write a long record of a run into long.wav, print its facts; return its path.
+
+    With a reverberation time it is heard in a room, and written into room.wav.
 
     Parameters
     ----------
@@ -136,6 +139,7 @@ def listen(
     seconds : float, s. Length of the record. Default: 20.
     speed : float or pair of float, m/s. Speed, or speeds at start and end. Default: the scene's.
     seed : int. Number of the random continuation. Default: 0.
+    reverberation_s : float, s. Reverberation time of a room to hear it in. Default: no room.
 
     Raises
     ------
@@ -147,7 +151,7 @@ def listen(
     with progress.step("reading the run, making its sound"):
         (run,) = open_runs([stored])
     try:
-        return [kind_of(run.scene).write_long(run, seconds, speed, seed)]
+        return [kind_of(run.scene).write_long(run, seconds, speed, seed, reverberation_s)]
     except ValueError as error:
         raise FolderError(f"{folder}: {error}") from error
 

@@ -262,9 +262,16 @@ class Kind(ABC):
         return plain_gains(stored.files)
 
     def write_long(
-        self, run: Any, seconds: float, speed: float | tuple[float, float] | None, seed: int
+        self,
+        run: Any,
+        seconds: float,
+        speed: float | tuple[float, float] | None,
+        seed: int,
+        reverberation_s: float | None,
     ) -> Path:
         """Write a long record of a run, and say what it is; return its file.
+
+        With a reverberation time [s] it is heard in a room, for listening only.
 
         Raises
         ------

@@ -1,7 +1,7 @@
 """Records for the ear: at least five seconds of laps or a long record.
 
-listen.wav has what plays, and released.wav the released power. long.wav is made on request, and
-passes.wav has the passes over a plate that remembers.
+listen.wav has what plays, and released.wav the released power. long.wav is made on request, and so
+is room.wav, the same in a room. passes.wav has the passes over a plate that remembers.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 import soundfile
 
-from acoustics import level, resampling, wav
+from acoustics import level, resampling, room, wav
 from acoustics.arrays import Array
 from acoustics.level import lae_db
 from acoustics.numbers import decibels_a, rounded
@@ -41,6 +41,8 @@ from rolling.sound.contact_sound import FADE_S, ContactSound
 from rolling.sound.long_listening import Listening
 from rolling.terminal.whole_files import make_below, read_regular, write_bytes
 
+LONG = "long.wav"
+ROOM = "room.wav"  # the same in a room
 # [s] of a pass for the ear, and of the silence after it
 PASS_S = 1.5
 PAUSE_S = 0.25
@@ -499,19 +501,47 @@ def signal_facts(sound: ContactSound, for_the_ear: str) -> SignalFacts:
     return SignalFacts(meaning=f"{meaning}; {for_the_ear} is for the ear.", peak_pa=peak_pa)
 
 
-def write_long(run: NumberedRun, long: Listening) -> Path:
+def refuse_reverberation(reverberation_s: float) -> None:
+    """Raise ValueError for a reverberation time [s] that no room of `acoustics` has."""
+    if not room.SHORTEST_S <= reverberation_s <= room.LONGEST_S:
+        allowed = f"{room.SHORTEST_S:g} to {room.LONGEST_S:g} s"
+        raise ValueError(f"reverberation: got {reverberation_s:g} s, allowed: {allowed}")
+
+
+def record_in_room(record: EarRecord, reverberation_s: float, distance_m: float) -> EarRecord:
+    """Return a record as it is heard in a room, which its content says and no level includes.
+
+    Parameters
+    ----------
+    record : EarRecord. The record in the free field.
+    reverberation_s : float, s. Reverberation time.
+    distance_m : float, m. Distance of the listener from the source.
+    """
+    heard = room.in_room(record.pressure, reverberation_s, distance_m, wav.SAMPLE_RATE_HZ)
+    content = (
+        f"{record.content}; heard in a made room of {room.VOLUME_M3:g} m3 with a reverberation"
+        f" time of {reverberation_s:g} s, which no level includes"
+    )
+    return record._replace(pressure=heard, content=content)
+
+
+def write_long(run: NumberedRun, long: Listening, reverberation_s: float | None = None) -> Path:
     """Write long.wav, a long record of what plays for the ear, and return its path.
 
-    A run of a sweep keeps the common gain of listen.wav, unless the record would clip.
+    With a reverberation time [s] the record is heard in a room, and written to room.wav. A run of a
+    sweep keeps the common gain of listen.wav, unless the record would clip.
 
     Raises
     ------
     OSError : the file cannot be written. An earlier file is kept.
     """
-    path = run.folder / "long.wav"
     playing = playing_source(run, run.numbers)
     stated = stated_sound(run, run.numbers, playing)
     record = long_ear_record(stated, long)
+    path = run.folder / LONG
+    if reverberation_s is not None:
+        path = run.folder / ROOM
+        record = record_in_room(record, reverberation_s, run.scene.listener_distance_m)
     gain = own_gain(record)
     common = None
     if run.stored is not None and _source_of(run.stored) == playing:

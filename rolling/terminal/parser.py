@@ -256,6 +256,13 @@ def _add_listen(commands: Any) -> None:
         metavar="N",
         help="number of the random continuation (default 0)",
     )
+    listen.add_argument(
+        "--reverberation",
+        type=arguments.positive,
+        metavar="T",
+        help="write room.wav instead, the record in a room with a reverberation time of T seconds,"
+        " 0.1 to 10. It is for listening only: no level includes the room.",
+    )
 
 
 def _add_choose(commands: Any) -> None:

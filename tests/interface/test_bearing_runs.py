@@ -598,6 +598,8 @@ def test_commands_on_a_stored_bearing(
     assert len(samples_of(folder / "long.wav")) == RATE
     (folder / "long.wav").unlink()
     assert cli.main(["listen", str(folder), "--speed", "1"]) == 2
+    assert cli.main(["listen", str(folder), "--reverberation", "1"]) == 2
+    assert "acceleration of its ring, which no room carries" in capsys.readouterr().err
 
 
 def test_a_sweep_has_a_row_for_each_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

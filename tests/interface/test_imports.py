@@ -50,6 +50,7 @@ FLOORS = {
             "modulation",
             "ring_velocity",
             "ritz_plate",
+            "room",
             "sound_power",
             "unbaffled",
         ),

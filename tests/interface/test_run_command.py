@@ -442,6 +442,25 @@ def test_a_run_opens_its_page(
     assert "Ball &amp; plate &lt;b&gt;" in html and "plate <b>" not in html
 
 
+def refuse_or_hear_a_room(out: Path, order: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """A room is for listening only: its file says so, and no number and no other file changes."""
+    dry, rate, _ = wav.read(out / "long.wav")
+    before = {path.name: path.read_bytes() for path in out.iterdir() if path.is_file()}
+    assert cli.main([*order, "--seed", "2", "--reverberation", "20"]) == 2
+    assert "reverberation: got 20 s, allowed: 0.1 to 10 s" in capsys.readouterr().err
+    assert cli.main([*order, "--seed", "2", "--reverberation", "0.5"]) == 0
+    assert capsys.readouterr().out == f"{out / 'room.wav'}\n"
+    after = {path.name: path.read_bytes() for path in out.iterdir() if path.is_file()}
+    del after["room.wav"]
+    assert after == before
+    heard, _, comment = wav.read(out / "room.wav")
+    assert "reverberation time of 0.5 s, which no level includes" in comment
+    assert heard.shape == (len(heard), 2) and len(heard) > len(dry) + 0.5 * rate - 1
+    assert np.abs(heard).max() <= wav.PEAK + 2**-23
+    assert np.abs(heard[-rate // 100 :]).max() < 0.01 * np.abs(heard).max()  # it dies away
+    (out / "room.wav").unlink()
+
+
 def test_a_run_is_listened_to_for_as_long_as_wanted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -483,6 +502,7 @@ def test_a_run_is_listened_to_for_as_long_as_wanted(
     said = capsys.readouterr()
     assert said.out == f"{out / 'long.wav'}\n" * 3 and "0.5 s over 250 mm" in said.err
     assert {path.name for path in out.iterdir()} - before == {"long.wav"}
+    refuse_or_hear_a_room(out, order, capsys)
     (out / "listen.wav").unlink()
     os.mkfifo(out / "listen.wav")  # a pipe in its place is not waited for: the record is made anew
     assert long_record_of(opened) is made
