@@ -2,8 +2,9 @@
 
 The long record continues track and force law as random noise with the spectra of the solved part.
 Continued are the approach at the scene's load and the logarithms of the law's slopes, so that
-slopes stay positive and the approach rises with the load at every place. The motion is computed as
-on the solved track, in stretches that carry the state on.
+slopes stay positive and the approach rises with the load at every place. The waves around a ball
+are not random: they are taken off before and added again, turn after turn. The motion is computed
+as on the solved track, in stretches that carry the state on.
 """
 
 import math
@@ -17,6 +18,7 @@ from rolling.contact.track import Motion
 from rolling.dynamics import drop
 from rolling.dynamics._motion_kernels import LawTable, State
 from rolling.dynamics.ball_on_plate import BallOnPlate
+from rolling.dynamics.ball_turn import BallTurn
 from rolling.dynamics.force_law import SOFTEST, ForceLaw, law_table, slope_weights
 from rolling.dynamics.motion import DECAYS, advance, at_rest, longest_step_s, run_in
 from rolling.dynamics.motion_of_ball import contact_path
@@ -28,8 +30,9 @@ _GUARD = 24  # positions beyond a stretch, after which a spline has forgotten it
 class LongLaw:
     """Force law of a solved track, continued at random."""
 
-    def __init__(self, law: ForceLaw, load_n: float, seed: int, turn_m: float | None) -> None:
+    def __init__(self, law: ForceLaw, load_n: float, seed: int, turn: BallTurn | None) -> None:
         self._law = law
+        self._turn = turn
         self._breaks = law.table.breaks
         self._weights = slope_weights(self._breaks, load_n ** (2 / 3))
         count = len(law.position_m)
@@ -40,8 +43,9 @@ class LongLaw:
         self._least = rows.min(axis=1) - spread
         self._most = rows.max(axis=1) + spread
         approach = values[:, 0] + values[:, 1:] @ self._weights
-        turn = None if turn_m is None else round(turn_m / law.spacing_m)
-        self.rows = ContinuedRows(np.vstack((approach, rows)), closed, seed, turn)
+        approach -= self._form(0, count)
+        positions = None if turn is None else round(turn.length_m / law.spacing_m)
+        self.rows = ContinuedRows(np.vstack((approach, rows)), closed, seed, positions)
         self.limited = 0  # continued positions at which a slope had to be limited
         self.continued = 0  # positions beyond the solved track
 
@@ -53,9 +57,15 @@ class LongLaw:
         last = math.ceil((end_m - start) / spacing) + _GUARD + 1
         approach, slopes = np.split(self.rows.between(first, last), [1])
         slopes = np.exp(self._within_limits(slopes, first)).T
-        lift_off = approach[0] - slopes @ self._weights
+        lift_off = approach[0] + self._form(first, last) - slopes @ self._weights
         values = np.ascontiguousarray(np.column_stack((lift_off, slopes)))
         return law_table(start + first * spacing, spacing, False, self._breaks, values)
+
+    def _form(self, first: int, last: int) -> Array:
+        """Return the approach [m] that the waves around the ball add at positions."""
+        if self._turn is None:
+            return np.zeros(last - first)
+        return self._turn.form_at(self._law.spacing_m * np.arange(first, last, dtype=np.float64))
 
     def _within_limits(self, slopes: Array, first: int) -> Array:
         """Limit the logarithms of continued slopes (m, n) to the solved range and a deviation."""
@@ -83,11 +93,11 @@ class LongMotion:
         seconds: float,
         rate: int,
         seed: int,
-        turn_m: float | None = None,
+        turn: BallTurn | None = None,
     ) -> None:
         """Prepare a motion of some seconds, in whole steps of samples of a rate [Hz].
 
-        `turn_m` is the circumference [m] of a ball with a surface, after which rows repeat.
+        `turn` is that of a ball with a surface, after which rows repeat.
         """
         self._ball = bodies
         self._motion = motion
@@ -102,7 +112,7 @@ class LongMotion:
         self._bodies = self._chain.steps(self.step)
         self._path = contact_path(bodies.plate, motion)
         self._steps = round(seconds * rate) * self.steps_per_sample
-        self.law = LongLaw(law, bodies.load_n, seed, turn_m)
+        self.law = LongLaw(law, bodies.load_n, seed, turn)
         self.taken = 0
         self.free_steps = 0
         self.impacts = 0

@@ -2,12 +2,20 @@
 
 import math
 
+import numpy as np
+
+from acoustics.arrays import Array
+from rolling.bearing.waves import response
 from rolling.contact.smooth_contact import SmoothContact
 from rolling.dynamics.ball_on_plate import BallOnPlate, PlateBody
+from rolling.dynamics.ball_turn import BallTurn
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Plate
 from rolling.scene.transducers import SoundChannel
 from rolling.sound.receivers import Listener, Transducer
+from rolling.surface.ball_form import BallForm, form_heights
+
+BRIDGED = 1.0  # wave number times half of the contact, from which on waves count as roughness
 
 # ---- bodies
 
@@ -58,6 +66,31 @@ def circumference_of(scene: Scene) -> float | None:
     if scene.sphere.surface is None:
         return None
     return 2 * math.pi * scene.radius
+
+
+def turn_of(scene: Scene) -> BallTurn | None:
+    """Return the turn of a sphere with a surface, with its waves; None for a smooth sphere."""
+    surface = scene.sphere.surface
+    length_m = circumference_of(scene)
+    if surface is None or length_m is None:
+        return None
+    if not surface.has_form:
+        return BallTurn(length_m=length_m)
+    return BallTurn(length_m=length_m, form_m=_approach_of_form(scene, surface.form))
+
+
+def _approach_of_form(scene: Scene, form: BallForm) -> Array:
+    """Return the approach [m] that waves around a sphere add at the nodes of a turn.
+
+    The turn begins at the start of the track. Waves so short that the contact bridges them count as
+    roughness.
+    """
+    nodes = scene.track.turn_nodes
+    waves = np.fft.rfft(form_heights(form, nodes))
+    length, _ = smooth_contact_of(scene).semi_axes_m()
+    phase = length / scene.radius * np.arange(len(waves), dtype=np.float64)
+    approach = -np.fft.irfft(np.where(phase < BRIDGED, waves * response(phase), 0.0), nodes)
+    return np.roll(approach, -round(scene.start / scene.spacing))
 
 
 # ---- receivers

@@ -10,7 +10,7 @@ import numpy as np
 from acoustics import level
 from acoustics.numbers import micrometres, rounded, rounded_up
 from rolling.contact.track import Motion
-from rolling.in_si.physics_of_scene import bodies_of, circumference_of, listener_of
+from rolling.in_si.physics_of_scene import bodies_of, listener_of, turn_of
 from rolling.marches.result import Result, released_energy
 from rolling.numbers.ball_numbers import ListeningNumbers
 from rolling.scene import values_in_si
@@ -103,7 +103,7 @@ def make_long_record(
             f"speed: the sphere passes {positions:.2g} positions, allowed is up to {most:.2g}, "
             "which take ten minutes"
         )
-    travel = LongTravel(motion=motion, seconds=seconds, seed=seed, turn_m=circumference_of(scene))
+    travel = LongTravel(motion=motion, seconds=seconds, seed=seed, turn=turn_of(scene))
     with progress.Bar(seconds, "listening") as bar:
         lap = result.solved_steps
         is_closed = scene.track.lap_steps <= lap and not sound.has_seam
@@ -195,7 +195,8 @@ def _limits(numbers: ListeningNumbers) -> tuple[str, ...]:
     if turn_mm is not None and solved_mm < turn_mm:
         limits.append(
             f"the solved track is shorter than a turn of the ball ({rounded(turn_mm, 3)} mm): it "
-            "is put in as solved once per turn, and the rest of the turn is random"
+            "is put in as solved once per turn, and the rest of the turn is random, but for the "
+            "waves around the ball"
         )
     if outside > OFTEN:
         limits.append(

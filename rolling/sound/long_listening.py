@@ -14,6 +14,7 @@ from acoustics.traps import ignoring_underflow
 from acoustics.uncertainty import kurtosis
 from rolling.contact.track import Motion
 from rolling.dynamics.ball_on_plate import BallOnPlate
+from rolling.dynamics.ball_turn import BallTurn
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.long_motion import LongMotion
 from rolling.numbers.ball_numbers import ListeningNumbers
@@ -89,15 +90,15 @@ class LongTravel:
         Length of the record.
     seed : int
         Seed of the random continuation.
-    turn_m : float or None, m
-        Circumference of a ball with a surface, after which the solved track is put in again. None
-        for a smooth ball.
+    turn : BallTurn or None
+        Turn of a ball with a surface, after which the solved track is put in again. None for a
+        smooth ball.
     """
 
     motion: Motion
     seconds: float
     seed: int = 0
-    turn_m: float | None = None
+    turn: BallTurn | None = None
 
 
 def listen_to_vibration(
@@ -120,7 +121,7 @@ def listen_to_vibration(
         seconds=seconds,
         rate=rate,
         seed=travel.seed,
-        turn_m=travel.turn_m,
+        turn=travel.turn,
     )
     decimator = resampling.Decimator(motion.steps_per_sample)
     samples = []
@@ -182,9 +183,14 @@ def listen_to_chain(
     `approach` [m] is that at each solved position of a step. The lines of a long record lie so
     close that each has the transfer at its own frequency.
     """
-    signal = approach - approach.mean()
+    form = _form_of(travel, vibration.step * np.arange(len(approach), dtype=np.float64))
+    signal = approach - form
+    signal -= signal.mean()
     rows = _continued_rows(signal, vibration.step, closed, travel, is_step_mean=False)
-    faded = contact_sound.faded(_in_time(travel, rows, False, advance), travel.seconds)
+    in_time = _in_time(travel, rows, False, advance)
+    times = np.arange(len(in_time)) / wav.SAMPLE_RATE_HZ
+    in_time += _form_of(travel, np.asarray(travel.motion.distance(times)))
+    faded = contact_sound.faded(in_time, travel.seconds)
     samples = len(faded)
     frequency, phasor = audible_phasors(faded, wav.SAMPLE_RATE_HZ)
     chain = vibration.bodies.chain(vibration.stiffness_n_m)
@@ -193,6 +199,13 @@ def listen_to_chain(
     first = round(float(frequency[0]) * samples / wav.SAMPLE_RATE_HZ)
     spectrum[first : first + len(frequency)] = samples * phasor * transfers(frequency)[0]
     return _listening(travel, np.fft.irfft(spectrum, samples), rows)
+
+
+def _form_of(travel: LongTravel, distance: Array) -> Array:
+    """Return the approach [m] that the waves around a ball add at distances [m] of its travel."""
+    if travel.turn is None:
+        return np.zeros(len(distance))
+    return travel.turn.form_at(distance)
 
 
 class _Rows(NamedTuple):
@@ -220,7 +233,7 @@ def _continued_rows(
     elif is_step_mean:
         signal = resampling.undo_step_mean(signal)
     row = resampling.resample_closed(signal, finer * len(signal))[None]
-    turn = None if travel.turn_m is None else round(travel.turn_m / (step / finer))
+    turn = None if travel.turn is None else round(travel.turn.length_m / (step / finer))
     return _Rows(ContinuedRows(row, closed, travel.seed, turn), step, finer)
 
 
@@ -278,7 +291,7 @@ def _numbers(
         solved_share=solved_s / seconds,
         kurtosis=kurtosis(pressure) if pressure.any() else None,
         stretches=rows.inserted,
-        turn_mm=None if travel.turn_m is None else 1e3 * travel.turn_m,
+        turn_mm=None if travel.turn is None else 1e3 * travel.turn.length_m,
         highest_frequency_hz=fastest / (2 * step),
         lowest_frequency_hz=fastest / solved,
     )

@@ -23,7 +23,7 @@ from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, sound_levels
 from acoustics.uncertainty import kurtosis
 from rolling.dynamics.force_law import ForceLaw
-from rolling.in_si.physics_of_scene import bodies_of, circumference_of, listener_of
+from rolling.in_si.physics_of_scene import bodies_of, listener_of, turn_of
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
 from rolling.sound.long_listening import Listening, LongTravel, listen_to_vibration
@@ -123,9 +123,7 @@ def compare(run: Run, parts: int = PARTS, lengths: float = LENGTHS) -> pd.DataFr
     rows = []
     for part in range(parts):
         short = part_of(law, part, parts)
-        travel = LongTravel(
-            motion=scene.motion, seconds=seconds, seed=part, turn_m=circumference_of(scene)
-        )
+        travel = LongTravel(motion=scene.motion, seconds=seconds, seed=part, turn=turn_of(scene))
         listening = listen_to_vibration(bodies_of(scene), listener_of(scene), short, travel)
         own = levels_of(listening.pressure, rate, run.sound.highest)[0]
         per_second, own_kurtosis = rates(listening)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,16 +17,19 @@ from rolling.contact.track import Motion
 from rolling.dynamics import long_motion
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.long_motion import LongLaw, LongMotion
-from rolling.in_si.physics_of_scene import bodies_of, circumference_of, listener_of
+from rolling.in_si.physics_of_scene import bodies_of, listener_of, turn_of
 from rolling.results.long_record import motion_at_speed
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
+from rolling.sound.linear_sound import LinearVibration
 from rolling.sound.long_listening import (
     Listening,
     LongTravel,
+    listen_to_chain,
     listen_to_release,
     listen_to_vibration,
 )
+from rolling.sound.radiators import roughness_transfers
 
 RATE = 48000
 
@@ -45,7 +49,7 @@ def long_motion_of(
         seconds=seconds,
         rate=RATE,
         seed=seed,
-        turn_m=circumference_of(scene),
+        turn=turn_of(scene),
     )
 
 
@@ -195,3 +199,72 @@ def test_a_decimator_passes_hearing_and_stops_beyond_it(factor: int) -> None:
         assert len(heard) == 4800
         assert np.abs(heard - expected)[30:-30].max() < 1e-3
     assert kurtosis(heard) > 0
+
+
+WAVES = "sphere.surface={kind: smooth, waviness: {60: 0.01}}"
+SMOOTH_PLATE = "surface={kind: smooth, spacing_um: 2, width_um: 160}"
+
+
+def test_the_waves_around_a_ball_have_the_approach_that_is_solved() -> None:
+    """They are known from the scene, and the contact averages them over its length."""
+    run = marched(VIBRATING, [SMOOTH_PLATE, WAVES, "rolling.start_um=100"])
+    turn = turn_of(run.scene)
+    assert turn is not None and turn.length_m == pytest.approx(2 * math.pi * 5e-3)
+    solved = run.series["approach"]
+    known = turn.form_at(2e-6 * np.arange(len(solved)))
+    rest = (solved - known) - np.mean(solved - known)
+    assert np.std(rest) < 0.02 * np.std(known)
+
+
+def test_the_waves_around_a_ball_go_on_turn_after_turn(run: Run) -> None:
+    """A ball that follows waves of order n and amplitude A has the force M (2 pi f)^2 A.
+
+    The solved track is a twentieth of a turn, and the force is read over the second to sixth turn.
+    """
+    scene = run.scene.with_({"sphere.surface": {"kind": "smooth", "waviness": {60: 0.1}}})
+    turn = turn_of(scene)
+    assert turn is not None and run.vibration_sound is not None
+    spacing = 2e-6
+    rough = 1e-11 * np.random.default_rng(2).standard_normal(800)
+    smooth = hertz_law(1.0, 5e-3, 2.3e11, rough)
+    law = replace(
+        smooth,
+        position_m=spacing * np.arange(800),
+        approach_m=smooth.approach_m + turn.form_at(spacing * np.arange(800)),
+    )
+    turn_s = turn.length_m / 0.3
+    force = np.concatenate([*long_motion_of(scene, law, 6 * turn_s, 0).forces()])
+    times = (np.arange(len(force)) + 0.5) * 6 * turn_s / len(force)
+    late = times > turn_s
+    frequency = 60 / turn_s
+    line = 2 * np.mean(force[late] * np.exp(-2j * np.pi * frequency * times[late]))
+    expected = scene.mass * (2 * math.pi * frequency) ** 2 * 0.1e-6
+    assert abs(line) == pytest.approx(expected, rel=0.05)
+    others = force[late] - 1.0
+    assert np.std(others) == pytest.approx(expected / math.sqrt(2), rel=0.05)
+
+
+def test_a_linear_chain_hears_the_waves_around_a_ball_turn_after_turn(run: Run) -> None:
+    """The pressure of a long record of a single wave is one line, as loud as the chain makes it."""
+    scene = run.scene.with_({"sphere.surface": {"kind": "smooth", "waviness": {60: 0.1}}})
+    turn = turn_of(scene)
+    assert turn is not None
+    rough = 1e-12 * np.random.default_rng(2).standard_normal(800)
+    approach = 1e-7 + rough + turn.form_at(2e-6 * np.arange(800))
+    chain = LinearVibration(
+        bodies=bodies_of(scene),
+        listener=listener_of(scene),
+        stiffness_n_m=1e7,
+        motion=scene.motion,
+        approach=approach,
+        step=2e-6,
+        closed=False,
+    )
+    turn_s = turn.length_m / 0.3
+    travel = LongTravel(motion=scene.motion, seconds=6 * turn_s, turn=turn)
+    pressure = listen_to_chain(chain, approach, False, travel).pressure
+    frequency = np.array([60 / turn_s])
+    transfers = roughness_transfers(chain.bodies, chain.listener, chain.bodies.chain(1e7))
+    expected = 0.1e-6 * abs(transfers(frequency)[0, 0]) / math.sqrt(2)
+    middle = pressure[len(pressure) // 6 : -len(pressure) // 6]
+    assert np.sqrt(np.mean(np.square(middle))) == pytest.approx(expected, rel=0.02)
