@@ -154,6 +154,7 @@ def _scenes() -> dict[str, list[str]]:
 def _make_site(folder: Path) -> None:
     """Run the scenes of the site, and write sound, picture and level of each run."""
     from rolling.report import film, text
+    from rolling.results.listening import ListenSound
     from rolling.run.folder import stored_runs
     from rolling.run.solving import open_runs
 
@@ -170,16 +171,15 @@ def _make_site(folder: Path) -> None:
             title = text.titles([run])
             if run.values:
                 title += f", {run.label}"
-            source = "vibration" if run.sound.source == "vibration" else "released power"
+            heard = ListenSound(run).stated
             numbers = run.numbers
-            level = f"{numbers.listening.laeq_db:.1f} dB(A)"
             judged = numbers.leading.judged
             card = {
                 "title": title,
                 "stem": stem,
                 "vibration": str(numbers.vibration),
                 "released": str(numbers.released_power),
-                "played": f"The record that plays is the {source}, with {level}",
+                "played": f"The record that plays is the {heard.name}, {heard.level.words}",
                 "word": judged.word,
                 "reason": judged.worst.text,
             }

@@ -2,9 +2,9 @@
 
 With --check, only name the stale ones.
 
-Generated are the reference of scene files with their JSON Schemas (from the models), the tables of
-materials, finishes and bearings (from their data), and those of all numbers of a run with the JSON
-Schema of summary.json (from their fields).
+Generated are the reference of scene files with their JSON Schemas (from the models), what to listen
+for in the gallery (from its scenes), the tables of materials, finishes and bearings (from their
+data), and those of all numbers of a run with the JSON Schema of summary.json (from their fields).
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from typing import Any
 ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT), str(Path(__file__).parent)]
 
+import gallery  # noqa: E402
 import number_tables  # noqa: E402
 import renamed_numbers  # noqa: E402, because this folder has to be found first
 from number_tables import table  # noqa: E402
@@ -73,11 +74,19 @@ def generated() -> dict[Path, str]:
             docs / kind.page: _between(docs / kind.page, "numbers", number_tables.reference(kind))
             for kind in number_tables.KINDS
         },
+        docs / "gallery.md": _between(docs / "gallery.md", "scenes", listening_list()),
         docs / "former-names.md": _between(
             docs / "former-names.md", "names", renamed_numbers.reference()
         ),
         **{docs / kind.schema: _json(_summary_schema(kind.stored)) for kind in number_tables.KINDS},
     }
+
+
+def listening_list() -> str:
+    """Return a line for each scene that the site plays: what to listen for."""
+    from rolling.kinds.reading import read_scene
+
+    return "\n".join(f"- `{name}`: {read_scene(name).listen_for}" for name in gallery.SITE)
 
 
 def _json(schema: Json) -> str:

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from rolling.recordings.compared_run import ComparedRun
     from rolling.recordings.recorded import MeasuredQuantity
 
-_NO_IDENTITY = {"name", "title", "description", "sweep"}  # keys that change no run
+_NO_IDENTITY = {"name", "title", "description", "listen_for", "sweep"}  # keys that change no run
 PARTS = (effort.COMPILATION, effort.SURFACE, effort.MARCH)  # of the processor time of marches
 
 

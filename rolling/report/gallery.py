@@ -77,6 +77,7 @@ def _card(run: Any, seconds: float, folder: Path) -> dict[str, Any]:
         "label": run.label,
         "answers": leading_numbers.shown_columns([run]),
         "sentence": _sentence(run),
+        "listen_for": _listen_for(run),
         "heard": kind.heard(run, is_alone=True),
         "picture": still,
         "sound": page_sounds.compressed(wav.PEAK / peak * sound) if peak > 0 else None,
@@ -124,3 +125,9 @@ def _sentence(run: Any) -> str:
     if run.values or not description:
         return kind_of(run.scene).card_sentence(run)
     return printable(description).rstrip(".") + "."
+
+
+def _listen_for(run: Any) -> str:
+    """Return what to listen for in a run, as its scene says it; empty where it says nothing."""
+    words = " ".join((getattr(run.scene, "listen_for", None) or "").split())
+    return f"Listen for {printable(words).rstrip('.')}." if words else ""

@@ -45,6 +45,7 @@ class BearingQuantities(SweptScene):
     name: SceneName = Field(default=DEFAULT_NAME, pattern=PATTERN)
     title: str | None = None
     description: str | None = None
+    listen_for: str | None = None
     bearing: Bearing
     plate: HousingPlate | None = None
     numerics: BearingNumerics = Field(default_factory=BearingNumerics, validate_default=True)
@@ -276,6 +277,8 @@ class BearingScene(BearingQuantities):
         Title of the page, any text
     description : str, optional
         Subject of the scene
+    listen_for : str, optional
+        What to listen for, in one line
     bearing : Bearing
         Geometry, loads, speed and surfaces
     plate : HousingPlate, optional

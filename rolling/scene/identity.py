@@ -22,6 +22,7 @@ _NOT_CONTACT = {
     "name",
     "title",
     "description",
+    "listen_for",
     "sound",
     "sweep",
     "dynamics",

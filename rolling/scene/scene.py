@@ -46,6 +46,8 @@ class Scene(values_in_si.SceneQuantities):
         Title of the page, any text
     description : str, optional
         Subject of the scene
+    listen_for : str, optional
+        What to listen for, in one line
     sphere, plate, surface, rolling, numerics, recovery, sound : Section
         Sections; the last three have defaults.
     dynamics : Dynamics, optional

@@ -390,6 +390,8 @@ class PlainScene(SweptScene):
         Title of the page, any text
     description : str, optional
         Subject of the scene
+    listen_for : str, optional
+        What to listen for, in one line
     sweep : dict
         Lists of values by dotted key, or values by label. All combinations are run.
 
@@ -406,6 +408,7 @@ class PlainScene(SweptScene):
     name: SceneName = Field(default=DEFAULT_NAME, pattern=PATTERN)
     title: str | None = None
     description: str | None = None
+    listen_for: str | None = None
     sweep: Annotated[dict[str, Any], WithJsonSchema({"type": "object"})] = Field(default={})
 
     @field_validator("sweep", mode="before")

@@ -47,6 +47,7 @@ class SceneQuantities(SweptScene):
     name: SceneName = Field(default=DEFAULT_NAME, pattern=PATTERN)
     title: str | None = None
     description: str | None = None
+    listen_for: str | None = None
     sphere: Sphere
     plate: Plate
     surface: Surface

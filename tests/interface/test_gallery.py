@@ -118,3 +118,12 @@ def test_without_scripts_it_plays_and_without_folders_it_says_what_to_give(
     assert done.returncode == 2 and not [*tmp_path.iterdir()]
     done = rolling(["gallery", "nothing", "--out", "cards"], tmp_path)
     assert done.returncode == 2 and "cards.html" in done.stderr
+
+
+def test_a_card_says_what_to_listen_for_as_the_scene_says_it(tmp_path: Path) -> None:
+    (run,) = runs_of("smooth")
+    words = "a <tick>\n  once per turn."
+    told = replace(run, scene=run.scene.model_copy(update={"listen_for": words}))
+    page = gallery_page(iter([told, run]), 2, tmp_path).decode()
+    assert page.count("<p>Listen for a &lt;tick&gt; once per turn.</p>") == 1
+    assert page.count("Listen for") == 1

@@ -21,7 +21,7 @@ LONG = 500  # scenes of the slow test
 SECTIONS = ("sphere", "plate", "surface", "rolling", "numerics", "recovery", "dynamics", "sound")
 # Values that no key of a scene allows.
 WRONG = (["a", ["b"]], -1e300, {"no such": {"thing": 1}}, "\u2007")
-FREE = ("name", "title", "description", "path", "channel")  # keys that take any text
+FREE = ("name", "title", "description", "listen_for", "path", "channel")  # keys that take any text
 
 Place = tuple[str, ...]
 
