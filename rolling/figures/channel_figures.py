@@ -104,7 +104,7 @@ def channel_spectrum(run: Run, ax: Axes | None = None) -> Axes:
         curves.append((_label(channel), Lines.audible(frequency_hz, level_db)))
     limits = _limits([lines.level_db for _, lines in curves])
     ax = plots.spectrum(axes_of(ax), curves, limits)
-    ax.set_ylabel("density level [dB re the squared value in the legend per Hz]")
+    ax.set_ylabel("density level [dB re (value in the legend)²/Hz]")
     facts = [
         _ISO,
         f"Welch's method, Hann window, bandwidth {channels[0].density.enbw_hz:.3g} Hz",

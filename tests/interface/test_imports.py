@@ -292,14 +292,14 @@ def loaded_by(modules_to_import: str) -> set[str]:
 
 
 def test_no_run_imports_the_slowest_packages_of_scipy() -> None:
-    """They take half a second each; a filter of long records of varying speed alone needs one."""
+    """They take half a second each; filters of long records and of a room need one when asked."""
     slow = ("scipy.signal", "scipy.stats")
     users = set()
     for package in FLOORS:
         for module in modules(package):
             if any(name.startswith(slow) for name in imported(module)):
                 users.add(module)
-    assert users == {"acoustics.resampling"}
+    assert users == {"acoustics.resampling", "acoustics.room"}
 
 
 def test_a_room_that_lists_its_files_lists_all_of_them() -> None:

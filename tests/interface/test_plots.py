@@ -47,6 +47,13 @@ def _no_warnings() -> Iterator[None]:
         yield
 
 
+_OF_BEARINGS = (
+    "acceleration_signal",
+    "ball_forces",
+    "envelope",
+    "load_distribution",
+    "velocity_spectrogram",
+)
 # All plots by twos, the last one beside the first where their number is odd.
 NEIGHBOURS = [*zip(plot.__all__[::2], [*plot.__all__[1::2], plot.__all__[0]], strict=False)]
 
@@ -67,7 +74,7 @@ def drawing(name: str) -> Callable[[Axes], Axes]:
         motion = {"of": "ball", "quantity": "velocity"}
         force = {"of": "contact", "quantity": "force"}
         runs = [replace(run, scene=run.scene.with_({"sound.channels": [motion, force]}))]
-    elif name in ("envelope", "load_distribution", "ball_forces"):
+    elif name in _OF_BEARINGS:
         runs = [turning()]
     else:
         runs = runs_of("seeds")
