@@ -28,6 +28,8 @@ _PLAYED_IN_TIME_S = 1.0
 _AFTER_S = 0.2
 _FRAME_S = 0.002  # of mosqito's loudness in time
 _FINE_FRAMES = 4  # of 0.5 ms, in which mosqito computes
+# [s] of sound that are computed together; each second takes 30 MB.
+_TOGETHER_S = 16.0
 _N5_SHARE = 0.05  # of the time
 
 
@@ -179,6 +181,10 @@ def n5_sone(sone: Array, first_s: float, judged_s: float) -> float:
 def loudness_in_time(records: Sequence[Array], sample_rate_hz: float) -> list[Array] | None:
     """Return the loudness of records of equal length in frames of 2 ms [sone].
 
+    Nearly all time goes into the decay of the loudness, which mosqito advances by 1/48 ms for all
+    bands of a record at once. It takes as long for the bands of many records, so records go
+    through it together.
+
     Parameters
     ----------
     records : sequence of arrays (n,), Pa. Sound pressures of equal length, without a mean.
@@ -200,22 +206,27 @@ def loudness_in_time(records: Sequence[Array], sample_rate_hz: float) -> list[Ar
     """
     import_mosqito()
     _check_varying_rate(sample_rate_hz)
+    together = max(1, int(_TOGETHER_S * sample_rate_hz / len(records[0])))
+    courses: list[Array] = []
     try:
-        return [_loudness_of(record) for record in records]
+        for first in range(0, len(records), together):
+            courses += _loudness_of_group(records[first : first + together])
     except ValueError:  # a third octave is too loud
         return None
+    return courses
 
 
-def _loudness_of(record: Array) -> Array:
-    """Return the loudness in time of a record [sone], by the steps of mosqito.
+def _loudness_of_group(records: Sequence[Array]) -> list[Array]:
+    """Return the loudness in time of records that mosqito computes together [sone].
 
-    Its decay is compiled here. A release of mosqito that has its steps elsewhere computes it all.
+    A release of mosqito that has its steps elsewhere computes one record after the other.
     """
     from mosqito.sq_metrics import loudness_zwtv
 
     try:
         from mosqito.sq_metrics.loudness.loudness_zwst._calc_slopes import _calc_slopes
         from mosqito.sq_metrics.loudness.loudness_zwst._main_loudness import _main_loudness
+        from mosqito.sq_metrics.loudness.loudness_zwtv._nonlinear_decay import _nl_loudness
         from mosqito.sq_metrics.loudness.loudness_zwtv._temporal_weighting import (
             _temporal_weighting,
         )
@@ -223,15 +234,17 @@ def _loudness_of(record: Array) -> Array:
             _third_octave_levels,
         )
     except ImportError:
-        course: Array = loudness_zwtv(record, VARYING_RATE_HZ, field_type="free")[0]
-        return course
-    from acoustics._loudness_decay import decayed  # numba is slow to import
-
-    third_octaves_db = _third_octave_levels(record, VARYING_RATE_HZ)[0]
-    bands = decayed(_main_loudness(third_octaves_db, "free"))
-    total = _calc_slopes(bands)[0]
-    in_time: Array = _temporal_weighting(total)[::_FINE_FRAMES]
-    return in_time
+        return [loudness_zwtv(record, VARYING_RATE_HZ, field_type="free")[0] for record in records]
+    core = []
+    for record in records:
+        third_octaves_db = _third_octave_levels(record, VARYING_RATE_HZ)[0]
+        core.append(_main_loudness(third_octaves_db, "free"))
+    decayed = np.split(_nl_loudness(np.concatenate(core)), len(records))
+    courses = []
+    for bands in decayed:
+        total = _calc_slopes(bands)[0]
+        courses.append(_temporal_weighting(total)[::_FINE_FRAMES])
+    return courses
 
 
 def heard_fluctuation(pressure_pa: Array, sample_rate_hz: float) -> Array:

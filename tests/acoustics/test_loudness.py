@@ -8,21 +8,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from acoustics import matplotlib_import
-from acoustics._loudness_decay import decayed
-from acoustics.loudness import (
-    Loudness,
-    VaryingLoudness,
-    loudness,
-    loudness_in_time,
-    varying_loudness,
-)
+from acoustics.loudness import Loudness, VaryingLoudness, loudness, varying_loudness
 from acoustics.radiation import P_REF_PA
 from acoustics.resampling import fade
-
-matplotlib_import.ensure()  # because mosqito imports matplotlib
-from mosqito.sq_metrics import loudness_zwtv  # noqa: E402
-from mosqito.sq_metrics.loudness.loudness_zwtv._nonlinear_decay import _nl_loudness  # noqa: E402
 
 RATE = 48000
 
@@ -110,27 +98,6 @@ def test_a_knock_in_silence_is_judged_by_its_loudness_in_time():
     assert found.max_sone > 10
     assert 1.5 * loudness(record, RATE, closed=False).sone < found.max_sone
     assert 0.3 * found.max_sone < found.n5_sone <= found.max_sone
-
-
-@pytest.mark.parametrize("frames", [1, 2, 60])
-def test_the_compiled_decay_is_that_of_mosqito_to_the_bit(frames):
-    random = np.random.default_rng(frames)
-    core = random.choice([0.0, 1.0, 10.0], size=(21, frames)) * random.uniform(size=(21, frames))
-    core[0] = 0.0
-    core[1] = 1.0
-    core[2] = np.exp(-np.arange(frames) / 30)  # falls as slowly as the ear, and more slowly
-    core[3] = 5e-6 * random.uniform(size=frames)  # steps that count as equal
-    core[4, frames // 2 :] = 0.0
-    before = core.copy()
-    np.testing.assert_array_equal(decayed(core), _nl_loudness(core))
-    np.testing.assert_array_equal(core, before)
-
-
-def test_the_loudness_in_time_is_that_of_mosqito():
-    record = np.zeros(3600)
-    record[600:1800] = tone(70.0, 1200)
-    (course,) = loudness_in_time([record], RATE)
-    np.testing.assert_array_equal(course, loudness_zwtv(record, RATE, field_type="free")[0])
 
 
 def test_what_has_no_loudness_in_time():
