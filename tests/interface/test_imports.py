@@ -34,7 +34,7 @@ FLOORS = {
     ),
     "acoustics": (
         ("arrays", "matplotlib_import", "numbers", "texts", "traps"),
-        ("_loudness_decay", "bands", "loss_factors", "pairs", "tone_window", "weighting"),
+        ("bands", "loss_factors", "pairs", "tone_window", "weighting"),
         ("radiation",),
         (
             "continued_rows",
