@@ -38,7 +38,8 @@ name: short-runs
 sphere: {radius_mm: 1}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
 surface:
-  {kind: gaussian, roughness_ra_um: 0.02, correlation_length_um: 10, spacing_um: 2, width_um: 128}
+  {kind: gaussian, roughness_ra_um: 0.02, correlation_length_um: 10, spacing_um: 2, width_um: 128,
+   seed: 1}
 rolling: {load_n: 0.005, speed_m_s: 0.1, duration_s: 0.0005}
 sweep: {surface.seed: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]}
 """
