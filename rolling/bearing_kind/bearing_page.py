@@ -60,7 +60,7 @@ def bearing_parts(runs: Sequence[BearingRun]) -> PageParts:
     """
     gain = page_gains(runs)[stored_run.RING]
     first = {
-        "together": f"Radial velocity of the ring of {len(runs)} bearings, rms.",
+        "together": "Radial velocity of the ring, rms, below its bending",
         "compared": _compared_bands(runs) if len(runs) > 1 else [],
     }
     return PageParts(
@@ -70,13 +70,16 @@ def bearing_parts(runs: Sequence[BearingRun]) -> PageParts:
         styles=("bearing.css",),
         script="bearing/begin.js",
         engine="bearing/worker.js",
-        shared={"views": [_view(run, number) for number, run in enumerate(runs)]},
+        shared={"views": [_view(run, number, len(runs) == 1) for number, run in enumerate(runs)]},
         data={"runs": [{**data_of(run), "gain": gain} for run in runs]},
     )
 
 
-def _view(run: BearingRun, number: int) -> dict[str, Any]:
-    """Return the words, tables and charts of a run, whose number on the page is given."""
+def _view(run: BearingRun, number: int, is_alone: bool) -> dict[str, Any]:
+    """Return the words, tables and charts of a run, whose number on the page is given.
+
+    Beside others its velocities are said by the bars alone.
+    """
     numbers = run.numbers
     duration_s = numbers.motion.duration_s
     first, _, *others = numbers.sentences  # the second has the axial velocities
@@ -84,7 +87,7 @@ def _view(run: BearingRun, number: int) -> dict[str, Any]:
     lead = faults[0] if faults else bearing_sentences.leading_lines(numbers)
     return {
         "label": printable(run.label or run.scene.name),
-        "what": _on_page(first),
+        "what": _on_page(first if is_alone else _condition(run)),
         "lead": _on_page(lead),
         "sentences": [_on_page(sentence) for sentence in others if sentence != lead],
         "bars": bars_over_decades("Radial velocity of the ring, rms [µm/s]", _bars(numbers)),
@@ -102,6 +105,12 @@ def _view(run: BearingRun, number: int) -> dict[str, Any]:
         "charts": _charts(run, number),
         "facts": _facts(run),
     }
+
+
+def _condition(run: BearingRun) -> str:
+    """Say how a bearing runs."""
+    words = bearing_sentences.condition(run.scene)
+    return f"{words[0].upper()}{words[1:]}."
 
 
 def _charts(run: BearingRun, number: int) -> dict[str, Chart]:
@@ -134,7 +143,7 @@ def _compared_bands(runs: Sequence[BearingRun]) -> list[Bars]:
         for run in runs:
             label = printable(run.label or run.scene.name)
             rows.append(_bar(label, run.numbers.below_bending.radial.by_band[band]))
-        compared.append(bars_over_decades(f"{name} [µm/s], below the bending of the ring", rows))
+        compared.append(bars_over_decades(f"{name} [µm/s]", rows))
     return compared
 
 
