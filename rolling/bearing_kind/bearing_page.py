@@ -151,6 +151,8 @@ def _bar(name: str, velocity: Quantity) -> Row:
     """Return a velocity with its ± as a row of bars."""
     words, spread = _cell(velocity)
     value = velocity.value
+    if value is not None and value < NOTHING_UM_S:
+        value = None  # a ring at rest has no bar
     low = high = None
     if value is not None and spread.startswith("±") and velocity.uncertainty is not None:
         factor = 10 ** (velocity.uncertainty / 20)

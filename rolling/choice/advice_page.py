@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from acoustics.texts import printable
 from rolling.choice.advice_pictures import plot_limit
-from rolling.choice.sensitivity import in_words
+from rolling.choice.change_words import in_words
 from rolling.figures.picture import finish, picture
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.page_parts import Part

@@ -64,7 +64,7 @@ def page(choice: Choice, sounds: Sequence[CandidateSound]) -> bytes:
     """
     first, *others = choice_sentences.verdicts(choice)
     heads, *rows = [[*map(_on_page, cells)] for cells in choice_table.cells(choice)]
-    heard = {"tried": choice.tried, "numbers": choice.numbers}
+    counted = {"tried": choice.tried, "numbers": choice.numbers}
     own_sounds = [_shown(sound) for sound in sounds]
     again = [f"The same answer again: {choice.command}"] if choice.command else []
     parts = [
@@ -81,7 +81,7 @@ def page(choice: Choice, sounds: Sequence[CandidateSound]) -> bytes:
         ),
         Part(
             "choice_numbers.html",
-            {"heads": heads, "rows": rows, "sounds": own_sounds, "again": again, **heard},
+            {"heads": heads, "rows": rows, "sounds": own_sounds, "again": again, **counted},
         ),
     ]
     made = PageOfParts(

@@ -21,6 +21,7 @@ from acoustics.texts import printable
 from rolling.choice import drawing
 from rolling.choice.audition import audition_of
 from rolling.choice.candidate import Candidate
+from rolling.choice.change_words import SHOWN_DB, in_words, two_digits
 from rolling.choice.choice_doubts import left_out_text
 from rolling.choice.choice_numbers import Contender, OmittedPair, leading_of
 from rolling.choice.choice_sentences import capital
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 TOLD_DB = 0.1  # distance of the linear chain from which on it is told
-SHOWN_DB = 0.005  # smallest change that shows in hundredths of a decibel
 NEXT = 2  # values that the sentence names after the first
 USUAL = Budget(within_db=defaults.IMPROVED_WITHIN_DB)
 TABLE = "improve.csv"
@@ -528,28 +528,12 @@ def _help_words(row: Sensitivity) -> str:
 
 def _amount(row: Sensitivity) -> str:
     """Write the size of a change with its ±, without a sign."""
-    return _two_digits(abs(row.db), row.uncertainty_db)
+    return two_digits(abs(row.db), row.uncertainty_db)
 
 
 def _in_band(result: Sensitivities) -> str:
     """Say in which band a level is, where it is that of a band."""
     return "" if result.quantity.is_level else f" from {result.quantity.words}"
-
-
-def in_words(db: float | None, uncertainty_db: float | None, quantity: HeardQuantity) -> str:
-    """Write a change with its sign, its ± and its unit."""
-    assert db is not None
-    sign = ""
-    if abs(db) >= SHOWN_DB:
-        sign = "-" if db < 0 else "+"
-    return f"{sign}{_two_digits(abs(db), uncertainty_db)} {quantity.decibels}"
-
-
-def _two_digits(size_db: float, uncertainty_db: float | None) -> str:
-    """Write a size with its ± in hundredths of a decibel; the ± is rounded up."""
-    if uncertainty_db is None:
-        return f"{size_db:.2f}"
-    return f"{size_db:.2f} ± {math.ceil(100 * uncertainty_db - 1e-9) / 100:.2f}"
 
 
 def _note(row: Sensitivity) -> str:

@@ -43,7 +43,7 @@ from rolling.terminal import defaults
 
 MAX_RUNS = defaults.MAX_RUNS_ON_PAGE
 MAX_BESIDE = 3  # runs whose own pictures stand below each other
-MAIN_CURVES = "third_octaves_a"  # which the page shows first; the others are one choice away
+LEADING = ("levels", "third_octaves_a")  # shown first; other curves are one choice away
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 SURFACES = ("surface", "ball_surface")
 VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
@@ -116,7 +116,7 @@ def _charts(
     """Return the instrument, the spectra and the contact; of too many runs the spectra alone."""
     spectra = {
         "curves": _comparing_exhibits(runs),
-        "MAIN_CURVES": MAIN_CURVES,
+        "LEADING": LEADING,
         "listeners": number_table.listeners(runs),
     }
     if not views:

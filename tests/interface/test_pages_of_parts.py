@@ -73,14 +73,16 @@ SWEEP = {"bearing.axial_load_n": [65, 75]}
 
 
 def choice_page_of(folder: Path) -> bytes:
-    scene = loads_bearing(WAVY, ["sound.duration_s=0.2", "sound.listen_s=0.2"])
+    scene = loads_bearing(WAVY, ["sound.duration_s=0.1", "sound.listen_s=0.2"])
     louder = scene.with_({"name": "louder", "bearing.surfaces.inner.waviness": {9: 0.2}})
-    choice = rc.choose([scene, louder], folder=folder / "choice", workers=1, progress=False)
+    choice = rc.choose(
+        [scene, louder], folder=folder / "choice", pairs=2, workers=1, progress=False
+    )
     return choice_page.page(choice, choice_page.candidate_sounds(choice))
 
 
 def comparison_page(folder: Path) -> bytes:
-    run = marched(VIBRATING.replace("sound: {", "sound: {listen_s: 6, "))
+    run = marched(VIBRATING.replace("sound: {", "sound: {listen_s: 2, "))
     pressure = run.long.pressure
     soundfile.write(folder / "own.wav", pressure / np.abs(pressure).max() / 2, 48000)
     return recording_page.page(run, compare(run, folder / "own.wav"))
@@ -144,7 +146,11 @@ PAGES: dict[str, Callable[[Path], bytes]] = {
     "advice": advice_page,
     "balls": lambda folder: page_of(runs_of("three")),
 }
-each_page = pytest.mark.parametrize("kind", PAGES)
+LONG = ("bearings", "balls", "comparison")  # to make
+each_page = pytest.mark.parametrize(
+    "kind",
+    [pytest.param(kind, marks=pytest.mark.slow) if kind in LONG else kind for kind in PAGES],
+)
 
 
 @pytest.fixture(scope="module")
@@ -193,6 +199,7 @@ def test_a_phone_shows_all_and_the_first_view_is_short(
         assert page.evaluate(WORDS_IN_SIGHT) <= MOST_WORDS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["bearing", "choice", "comparison", "advice"])
 def test_the_answer_needs_no_scripts(kind: str, page_file: Callable[[str], Path], browser) -> None:
     """Bars and sounds stand in the page itself."""

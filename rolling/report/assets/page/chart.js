@@ -25,9 +25,9 @@ function paintsOf({ curves, run, parts }, labels, colours) {
   if (parts.some((part) => part.kind === "image")) return curves.map(({ colour }) => colour); // as in the image
   const compared = run === undefined && curves.some((curve) => labels.includes(curve.name));
   const first = curves.find(({ colour }) => !isGrey(colour))?.colour;
-  return curves.map(({ colour }) => {
+  return curves.map(({ colour }, k) => {
     const number = compared ? colours.indexOf(colour) : colour === first ? run ?? -1 : -1;
-    if (isGrey(colour)) return "var(--chart-shade)";
+    if (isGrey(colour)) return parts.some((part) => part.of === k && part.kind === "line") ? "var(--chart-pale)" : "var(--chart-shade)";
     return number >= 0 ? `var(--run-${number})` : shadesOf(colour === colours[run] ? first : colour);
   });
 }
