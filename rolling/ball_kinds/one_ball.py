@@ -315,6 +315,13 @@ class OneBall(Kind):
 
         return ball_parts(runs)
 
+    def prepare_page(self, run: Run) -> bool:
+        """Make the charts and the sounds of the page that follow from a run alone."""
+        from rolling.report.ball_page import prepare
+
+        prepare(run)
+        return True
+
     # ---- choices
 
     def audition(self) -> BallAudition:

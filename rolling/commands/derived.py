@@ -6,19 +6,20 @@ import os
 import time
 import warnings
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from acoustics.traps import ignoring_underflow
 from rolling.contact.processor_time import ProcessorTime
+from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import BANDS, PAGE, SUMMARY, TABLE, RunFolder
 from rolling.results import labels, runs_table
 from rolling.results.common_gain import write_with_common_gain
 from rolling.results.stored_numbers import read_stored, with_page, write_stored
 from rolling.run import folder as folders
 from rolling.run.ending import Ending
-from rolling.run.kept_runs import KeptRuns
+from rolling.run.kept_runs import KeptRuns, keep
 from rolling.run.solving import open_runs
 from rolling.terminal import defaults, progress, whole_files
 from rolling.terminal.whole_files import FolderError
@@ -169,6 +170,20 @@ def write_first_page(kept: KeptRuns, pilots: Sequence[RunFolder], notice: str, p
     whole_files.write_bytes(path, content)
     os.utime(path, (0, 0))
     return str(path)
+
+
+@ignoring_underflow
+def prepare_page(kept: KeptRuns, run: RunFolder, label: str) -> str:
+    """Make what a page shows of a run alone, and keep the run with it.
+
+    Return the digest of its new file; empty where the page has to make it, as where it fails.
+    """
+    with suppress(Exception), warnings.catch_warnings():  # which the page meets again, and tells
+        warnings.simplefilter("ignore")
+        opened = kept.read(run, label)
+        if kind_of(run.scene).prepare_page(opened):
+            return keep(opened)
+    return ""
 
 
 def write_tables(runs: Sequence[RunFolder], folder: Path) -> list[Path]:

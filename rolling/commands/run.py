@@ -9,7 +9,7 @@ from typing import Any
 
 from acoustics.texts import printable
 from rolling.commands.answers import print_answers
-from rolling.commands.derived import write_derived_alone, write_first_page
+from rolling.commands.derived import prepare_page, write_derived_alone, write_first_page
 from rolling.kinds.former_folder import refuse_former
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import PAGE, RunFolder
@@ -60,6 +60,7 @@ def run_scene(
     with Ending(folder) as ending:
         if report and part is None:
             ending.first_page = write_first_page
+            ending.prepare_page = prepare_page
         failures = solve_folder(
             scene,
             folder,
@@ -117,6 +118,7 @@ def resound(
     with Ending(target) as ending:
         if report:
             ending.first_page = write_first_page
+            ending.prepare_page = prepare_page
         failures = solve_folder(scene, target, sources=stored, workers=workers, ending=ending)
         runs = folders.runs_in(target, scene)
         write_derived_alone(ending, runs, report)

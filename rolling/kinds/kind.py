@@ -368,6 +368,14 @@ class Kind(ABC):
 
         return PageParts()
 
+    def prepare_page(self, run: Any) -> bool:
+        """Make what a page shows of a run alone, and keep it in a property of `MADE_ONCE`.
+
+        Return whether the run has something that it had not. The default makes nothing. A page has
+        the same bytes whether it was prepared or not.
+        """
+        return False
+
     # ---- choices
 
     def audition(self) -> Any | None:

@@ -7,7 +7,7 @@ This module gathers the content as plain text, numbers and data URIs. Layout and
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +16,12 @@ import numpy as np
 from acoustics.bands import BAND_NAMES
 from acoustics.plot_style import PREFIXES
 from acoustics.texts import printable
-from rolling.figures.catalogue import comparing_pictures, single_names, single_picture
+from rolling.figures.catalogue import (
+    comparing_pictures,
+    figures_of,
+    single_names,
+    single_picture,
+)
 from rolling.figures.picture import Picture
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.page_parts import PageParts, Part
@@ -253,14 +258,54 @@ def _pictures(run: Run, number: int, runs: Sequence[Run]) -> dict[str, Chart]:
     for name in single_names(run):
         if name in left_out:
             continue
+        chart = _single_chart(name, run, runs)
+        if chart is not None:
+            pictures[name] = chart | {"run": number}
+    with left_out_if_it_fails(f"places of {run.label}"):
+        if run.sound_by_place is not None:
+            chart = _made_once(run, "places", lambda: _places(run))
+            pictures["places"] = chart | {"run": number}
+    return pictures
+
+
+def prepare(run: Run) -> None:
+    """Make the charts and the sounds of a page that follow from a run alone; the run keeps them."""
+    for name in single_names(run):
+        if name not in SURFACES and not figures_of([run])[name].shares_scales:
+            _single_chart(name, run, ())
+    if run.sound_by_place is not None:
+        _made_once(run, "places", lambda: _places(run))
+    page_sounds.prepare(run)
+
+
+def _single_chart(name: str, run: Run, runs: Sequence[Run]) -> Chart | None:
+    """Return the chart of a figure of one run; one whose scale no other run changes is made once.
+
+    None for a figure that the run does not have, or that cannot be drawn.
+    """
+
+    def drawn() -> Chart | None:
         picture = single_picture(name, run, runs)
         with left_out_if_it_fails(f"{name} of {run.label}"):
             if picture is not None:
-                pictures[name] = _exhibit(picture) | {"run": number}
-    with left_out_if_it_fails(f"places of {run.label}"):
-        if run.sound_by_place is not None:
-            pictures["places"] = _places(run) | {"run": number}
-    return pictures
+                return _exhibit(picture)
+        return None
+
+    if figures_of([run])[name].shares_scales:
+        return drawn()
+    chart: Chart | None = _made_once(run, name, drawn)
+    return chart
+
+
+def _made_once(run: Run, name: str, make: Callable[[], Any]) -> Any:
+    """Return a chart of a run alone, which the run keeps for its label; None is not kept."""
+    key = "chart", name, run.label
+    if key not in run.for_page:
+        chart = make()
+        if chart is None:
+            return None
+        run.for_page[key] = chart
+    return run.for_page[key]
 
 
 def _places(run: Run) -> Chart:

@@ -69,13 +69,15 @@ class RunRecords(NamedTuple):
 class _Heard(NamedTuple):
     """A sound of a run, and the record of it that is heard.
 
-    `is_of_record` tells whether it plays first, and not the released power beside it.
+    `is_of_record` tells whether it plays first, and not the released power beside it. `is_new`
+    tells whether it was made, and not read from a file whose gain may change.
     """
 
     run: Run
     stated: StatedSound
     ear: listening.EarRecord
     is_of_record: bool
+    is_new: bool
 
 
 def of_runs(runs: Sequence[Run]) -> list[RunRecords]:
@@ -111,7 +113,13 @@ def _heard(run: Run, sound: listening.ListenSound) -> _Heard:
     ear = sound.for_the_ear
     if sound.stated.long is None and ear.raised is None:  # the page goes round by itself
         ear = listening.EarRecord(sound.stated.sound.channels, "")
-    return _Heard(run, sound.stated, ear, is_of_record=sound.file == LISTEN)
+    return _Heard(
+        run=run,
+        stated=sound.stated,
+        ear=ear,
+        is_of_record=sound.file == LISTEN,
+        is_new=sound.stated is sound.written,
+    )
 
 
 def _laeq_db(sound: _Heard) -> float | None:
@@ -138,8 +146,28 @@ def _records_of(sound: _Heard, playback: dict[str, float | None], below_db: floa
     )
 
 
+def prepare(run: Run) -> None:
+    """Make the records of the sounds of a run that are not read from a file; the run keeps them."""
+    for sound in listening.new_sounds(run):
+        heard = _heard(run, sound)
+        if heard.is_new:
+            _records(heard)
+
+
 def _records(sound: _Heard) -> list[PageRecord]:
-    """Return the records of a sound, the one that is heard first."""
+    """Return the records of a sound, the one that is heard first; new ones are made once."""
+    if not sound.is_new:
+        return _made_records(sound)
+    kept = sound.run.for_page
+    key = "records", sound.stated.source
+    if key not in kept:
+        kept[key] = _made_records(sound)
+    records: list[PageRecord] = kept[key]
+    return records
+
+
+def _made_records(sound: _Heard) -> list[PageRecord]:
+    """Make the records of a sound, the one that is heard first."""
     stated = sound.stated
     prefix = "" if sound.is_of_record else "released-"
     of = "" if sound.is_of_record else " of the released power"

@@ -48,6 +48,7 @@ class SolvedRun(RunFolder):
 
     MADE_ONCE = (
         "channels",
+        "for_page",
         "long",
         "made_records",
         "release",
@@ -175,6 +176,11 @@ class SolvedRun(RunFolder):
     @cached_property
     def made_records(self) -> dict[str, Any]:
         """Records of sources that are made already, which `stated_sound` keeps here."""
+        return {}
+
+    @cached_property
+    def for_page(self) -> dict[Any, Any]:
+        """Parts of the page that follow from the run alone, which the page keeps here."""
         return {}
 
     @property

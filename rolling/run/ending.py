@@ -20,10 +20,13 @@ class Ending(ExitStack):
     kept : KeptRuns. Runs that the command has heard.
     pool : Pool. The processes of this machine, once some have solved; None without.
     first_page : function. It writes a page of pilots in a process; None without a page.
+    prepare_page : function. It makes in a process what the page shows of a run alone; None without
+        a page.
     """
 
     pool: Pool | None = None
     first_page: Callable[..., Any] | None = None
+    prepare_page: Callable[..., Any] | None = None
 
     def __init__(self, folder: Path) -> None:
         super().__init__()

@@ -104,7 +104,7 @@ class _OneMarch:
         self.runs: list[int] = []
 
 
-FIRST_PAGE = "first page", ""  # key of its task, which is of no run
+FIRST_PAGE = "first page", ""  # key of its task, which is beside all runs
 
 
 class RunLoop:
@@ -153,6 +153,8 @@ class RunLoop:
         self._wanting: dict[tuple[str, str], list[int]] = {}  # marches by the key of their piece
         self._endings: dict[tuple[str, str], int] = {}  # runs by the key of their last task
         self._urgent: deque[Task] = deque()  # tasks for the next free process
+        # What is done with the text of a task that is beside all runs, by its key.
+        self._beside: dict[tuple[str, str], Callable[[str], None]] = {}
         self._suspects: deque[Task] = deque()  # tasks that may have killed their process
         self._breaks: Counter[tuple[str, str]] = Counter()  # of the pool, by the key of a task
         # Expected seconds of the first march of each group, which the others share. Pieces take
@@ -354,13 +356,35 @@ class RunLoop:
 
     def queue_page(self, function: Callable[..., str], *arguments: Any) -> None:
         """Queue the page of what is known so far before all else; its failure is none of a run."""
+        self._beside[FIRST_PAGE] = _tell_page
         self._urgent.append(Task(FIRST_PAGE, function, arguments))
+
+    def queue_beside(
+        self,
+        run: int,
+        function: Callable[..., str],
+        arguments: tuple[Any, ...],
+        then: Callable[[str], None],
+    ) -> None:
+        """Queue a task about a finished run, whose failure is none of the run.
+
+        Parameters
+        ----------
+        run : int. Number of the run.
+        function : function. It returns a text, empty where there is nothing to act on.
+        arguments : tuple. Its arguments.
+        then : function. It acts on the text in this process.
+        """
+        key = "beside", str(run)
+        self._beside[key] = then
+        self._backlog.put_last(key, Task(key=key, function=function, arguments=arguments))
 
     def _end(self, task: Task, value: Any, reason: str) -> None:
         """Act on the end of a task on the files of a run."""
-        if task.key == FIRST_PAGE:
+        if task.key in self._beside:
+            then = self._beside.pop(task.key)
             if value:
-                progress.line(f"the first page, which the whole one will replace: {value}")
+                then(value)
             return
         run = self._endings[task.key]
         if reason:
@@ -455,7 +479,7 @@ class RunLoop:
         """Tell whether a run still needs a task."""
         if task.piece is not None:
             return bool(self._wanting.get(task.key))
-        return task.key == FIRST_PAGE or self._endings[task.key] not in self.failures
+        return task.key in self._beside or self._endings[task.key] not in self.failures
 
     def _collect(self, future: Future[Any], pool: Pool) -> None:
         """Store the value of a task, or fail what needs it; raise BrokenExecutor for retry."""
@@ -513,6 +537,11 @@ class RunLoop:
                     self._fail_march(number, KILLED)
         self._in_hand.clear()
         pool.rebuild()
+
+
+def _tell_page(page: str) -> None:
+    """Say where the page of what is known so far stands."""
+    progress.line(f"the first page, which the whole one will replace: {page}")
 
 
 def _failure_reason(task: Task, error: Exception, pool: Pool) -> str:

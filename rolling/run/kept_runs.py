@@ -64,6 +64,14 @@ class KeptRuns:
         digest = self.digests.get(run.folder, "")
         return KeptRuns(self.folder, {run.folder: digest})
 
+    def exchange(self, run: RunFolder, digest: str) -> None:
+        """Take another file for a run, and remove the former one."""
+        former = self.digests.get(run.folder, "")
+        self.digests[run.folder] = digest
+        if former and former not in self.digests.values():
+            with suppress(OSError):
+                (self.folder / folders.PIECES / folders.KEPT / former).unlink(missing_ok=True)
+
     def read(self, run: RunFolder, label: str) -> Any:
         """Return a run that is done, with its stored numbers, under a label.
 

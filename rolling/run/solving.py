@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -274,6 +275,8 @@ def _solve_lacking(
                 count += 1
                 if ending is not None and finished.digest:
                     ending.kept.digests[task.place.folder] = finished.digest
+                    if film:
+                        _prepare_page(task, finished.number, loop, ending)
                 if count == 1 and len(lacking) > 1 and not pilots.all:
                     progress.line(f"the first sound, {task.label}: {task.place.folder / LISTEN}")
     except OSError as error:
@@ -294,6 +297,18 @@ def _solve_lacking(
             whole_files.write_json(task.place.folder / FAILED, {"reason": reason})
         failures[task.label] = reason
     return failures
+
+
+def _prepare_page(task: _RunOfLoop, number: int, loop: RunLoop, ending: Ending) -> None:
+    """Queue the making of what the page shows of a run alone, while others are still solved."""
+    if ending.prepare_page is None:
+        return
+    loop.queue_beside(
+        number,
+        function=ending.prepare_page,
+        arguments=(ending.kept.only(task.place), task.place, task.label),
+        then=partial(ending.kept.exchange, task.place),
+    )
 
 
 def _tell_pilot(

@@ -18,8 +18,12 @@ from scene_text import TINY
 from rolling import cli
 from rolling.ball_kinds import one_ball
 from rolling.commands import derived
+from rolling.figures.picture import Picture
 from rolling.figures.settings import PictureWarning
 from rolling.kinds.run_folder import RunFolder
+from rolling.report import ball_page
+from rolling.report.charts import Chart
+from rolling.report.report_page import page
 from rolling.results import listening, long_record, run_result
 from rolling.results.run_result import Run, read_run, write_run
 from rolling.run import folder as folders
@@ -131,6 +135,56 @@ def test_a_kept_run_has_the_records_that_were_made_for_its_files(
     again = kept.read(heard, heard.label)
     assert [sound.wav() for sound in listening.new_sounds(again)] == files
     assert len(files) == 2 and not made
+
+
+@pytest.mark.parametrize("changes", [(), ("sound.listen_s=6", "sound.q=0.5")])
+def test_a_page_that_was_prepared_has_the_same_bytes(
+    changes: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Charts and sounds of a run alone are made while others are solved, and not once more."""
+    heard = marched(TINY, changes, folder=tmp_path)
+    write_run(heard)
+    expected = page([read_run(heard, heard.label)])
+    kept = KeptRuns(tmp_path)
+    kept.digests[tmp_path] = kept_runs.keep(heard)
+    digest = derived.prepare_page(kept.only(heard), heard, heard.label)
+    assert digest and digest != kept.digests[tmp_path]
+    kept.exchange(heard, digest)
+    (only,) = (tmp_path / folders.PIECES / folders.KEPT).iterdir()
+    assert only.name == digest
+    prepared = kept.read(heard, heard.label)
+    kept.remove()
+    drawn: list[str] = []
+    exhibit = ball_page.exhibit
+
+    def counted(picture: Picture) -> Chart:
+        drawn.append(picture.name)
+        return exhibit(picture)
+
+    monkeypatch.setattr(ball_page, "exhibit", counted)
+    assert page([prepared]) == expected
+    assert "wavelengths" not in drawn and "spectrogram" in drawn
+
+
+def test_a_page_that_cannot_be_prepared_is_made_at_the_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[str] = []
+
+    def failing(run: Run) -> None:
+        asked.append(run.label)
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(ball_page, "prepare", failing)
+    monkeypatch.setattr(
+        "rolling.report.report_page.page", lambda runs, names: f"{len(runs)}".encode()
+    )
+    monkeypatch.setattr("rolling.figures.write_figures", lambda runs, folder: [])
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(TINY + LOADS)
+    out = tmp_path / "out"
+    assert cli.main(["run", str(scene), "--out", str(out), "--workers", "1", "-q"]) == 0
+    assert (out / "report.html").read_text() == "3" and len(asked) == 3
 
 
 class Trap:
