@@ -167,7 +167,9 @@ def _contact_of(piece: Piece) -> RollingContact:
         files = printable(" or ".join(map(str, scene.height_paths.values())))
         raise ContactError(f"{files} is not the surface that was solved")
     if piece.kind == "error":
-        return level_contact(scene, piece.level, piece.first, piece.last - piece.first)
+        virgin = contact if piece.sunk is None else None
+        steps = piece.last - piece.first
+        return level_contact(scene, piece.level, piece.first, steps, virgin)
     if piece.kind == "moving":
         return replace(contact, loads=piece.forces)
     if piece.kind in ("load", "judge"):
@@ -192,14 +194,18 @@ def _side(scene: Scene, level: str) -> float:
     return 0.5 if error_cost.needs_finer_grid(scene) else 1.0
 
 
-def level_contact(scene: Scene, level: str, first: int, steps: int) -> RollingContact:
+def level_contact(
+    scene: Scene, level: str, first: int, steps: int, whole: RollingContact | None = None
+) -> RollingContact:
     """Return the contact of a stretch on a level of accuracy, on the patch of surface around it.
 
     Position 0 of the contact is the first position of the stretch. All levels have the run's number
     of sub-cells per cell. The level "detail" has flat cells with the surface of the law at half the
     spacing, and so have "with_law" and "measured" where the own grid is too coarse for the law.
+    `whole` is the contact of the run over a virgin plate, which is made by default.
     """
-    whole = rolling_contact(scene)
+    if whole is None:
+        whole = rolling_contact(scene)
     surface = heights(scene)
     side = _side(scene, level)
     spacing = whole.cell_spacing

@@ -217,6 +217,27 @@ def test_pieces_of_a_track_share_its_contact(monkeypatch: pytest.MonkeyPatch) ->
     assert release[0][0].mean() < release[1][0].mean()
 
 
+def test_stretches_of_a_run_share_its_contact(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stretch replaces heights and spacing of the contact of its run, which is made once."""
+    made: list[Scene] = []
+
+    def making(given: Scene, *over: np.ndarray) -> RollingContact:
+        made.append(given)
+        return rolling_contact(given, *over)
+
+    given = scene("rolling.load_n=0.33")
+    expected = marching.level_contact(given, "fine", 5, 10)
+    monkeypatch.setattr(marching, "rolling_contact", making)
+    for level in ("tight", "fine", "coarse"):
+        piece = Piece(given, contact_identity(given), "error", 5, 15, level=level)
+        contact = marching._contact_of(piece)
+        assert (contact.spacing == expected.spacing) == (level == "fine")
+        if level == "fine":
+            assert contact.heights.tolist() == expected.heights.tolist()
+            assert contact.tolerance == expected.tolerance and contact.start == expected.start
+    assert made == [given]
+
+
 def test_the_same_bytes_elsewhere_are_the_same_surface(tmp_path: Path) -> None:
     identities = set()
     for name in ("here", "there"):
