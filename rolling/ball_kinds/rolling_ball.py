@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 from rolling.ball_kinds.one_ball import OneBall
 from rolling.ball_kinds.pilot_track import pilot_of
 from rolling.check.findings import Findings, check_scene
 from rolling.kinds.kind import Pilot, Still
+from rolling.kinds.machine import Machine
 from rolling.marches.piece import contact_identity
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
@@ -29,6 +33,12 @@ class RollingBall(OneBall):
     def pilot(self, scene: Scene) -> Pilot | None:
         """Return a short track that tells the first level of a scene."""
         return pilot_of(scene)
+
+    def machine(self, scenes: Sequence[Scene], numbers: Sequence[Any] = ()) -> Machine:
+        """Draw the ball as it rolls over its plate."""
+        from rolling.ball_kinds.ball_machine import rolling_machine
+
+        return rolling_machine(scenes, numbers)
 
     def still(self, run: Run) -> Still | None:
         """Draw the loudest moment of a run from above."""

@@ -19,6 +19,7 @@ from rolling.check.findings import Findings
 from rolling.kinds.figure_kind import FigureKind
 from rolling.kinds.heard_sound import HeardSound
 from rolling.kinds.kind import Pilot, Still
+from rolling.kinds.machine import Machine
 from rolling.kinds.needed_marches import March
 from rolling.kinds.page_parts import PageParts
 from rolling.kinds.run_folder import LISTEN, RunFolder
@@ -206,6 +207,12 @@ class TurningBearing(MarchesInFiles):
             return None
         words = f"Spectrum of the velocity of the ring, {run.label or run.scene.name}"
         return Still(maps.uri("image/png", content), words, is_chart=True)
+
+    def machine(self, scenes: Sequence[BearingScene], numbers: Sequence[Any] = ()) -> Machine:
+        """Draw the bearing with its load zone, its balls and its faults."""
+        from rolling.bearing_kind.bearing_machine import bearing_machine
+
+        return bearing_machine(scenes)
 
     def figures(self) -> Mapping[str, FigureKind]:
         """Return spectrum, envelope, load distribution and ball forces of a run."""

@@ -25,6 +25,7 @@ if TYPE_CHECKING:  # a scene is read without the solver
     from rolling.archive.definition import Series
     from rolling.kinds.figure_kind import FigureKind
     from rolling.kinds.heard_sound import FileGain, HeardSound
+    from rolling.kinds.machine import Machine
     from rolling.kinds.needed_marches import March, MarchStore
     from rolling.kinds.page_parts import PageParts
 
@@ -341,6 +342,19 @@ class Kind(ABC):
 
     def still(self, run: Any) -> Still | None:
         """Return a picture of a run for its card; None without one."""
+        return None
+
+    def machine(self, scenes: Sequence[Any], numbers: Sequence[Any] = ()) -> Machine | None:
+        """Return the drawing of what scenes describe, with its numbers on it; None without one.
+
+        Parameters
+        ----------
+        scenes : sequence of scenes, at least one
+            Scenes of this kind, without a sweep. The first is drawn, and numbers in which they
+            differ are listed.
+        numbers : sequence of numbers, optional
+            Those of solved runs of these scenes. Default: none is solved.
+        """
         return None
 
     def figures(self) -> Mapping[str, FigureKind]:

@@ -30,8 +30,9 @@ class PageParts:
     Parts stand in the order of the page: title, drawing, first view, what stays beside, charts,
     what to doubt, how to make it again, and what few people ask for.
 
-    drawing : str
-        A drawing of the machine with its numbers, as the text of an SVG. Default: none.
+    has_drawing_within : bool
+        Whether the first view has the drawing of the machine within it. Default: it stands between
+        title and first view.
     first : sequence of Part, optional
         The first view, below title and drawing: sentence, quantity, Play. Default: the sentences,
         the quantities and the players that all runs have.
@@ -62,7 +63,7 @@ class PageParts:
         Works that it cites beside the program.
     """
 
-    drawing: str = ""
+    has_drawing_within: bool = False
     first: Sequence[Part] | None = None
     beside: Sequence[Part] = ()
     charts: Sequence[Part] = ()

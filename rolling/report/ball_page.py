@@ -86,6 +86,7 @@ def ball_parts(runs: Sequence[Run]) -> PageParts:
         "crowded": len(views) > MAX_BESIDE,
     }
     return PageParts(
+        has_drawing_within=True,
         first=[Part("hero.html", _first(runs, players))],
         beside=[Part("player.html"), Part("contents.html")] if views else [],
         charts=_charts(runs, shown, views, players),

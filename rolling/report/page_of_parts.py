@@ -17,6 +17,7 @@ from rolling.figures.picture import Picture
 from rolling.kinds.page_parts import Part
 from rolling.report import text
 from rolling.report.charts import Chart, chart_of
+from rolling.report.machine_drawing import MachineDrawing
 from rolling.report.templates import environment, joined_script
 
 LARGEST_CSV = 20_000  # bytes of a table on the page; of longer ones it has the curves as drawn
@@ -62,8 +63,10 @@ class PageOfParts:
         What a reader has to know first. Default: nothing.
     unsolved : sequence of str
         Labels of runs that are not solved. Default: none.
-    drawing : str
-        A drawing of the machine as the text of an SVG. Default: none.
+    machine : MachineDrawing, optional
+        The machine with its numbers on it. Default: none.
+    has_drawing_within : bool
+        Whether the first view has this drawing within it. Default: it stands above it.
     first, beside, parts : sequences of Part
         The first view; what stands between it and the charts; all others in their order.
     charted : ChartList
@@ -84,7 +87,8 @@ class PageOfParts:
     noise: str = "contact noise"
     notice: str = ""
     unsolved: Sequence[str] = ()
-    drawing: str = ""
+    machine: MachineDrawing | None = None
+    has_drawing_within: bool = False
     first: Sequence[Part]
     beside: Sequence[Part] = ()
     parts: Sequence[Part]
@@ -105,6 +109,7 @@ class PageOfParts:
             "sharing": self.charted.sharing,
             "text": text,
             "version": __version__,
+            "machine": self.machine,
             **self.shared,
         }
 
@@ -120,7 +125,7 @@ class PageOfParts:
             "noise": self.noise,
             "notice": self.notice,
             "unsolved": self.unsolved,
-            "drawing": Markup(self.drawing),
+            "has_drawing_within": self.has_drawing_within,
             "first": shown(self.first),
             "beside": shown(self.beside),
             "parts": shown(self.parts),

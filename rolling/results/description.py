@@ -17,7 +17,7 @@ from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.results.labels import named, value_at
 from rolling.scene.scene import Scene
-from rolling.scene.sections import WEIGHT
+from rolling.scene.sections import WEIGHT, Plate
 from rolling.scene.surfaces import BallHeightFile, GradedBall, HeightFile
 from rolling.scene.values_in_si import STEEL_DENSITY, STEEL_GPA
 
@@ -75,7 +75,7 @@ def _sentence(scenes: Sequence[Scene], swept: Sequence[str]) -> str:
     """Say what rolls on what in the runs of one scene."""
     moves = f"{_rolls(scenes)} over {_plate(scenes)}"
     if scenes[0].rolling.drop_mm is not None:
-        heights = _values([scene.rolling.drop_mm for scene in scenes])
+        heights = values_text([scene.rolling.drop_mm for scene in scenes])
         moves = f"falls {heights} mm onto {_plate(scenes)}, bounces and rolls {_speed(scenes)}"
     ending = _also_varied(scenes, swept)
     if any(scene.is_permanent for scene in scenes):
@@ -100,7 +100,7 @@ def _unique(scenes: Sequence[Scene], word: Callable[[Scene], str]) -> list[str]:
     return [text for text in dict.fromkeys(map(word, scenes)) if text]
 
 
-def _values(values: Sequence[float | None]) -> str:
+def values_text(values: Sequence[float | None]) -> str:
     """Write the different values of a quantity: all, or how many and the ends of many."""
     known = [*dict.fromkeys(value for value in values if value is not None)]
     if len(known) > MAX_LISTED:
@@ -110,15 +110,15 @@ def _values(values: Sequence[float | None]) -> str:
 
 def _ball(scenes: Sequence[Scene]) -> str:
     """Name the ball: its material, diameter and surface."""
-    materials = _unique(scenes, _ball_material)
+    materials = _unique(scenes, ball_material)
     material = listed(materials) if materials else ""
     material = material.replace("bearing steel", "bearing-steel")
-    diameters = _values([2 * scene.sphere.radius_mm for scene in scenes])
+    diameters = values_text([2 * scene.sphere.radius_mm for scene in scenes])
     words = f"{material} {_shape(scenes[0])}".strip()
     if words.endswith("wheel"):
         words = f"crowned {words}"
     article = "An" if words[0] in "aeiou" else "A"
-    return f"{article} {words} of {diameters} mm{_ball_surface(scenes)}"
+    return f"{article} {words} of {diameters} mm{ball_surface(scenes)}"
 
 
 def _shape(scene: Scene) -> str:
@@ -129,7 +129,7 @@ def _shape(scene: Scene) -> str:
     return "wheel"
 
 
-def _ball_material(scene: Scene) -> str:
+def ball_material(scene: Scene) -> str:
     """Name the material of the ball in a word; a body without values is taken as steel."""
     sphere = scene.sphere
     if sphere.material is not None:
@@ -137,9 +137,8 @@ def _ball_material(scene: Scene) -> str:
     return _kind_of_material(sphere.youngs_modulus_gpa, sphere.density_kg_m3) or ""
 
 
-def _plate_material(scene: Scene) -> str:
-    """Name the material of the plate in a word; empty for values of no common one."""
-    plate = scene.plate
+def plate_material(plate: Plate) -> str:
+    """Name the material of a plate in a word; empty for values of no common one."""
     if plate.material is not None:
         return material_word(plate.material)
     return _kind_of_material(plate.youngs_modulus_gpa, plate.density_kg_m3) or ""
@@ -178,7 +177,7 @@ def _kind_of_material(young_gpa: float | None, density: float | None) -> str | N
     return None
 
 
-def _ball_surface(scenes: Sequence[Scene]) -> str:
+def ball_surface(scenes: Sequence[Scene]) -> str:
     """Describe the surface of the ball; nothing for a smooth one."""
     grades = []
     for scene in scenes:
@@ -191,7 +190,7 @@ def _ball_surface(scenes: Sequence[Scene]) -> str:
     texts = _unique(scenes, _ball_roughness)
     if texts:
         words += f" ({listed(texts)})"
-    faults = _unique(scenes, _ball_faults)
+    faults = _unique(scenes, ball_faults)
     if faults:
         words += f" with {faults[0]}"
     return words
@@ -221,13 +220,13 @@ def _roughness_of_law(law: Any) -> str:
     return f"Sdq {law.rdq:g}"
 
 
-def _ball_faults(scene: Scene) -> str:
+def ball_faults(scene: Scene) -> str:
     """Name the faults of the ball."""
     surface = scene.sphere.surface
-    return "" if surface is None else _faults(surface.faults or ())
+    return "" if surface is None else faults_in_words(surface.faults or ())
 
 
-def _faults(faults: Sequence[Any]) -> str:
+def faults_in_words(faults: Sequence[Any]) -> str:
     """Name faults: a pit of 80 µm, or three scratches."""
     count = sum(fault.count or 1 for fault in faults)
     if count == 0:
@@ -249,14 +248,14 @@ def _rolls(scenes: Sequence[Scene]) -> str:
     """Say how the ball rolls: at a speed, at changing speed, rolling out, or to and fro."""
     first = scenes[0]
     to_and_fro = " to and fro" if len(first.plate.contact_ends_mm) > 1 else ""
-    passes = _values([float(scene.passes) for scene in scenes])
+    passes = values_text([float(scene.passes) for scene in scenes])
     again = ""
     if passes != "1":
         again = " twice"
         if passes != "2":
             again = f" {number_word(int(passes)) if passes.isdecimal() else passes} times"
     if first.rolling.resistance:
-        speeds = _values([_start_speed(scene) for scene in scenes])
+        speeds = values_text([_start_speed(scene) for scene in scenes])
         out = f"rolls out from {speeds} m/s"
         return f"{out},{to_and_fro}" if to_and_fro else out
     return f"rolls{to_and_fro}{again} {_speed(scenes)}"
@@ -271,21 +270,21 @@ def _speed(scenes: Sequence[Scene]) -> str:
     """Write the speed of the ball, or how it changes."""
     profiles = [scene for scene in scenes if len(scene.motion.speeds) > 1]
     if not profiles:
-        return f"at {_values([_start_speed(scene) for scene in scenes])} m/s"
+        return f"at {values_text([_start_speed(scene) for scene in scenes])} m/s"
     speeds = [speed for scene in scenes for speed in scene.motion.speeds]
     return f"at speeds from {rounded(min(speeds), 3)} to {rounded(max(speeds), 3)} m/s"
 
 
 def _plate(scenes: Sequence[Scene]) -> str:
     """Name the plate: its finish, material, size and roughness."""
-    finishes = listed(_unique(scenes, _finish) or [""])
-    materials = _unique(scenes, _plate_material)
-    sizes = [*dict.fromkeys(_size(scene) for scene in scenes)]
+    finishes = listed(_unique(scenes, finish_word) or [""])
+    materials = _unique(scenes, lambda scene: plate_material(scene.plate))
+    sizes = [*dict.fromkeys(plate_size(scene.plate) for scene in scenes)]
     if sizes == [""] and materials:
         body = f"{finishes} {listed(materials)}"
     elif len(materials) > 1:
         body = f"{finishes} plates of {listed(materials)}{_sizes(scenes)}"
-    elif len(sizes) > 1 or len(_unique(scenes, _finish)) > 1:
+    elif len(sizes) > 1 or len(_unique(scenes, finish_word)) > 1:
         material = "".join(materials).replace(" ", "-")
         body = f"{finishes} {material} plates{_sizes(scenes)}"
     else:
@@ -295,7 +294,7 @@ def _plate(scenes: Sequence[Scene]) -> str:
     brackets = _brackets(scenes)
     if brackets:
         words += f" ({', '.join(brackets)})"
-    faults = _unique(scenes, _plate_faults)
+    faults = _unique(scenes, plate_faults)
     if faults:
         words += f" with {faults[0]}"
     return words
@@ -309,13 +308,13 @@ def _with_article(words: str) -> str:
 
 def _sizes(scenes: Sequence[Scene]) -> str:
     """Write the sizes of plates that bend; nothing for half-spaces."""
-    sizes = _unique(scenes, _size)
+    sizes = _unique(scenes, lambda scene: plate_size(scene.plate))
     return f" of {listed(sizes)}" if sizes else ""
 
 
 def _brackets(scenes: Sequence[Scene]) -> list[str]:
     """Return what stands in brackets behind a plate: its roughness, and the number of surfaces."""
-    brackets = _shortened(_unique(scenes, _roughness))
+    brackets = _shortened(_unique(scenes, roughness_text))
     if len(brackets) > MAX_LISTED:
         brackets = [f"{len(brackets)} different surfaces"]
     seeds = {getattr(scene.surface, "seed", None) for scene in scenes}
@@ -324,9 +323,9 @@ def _brackets(scenes: Sequence[Scene]) -> list[str]:
     return brackets
 
 
-def _plate_faults(scene: Scene) -> str:
+def plate_faults(scene: Scene) -> str:
     """Name the faults of the plate."""
-    return _faults(scene.surface.faults or ())
+    return faults_in_words(scene.surface.faults or ())
 
 
 def _shortened(texts: list[str]) -> list[str]:
@@ -340,7 +339,7 @@ def _shortened(texts: list[str]) -> list[str]:
     return [f"Ra {listed(values)} µm", *others]
 
 
-def _finish(scene: Scene) -> str:
+def finish_word(scene: Scene) -> str:
     """Name the finish of the plate in a word."""
     surface = scene.surface
     if isinstance(surface, HeightFile):
@@ -351,7 +350,7 @@ def _finish(scene: Scene) -> str:
     return "smooth" if surface.law is None else ""
 
 
-def _roughness(scene: Scene) -> str:
+def roughness_text(scene: Scene) -> str:
     """Write the roughness of the plate that the scene gives, or the file of its heights."""
     surface = scene.surface
     if isinstance(surface, HeightFile):
@@ -359,9 +358,8 @@ def _roughness(scene: Scene) -> str:
     return "" if surface.law is None else _roughness_of_law(surface.law)
 
 
-def _size(scene: Scene) -> str:
+def plate_size(plate: Plate) -> str:
     """Write the size of a plate that bends; empty for a half-space."""
-    plate = scene.plate
     if plate.thickness_mm is None:
         return ""
     if plate.edges_mm is None:
@@ -374,7 +372,7 @@ def _load(scenes: Sequence[Scene]) -> str:
     """Write the load of the ball."""
     if all(scene.rolling.load_n == WEIGHT for scene in scenes):
         return "under its own weight"
-    return f"under {_values([scene.load for scene in scenes])} N"
+    return f"under {values_text([scene.load for scene in scenes])} N"
 
 
 # Swept keys that the other parts of a sentence show.
@@ -409,7 +407,7 @@ def _also_varied(scenes: Sequence[Scene], swept: Sequence[str]) -> str:
         values = [value_at(scene, key) for scene in scenes]
         numbers = [value for value in values if isinstance(value, float)]
         if len(numbers) == len(values):
-            texts.append(f"{word} {_values(numbers)} {unit}".rstrip())
+            texts.append(f"{word} {values_text(numbers)} {unit}".rstrip())
         else:
             texts.append(f"different {word}")
     return f", with {listed(texts)}" if texts else ""
