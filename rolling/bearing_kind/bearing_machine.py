@@ -86,7 +86,7 @@ def _draw_rings(machine: Machine, scenes: Sequence[BearingScene], scale: float) 
         machine.say(around(CENTRE, outer, -0.35), raceways["outer"], "both raceways")
         return
     machine.say(around(CENTRE, outer, -0.35), raceways["outer"], "outer raceway")
-    machine.say(around(CENTRE, inner, -0.1), raceways["inner"], "inner raceway")
+    machine.say(around(CENTRE, inner, 0.35), raceways["inner"], "inner raceway")
 
 
 def _draw_balls(machine: Machine, scenes: Sequence[BearingScene], scale: float) -> None:

@@ -80,6 +80,7 @@ def ball_parts(runs: Sequence[Run]) -> PageParts:
         "sounds": [view.stated for view in views],
         "with_released": " ".join(str(view.number) for view in views if view.released),
         "map_scale": scale,
+        "contact_key": None if scale is None else film.contact_key(scale),
         "filmed": any(player["film"] for player in players),
         "moved": any(len(view.curves) > 1 for view in views),
         "is_known": charts.is_known,

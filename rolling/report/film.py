@@ -1,7 +1,7 @@
 """Slow motion of a run for the page: maps that the page cuts up, powers, and the ball's motion."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,9 +24,13 @@ from rolling.results.run_result import Run
 from rolling.sound.vibration_sound import Vibration
 from rolling.sound.wavelengths import weighted_lines
 
-LIT = np.tile(np.array((0, 225, 255), np.uint8), (256, 1))  # colour of releases, by their opacity
+# Colour of releases, by their opacity. A blue without green differs from all pressures and from all
+# greys for people who see no red or no green, too.
+LIT = np.tile(np.array((0, 150, 255), np.uint8), (256, 1))
 BRIGHTEST = 0.999  # share of the releases that are less than fully lit
 DIMMED = 0.7  # brightness of pressures above the surface
+KEY_COLOURS = 16  # of pressures in the key of the picture
+MIDDLE_GREY = 128.0  # of the surface
 VEIL = 225  # opacity of pressures above the surface, of 255
 SPREAD = 4.0  # standard deviations of the heights from grey to black and to white
 CURVES_PX = 130  # height of the curves, so that the picture stays in sight above them
@@ -49,7 +53,8 @@ def film_of(run: Run, max_gpa: float, ends_at_hardness: bool) -> dict[str, Any] 
     -------
     film : dict. `sheets` hold the surface, the pressures and the releases of its maps as PNG, with
         their places in it and from the centre of the sphere [um]; `times` [s], `said` and
-        `flight_s`, the duration of the flight in which it lies, belong to the maps. `heard` is the
+        `flight_s`, the duration of the flight in which it lies, belong to the maps. `released` is
+        the energy of a cell that is fully lit, in words. `heard` is the
         share of the sound that lies above `AUDIBLE_HZ` by the rate at which the record is slowed,
         and `rate` the first choice.
     """
@@ -77,6 +82,7 @@ def film_of(run: Run, max_gpa: float, ends_at_hardness: bool) -> dict[str, Any] 
         "said": _descriptions(run, slow, flight_times),
         "flight_s": np.round(flight_times, 9).tolist(),
         "loudest": loudest(run, slow),
+        "released": f"{most_released_words(slow)} per cell of {rounded(cell_um, 3)} µm",
         "heard": {rate: round(share, 3) for rate, share in shares.items()},
         "rate": max(audible, default=AUDIBLE_RATES[0]),
     }
@@ -125,11 +131,53 @@ def _dimmed(ends_at_hardness: bool = False) -> maps.Pixels:
 
 def glow(release: NDArray[np.uint16]) -> maps.Pixels:
     """Return the opacity of cells that release energy, linear up to nearly the maximum."""
+    return np.asarray(np.rint(255 * np.minimum(release / _fully_lit(release), 1.0)), dtype=np.uint8)
+
+
+def _fully_lit(release: NDArray[np.uint16]) -> float:
+    """Return the release of a cell that is fully lit, in the unit of the maps; 1 without any."""
     released = release[release > 0]
-    most = 1.0
-    if released.size:
-        most = float(np.quantile(released, BRIGHTEST))
-    return np.asarray(np.rint(255 * np.minimum(release / most, 1.0)), dtype=np.uint8)
+    return float(np.quantile(released, BRIGHTEST)) if released.size else 1.0
+
+
+def most_released_words(slow: SlowMotion) -> str:
+    """Write the energy since the map before that fully lights a cell."""
+    return _quantity(slow.release_unit * _fully_lit(slow.release), "J")
+
+
+class ContactKey(NamedTuple):
+    """The key of the pictures of a contact, for the page.
+
+    pressures : list of str. Colours of rising pressures over a surface, of CSS.
+    bare : list of str. Those of a picture without the surface.
+    yielded, bare_yielded : str. Colours of a cell that has yielded; empty where no colour means it.
+    lit : str. Colour of a cell that releases the most energy.
+    most : str. The pressure of the last colour, in words.
+    """
+
+    pressures: list[str]
+    bare: list[str]
+    yielded: str
+    bare_yielded: str
+    lit: str
+    most: str
+
+
+def contact_key(scale: Mapping[str, Any]) -> ContactKey:
+    """Return the key of pictures of contacts in the scale that they share, of `maps.map_scale`."""
+    ends_at_hardness = scale["hardness"]
+    veil = VEIL / 255
+    bare = maps.palette(ends_at_hardness)[1:]
+    veiled = np.rint(veil * _dimmed(ends_at_hardness)[1:] + (1 - veil) * MIDDLE_GREY)
+    shown = np.linspace(0, maps.SHADES - 2, KEY_COLOURS).astype(int)
+    return ContactKey(
+        pressures=[maps.css(colour) for colour in veiled[shown]],
+        bare=[maps.css(colour) for colour in bare[shown]],
+        yielded=maps.css(veiled[-1]) if ends_at_hardness else "",
+        bare_yielded=maps.css(bare[-1]) if ends_at_hardness else "",
+        lit=maps.css(LIT[-1]),
+        most=f"{rounded(scale['max_gpa'], 3)} GPa{', yielded' if ends_at_hardness else ''}",
+    )
 
 
 def _centres(run: Run, slow: SlowMotion) -> list[tuple[float, float]]:

@@ -136,14 +136,14 @@ def map_scale(runs: Sequence[Run]) -> dict[str, Any] | None:
         "half_um": 1.05 * max(reaches_um),
         "max_gpa": 1e-9 * last_colour,
         "hardness": ends_at_hardness,
-        "colours": [_css(colour) for colour in palette(ends_at_hardness)[1:-1:2]],
+        "colours": [css(colour) for colour in palette(ends_at_hardness)[1:-1:2]],
         "yielded": YIELDED,
     }
 
 
-def _css(colour: Pixels) -> str:
+def css(colour: NDArray[Any]) -> str:
     """Write a colour for a style sheet."""
-    red, green, blue = colour
+    red, green, blue = (int(part) for part in colour)
     return f"rgb({red},{green},{blue})"
 
 

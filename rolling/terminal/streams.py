@@ -19,7 +19,7 @@ from typing import Any, TextIO, cast
 
 _NO_BREAK = "\N{NO-BREAK SPACE}"
 # The space between a number and its unit, and that after a sign of uncertainty or of size.
-_BEFORE_UNIT = re.compile(r"(?<=\d) (?=[mµkun]?[mNsW]\b|m/s|dB|k?Hz|%)|(?<=[±>]) ")
+_BEFORE_UNIT = re.compile(r"(?<=\d) (?=[mµkun]?[mNsW]\b|m/s|dB|k?Hz|[GM]Pa|%)|(?<=[±>]) ")
 FILE_WIDTH = 80  # letters of a line in a file or a pipe
 _JOINERS = "\u200c\u200d"  # of Persian words and of emoji
 # Errors of writing to a pipe or terminal that nobody reads any more.

@@ -9,6 +9,7 @@ from report_runs import runs_of
 
 from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.kinds.registry import kind_of
+from rolling.report import film
 from rolling.report.maps import lens, palette
 from rolling.results.run_result import Run
 
@@ -350,3 +351,70 @@ def test_a_falling_ball_does_not_roll_under_its_load(pages, opened) -> None:
         places = [(x, y) for x in range(20, 640, 40) for y in range(20, 600, 40)]
         assert np.max(page.locator("#map").evaluate(PIXELS, places)) == 0
         assert page.text_content("#map-pressure") == "\N{EN DASH}"
+
+
+# ---- the key of the pictures
+
+# Linear light of people without a kind of cones, from that of others: Machado, Oliveira and
+# Fernandes, IEEE Transactions on Visualization and Computer Graphics 15 (2009) 1291, severity 1.
+SEEN_BY = {
+    "all cones": np.eye(3),
+    "deuteranopia": [
+        [0.367322, 0.860646, -0.227968],
+        [0.280085, 0.672501, 0.047413],
+        [-0.011820, 0.042940, 0.968881],
+    ],
+    "protanopia": [
+        [0.152286, 1.052583, -0.204868],
+        [0.114503, 0.786281, 0.099216],
+        [-0.003882, -0.048116, 1.051998],
+    ],
+}
+XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+WHITE = np.array([0.95047, 1.0, 1.08883])
+APART = 40.0  # difference in CIELAB; 2.3 is just noticeable, and black and white differ by 100
+
+
+def lab(colours: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    """Return colours (n, 3) of sRGB as someone sees them, in CIELAB."""
+    share = np.asarray(colours, dtype=float) / 255
+    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    xyz = np.clip(light @ np.asarray(seen).T, 0, 1) @ XYZ.T / WHITE
+    root = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116)
+    x, y, z = root.T
+    return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=1)
+
+
+@pytest.mark.law("page: released energy differs from all pressures and greys without red or green")
+@pytest.mark.parametrize("who", SEEN_BY)
+@pytest.mark.parametrize("ends_at_hardness", [False, True])
+def test_released_energy_is_told_from_pressures_without_red_or_green(
+    who: str, ends_at_hardness: bool
+) -> None:
+    scale = {"max_gpa": 1.0, "hardness": ends_at_hardness}
+    key = film.contact_key(scale)
+    pressures = [numbers_of(colour) for colour in key.pressures]  # above which releases are lit
+    greys = [[grey] * 3 for grey in range(0, 256, 5)]
+    others = lab(np.array([*pressures, *greys]), SEEN_BY[who])
+    lit = lab(np.array([numbers_of(key.lit)]), SEEN_BY[who])
+    assert np.linalg.norm(others - lit, axis=1).min() > APART
+
+
+def numbers_of(colour: str) -> list[int]:
+    """Return red, green and blue of a colour of CSS."""
+    return [int(part) for part in colour.removeprefix("rgb(").removesuffix(")").split(",")]
+
+
+def test_the_key_of_the_contact_says_pressures_and_energies(opened, pages) -> None:
+    (run,) = runs_of("filmed")
+    with opened(pages("filmed")) as page:
+        keys = page.locator(".contact-key:visible")
+        assert keys.count() == 2  # in the first view, and at the slow motion
+        text = keys.first.inner_text()
+        assert "2.1 GPa, yielded" in text
+        released = film.film_of(run, 1.0, False)["released"]
+        assert released in text and released.endswith("per cell of 2 µm")
+        shown = page.evaluate(
+            "getComputedStyle(document.querySelector('.released')).backgroundImage"
+        )
+        assert "rgb(0, 150, 255)" in shown

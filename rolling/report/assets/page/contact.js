@@ -1,12 +1,11 @@
 // ---- pictures of the solved contact: in the first view, while it sounds, and in slow motion ----
 
-import { $, data, motionUnwanted, runs, seconds, solvedTime, state } from "./core.js";
+import { $, $$, data, motionUnwanted, runs, seconds, solvedTime, state } from "./core.js";
 
 const OF_CONTACT = ["load", "pressure", "area", "plastic"]; // readings that belong to a map
 const HOLD_MS = 400; // of a map while it plays: at most 2.5 changes a second, which is 1.25 flashes
-const MAP_WORDS = "The contact from above: the pressure on the asperities. Dashed: the contact of smooth bodies.";
-const FILM_WORDS = "The contact from above: the surface (grey), the pressure on its asperities (warm), and the energy that they release (blue). Dashed: the contact of smooth bodies.";
-
+const MAP_WORDS = "The contact from above: the pressure on the asperities.";
+const FILM_WORDS = "The contact from above: the surface (grey), the pressure on its asperities (warm), and the energy that they release (blue).";
 const FALL_WORDS = "The ball falls and bounces: no picture of a contact under its load is shown.";
 
 /** Draw the layers of a map about the sphere's centre at (x, y); call `again` when more are loaded. */
@@ -60,10 +59,22 @@ export function showStill() {
   const { film, maps, falls, label } = runs[state.run];
   canvas.parentElement.hidden = falls || (!film && !maps);
   $("#still-note").textContent = falls ? FALL_WORDS : film ? FILM_WORDS : maps ? MAP_WORDS : "No map of the contact is kept.";
+  showKeys();
   if (falls) return;
   canvas.setAttribute("aria-label", `The contact of ${label} seen from above`);
   if (film) drawContact(canvas, film, film.loudest, showStill);
   else if (maps) drawContact(canvas, maps, maps.position_mm.length >> 1, showStill);
+}
+
+/** Say in the keys of the pictures how much energy lights a cell fully; without a film none is shown. */
+export function showKeys() {
+  const { film, maps } = runs[state.run];
+  for (const key of $$(".contact-key")) {
+    key.hidden = !film && !maps;
+    key.classList.toggle("bare", !film);
+    key.querySelector(".releases").hidden = !film;
+    key.querySelector(".most").textContent = film?.released ?? "";
+  }
 }
 
 // ---- while it sounds ----
