@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from acoustics.bands import BAND_NAMES
 from acoustics.plot_style import PREFIXES
@@ -38,6 +39,7 @@ from rolling.report import (
 )
 from rolling.report.charts import Chart
 from rolling.report.page_of_parts import ChartList, exhibit
+from rolling.report.templates import joined_script
 from rolling.results import answer, description, run_lines, verdict
 from rolling.results.level_words import SILENT
 from rolling.results.listening import QUIET_DB, Raised
@@ -76,6 +78,7 @@ def ball_parts(runs: Sequence[Run]) -> PageParts:
     shared = {
         "views": views,
         "film": film,
+        "analyst": Markup(joined_script("engine/analyst.js")) if views else "",
         "quiet_db": QUIET_DB,
         "sounds": [view.stated for view in views],
         "with_released": " ".join(str(view.number) for view in views if view.released),

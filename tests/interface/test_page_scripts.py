@@ -26,7 +26,7 @@ def names_of(script: str) -> list[str]:
     return [name for part in DECLARED.findall(script) for name in re.findall(r"\w+", part)]
 
 
-@pytest.mark.parametrize("entry", ["page/begin.js", "page/chart.js"])
+@pytest.mark.parametrize("entry", ["page/begin.js", "page/chart.js", "engine/analyst.js"])
 def test_joined_scripts_are_javascript_without_doubled_names(entry: str) -> None:
     script = templates.joined_script(entry)
     doubled = {name for name, count in Counter(names_of(script)).items() if count > 1}

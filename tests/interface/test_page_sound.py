@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -161,6 +162,42 @@ def test_frequencies_stand_beside_the_spectrogram_without_a_solved_part(pages, o
         assert frequencies["y"] == pytest.approx(bands["y"], abs=3)
         assert frequencies["height"] == pytest.approx(bands["height"], abs=3)
         assert page.locator("#heard-times").bounding_box()["y"] >= bands["y"] + bands["height"]
+
+
+PAINTED = """() => {
+  const canvas = document.querySelector('#heard-bands');
+  const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+  return data.some((byte) => byte > 0);
+}"""
+
+
+def with_analyst(path: Path, begins_with: str) -> Path:
+    """Return a copy of a page whose worker for spectrograms begins with other lines."""
+    changed = path.with_name("analyst.html")
+    html = path.read_text(encoding="utf-8")
+    changed.write_text(html.replace('id="analyst">', f'id="analyst">{begins_with}'), "utf-8")
+    return changed
+
+
+def test_the_wait_for_the_spectrogram_is_told_and_the_page_stays_free(pages, opened) -> None:
+    busy = "const begun = performance.now(); while (performance.now() - begun < 1500);"
+    with opened(with_analyst(pages("lap"), busy)) as page:
+        until(page, "document.querySelector('#heard-wait').textContent.includes('computed: 0')")
+        assert page.locator("#heard-wait").is_visible()
+        page.click("#play")  # which the worker does not hold up
+        until(page, "tap.sources.length > 0")
+        assert page.locator("#heard-wait").is_visible()
+        until(page, "document.querySelector('#heard-wait').hidden")
+        assert page.evaluate(PAINTED)
+
+
+def test_a_spectrogram_that_cannot_be_computed_leaves_no_empty_box(pages, opened) -> None:
+    with opened(with_analyst(pages("lap"), "throw new Error('no');")) as page:
+        until(
+            page, "document.querySelector('#heard-wait').textContent.includes('does not compute')"
+        )
+        assert page.locator("#heard-wait").is_visible()
+        assert page.get_attribute("#heard-wave path", "d")  # the waveform stands all the same
 
 
 def test_a_short_record_says_that_its_repetition_is_heard(pages, opened) -> None:

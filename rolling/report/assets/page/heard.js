@@ -1,44 +1,74 @@
 // ---- the record that is heard: its waveform and its spectrogram, on which a pointer or a key seeks ----
 
 import { $, lengthOf, soundOf, state } from "./core.js";
-import { RATE } from "../engine/rate.js";
+import { ACROSS, LOW_HZ, RANGE_DB, ROWS, ROWS_PER_OCTAVE, lowestOf, middleOf } from "../engine/picture_rows.js";
 import { roundOf } from "./records.js";
-import { linesOfRecord } from "../engine/complex.js";
-import { aWeight } from "../engine/radiation.js";
 
-const ACROSS = 800; // of both pictures
-const LOW_HZ = 20;
-const ROWS_PER_OCTAVE = 12;
-const ROWS = 120; // twelfths of an octave from 20 Hz to 20.5 kHz
-const RANGE_DB = 60; // that the colours span below the maximum
 const LABELS_HZ = [20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000];
 const LABELS_APART = 0.09; // of the height of the spectrogram
-const SLICE_MS = 8; // of work at once, so that the page answers meanwhile
-
-// Sizes of the windows, long ones for low frequencies and short ones for high ones, as the ear resolves them, with the frequency up to which each is taken.
-const WINDOWS = [{ size: 8192, below: 250 }, { size: 2048, below: 2000 }, { size: 512, below: Infinity }];
 
 const outlines = new Map(); // waveforms by sound of a run
 const spectrograms = new Map(); // and promises of levels
 
-const middleOf = (row) => LOW_HZ * 2 ** ((row + 0.5) / ROWS_PER_OCTAVE);
 const heightOf = (hertz) => (ROWS_PER_OCTAVE * Math.log2(hertz / LOW_HZ)) / ROWS; // 0 at the bottom, 1 at the top
 const hertzText = (hertz) => (hertz < 1000 ? `${hertz} Hz` : `${hertz / 1000} kHz`);
 
 /** Show the chosen run's record: the waveform once it is decoded, the spectrogram once it is analysed. */
 export async function showHeard() {
-  const number = state.run, sound = soundOf(number), channels = await channelsOf(number);
+  const number = state.run, sound = soundOf(number), isShown = () => sound === soundOf(state.run);
+  const canvas = $("#heard-bands");
+  canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
+  if (!spectrograms.has(sound)) tellWait("The sound is being decoded.");
+  const channels = await channelsOf(number), lowest = lowestOf(channels[0].length);
   if (!outlines.has(sound)) outlines.set(sound, outlineOf(channels));
-  if (sound !== soundOf(state.run)) return;
-  const canvas = $("#heard-bands"), lowest = lowestOf(channels[0].length);
+  if (!isShown()) return;
   $("#heard-wave path").setAttribute("d", outlines.get(sound));
   showLoudness();
   showAxes(lowest);
   showSolved();
-  canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
-  if (!spectrograms.has(sound)) spectrograms.set(sound, spectrogramOf(channels[0]));
-  const levels = await spectrograms.get(sound);
-  if (sound === soundOf(state.run)) paint(levels, lowest);
+  try {
+    if (!spectrograms.has(sound)) spectrograms.set(sound, analysed(channels[0], (share) => isShown() && tellWait(`The spectrogram is being computed: ${Math.round(100 * share)} %.`)));
+    const levels = await spectrograms.get(sound);
+    if (isShown()) paint(levels, lowest);
+    if (isShown()) tellWait("");
+  } catch {
+    if (isShown()) tellWait("This browser does not compute the spectrogram here.");
+  }
+}
+
+/** Say what is waited for in the box of the spectrogram; an empty sentence ends the wait. */
+function tellWait(sentence) {
+  $("#heard-wait").hidden = !sentence;
+  $("#heard-wait").textContent = sentence;
+}
+
+// ---- the worker that analyses records ----
+
+const analyst = { thread: null, asked: [] }; // and who waits for each of its answers
+
+/** Return levels from 0 (quiet) to 255 (the maximum) by column and row; `tell` hears which share is done. */
+function analysed(samples, tell) {
+  analyst.thread ??= openAnalyst();
+  tell(0);
+  return new Promise((done, fail) => {
+    const number = analyst.asked.push({ tell, done, fail }) - 1, own = samples.slice();
+    analyst.thread.postMessage({ number, samples: own }, [own.buffer]);
+  });
+}
+
+/** Start the worker, whose text stands in the page. */
+function openAnalyst() {
+  const thread = new Worker(`data:text/javascript;charset=utf-8,${encodeURIComponent($("#analyst").textContent)}`);
+  thread.onmessage = ({ data: { number, share, levels } }) => {
+    const { tell, done } = analyst.asked[number];
+    if (levels) done(levels);
+    else tell(share);
+  };
+  thread.onerror = (event) => {
+    event.preventDefault(); // the page says it
+    analyst.asked.forEach(({ fail }) => fail(event));
+  };
+  return thread;
 }
 
 /** Return the samples of a run's record by channel, without those behind its last lap. */
@@ -69,66 +99,6 @@ function outlineOf(channels) {
     below.push(`${column} ${-least.toFixed(4)}`);
   }
   return `M${above.join("L")}L${below.reverse().join("L")}Z`;
-}
-
-// ---- spectrogram ----
-
-/** Return the longest window for a record of so many samples, of which it holds four at least. */
-const longestOf = (length) => Math.min(WINDOWS[0].size, 2 ** Math.floor(Math.log2(Math.max(length / 4, 64))));
-
-/** Return the lowest frequency [Hz] that a record of so many samples resolves. */
-const lowestOf = (length) => Math.max(LOW_HZ, (2 * RATE) / longestOf(length));
-
-/** Return levels from 0 (quiet) to 255 (the maximum) by column and row. */
-async function spectrogramOf(samples) {
-  const powers = new Float64Array(ACROSS * ROWS), longest = longestOf(samples.length);
-  let from = 0;
-  for (const { size, below } of WINDOWS) {
-    const rows = Array.from({ length: ROWS }, (_, row) => row).filter((row) => middleOf(row) >= from && middleOf(row) < below);
-    await addRows(powers, samples, Math.min(size, longest), rows);
-    from = below;
-  }
-  const most = powers.reduce((a, b) => Math.max(a, b), 0);
-  return Uint8Array.from(powers, (power) => Math.round(255 * Math.max(0, 1 + (10 * Math.log10(power / most)) / RANGE_DB)) || 0);
-}
-
-/** Add the A-weighted power of rows to a spectrogram, from windows of one size. */
-async function addRows(powers, samples, size, rows) {
-  const hop = size / 4, frames = Math.ceil(samples.length / hop) + 1, byFrame = [];
-  const shape = Float64Array.from({ length: size }, (_, i) => Math.sin((Math.PI * (i + 0.5)) / size) ** 2);
-  let begun = performance.now();
-  for (let frame = 0; frame < frames; frame++) {
-    byFrame.push(rowsOfFrame(samples, frame * hop - size / 2, shape, rows));
-    if (performance.now() - begun > SLICE_MS) {
-      await new Promise((soon) => { setTimeout(soon); });
-      begun = performance.now();
-    }
-  }
-  for (let column = 0; column < ACROSS; column++) {
-    const [begin, end] = [column, column + 1].map((edge) => (edge * samples.length) / ACROSS / hop);
-    const first = Math.floor(begin), last = Math.min(frames - 1, Math.ceil(end));
-    rows.forEach((row, k) => {
-      let sum = 0;
-      for (let frame = first; frame <= last; frame++) sum += byFrame[frame][k];
-      powers[column * ROWS + row] = sum / (last - first + 1);
-    });
-  }
-}
-
-/** Return the A-weighted power of rows in a window that begins at a sample, zero outside the record. */
-function rowsOfFrame(samples, first, shape, rows) {
-  const size = shape.length, windowed = new Float64Array(size);
-  for (let i = Math.max(0, -first); i < Math.min(size, samples.length - first); i++) windowed[i] = shape[i] * samples[first + i];
-  const { re, im } = linesOfRecord(windowed, size), sums = new Float64Array(size / 2 + 1); // over the lines below each
-  for (let line = 0; line < size / 2; line++) sums[line + 1] = sums[line] + re[line] ** 2 + im[line] ** 2;
-  const upTo = (hertz) => { // a line reaches half its distance to either side
-    const place = Math.min(size / 2 - 1e-9, (hertz * size) / RATE + 0.5), line = Math.floor(place);
-    return sums[line] + (place - line) * (sums[line + 1] - sums[line]);
-  };
-  return rows.map((row) => {
-    const [from, to] = [row, row + 1].map((edge) => LOW_HZ * 2 ** (edge / ROWS_PER_OCTAVE));
-    return ((upTo(to) - upTo(from)) / size ** 2) * aWeight(middleOf(row)) ** 2;
-  });
 }
 
 // ---- painting ----
