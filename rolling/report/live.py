@@ -10,6 +10,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.loss_factors import LossFactor, loss_factor_at
+from acoustics.numbers import rounded
 from acoustics.radiation import HalfSpaceBody
 from acoustics.resampling import resample_closed
 from acoustics.ritz_plate import RitzPlate
@@ -21,7 +22,9 @@ from rolling.dynamics.force_law import ForceLaw, law_table, slope_weights
 from rolling.in_si.physics_of_scene import bodies_of, plate_of, smooth_contact_of
 from rolling.marches.result import released_energy
 from rolling.report.live_modes import StoredModes, stored_modes
+from rolling.results import labels
 from rolling.results.run_result import Run
+from rolling.scene.messages import SceneError
 from rolling.scene.rules import MAX_MODES
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
@@ -58,6 +61,19 @@ SLIDERS = (
     Slider("q", 1e-6, 1.0, "-"),
 )
 LEAST_EDGE = 1.5  # lowest length of an edge, over the distance from its corner to the contact
+USUAL_RESISTANCE = 0.005  # of hard balls on hard and even plates
+CHANGED = 1.5  # value of a command that changes a number, over that of the run
+# Keys of the solved contact, which the page cannot change, and their names there.
+SOLVED_KEYS = {
+    "sphere.radius_mm": "Radius",
+    "sphere.youngs_modulus_gpa": "Stiffness of the ball",
+    "plate.youngs_modulus_gpa": "Stiffness of the plate",
+    "plate.hardness_gpa": "Hardness",
+    "plate.yield_strength_gpa": "Yield strength",
+    "surface.roughness_ra_um": "Roughness Ra",
+    "surface.rq_um": "Roughness Sq",
+    "surface.rdq": "Roughness Sdq",
+}
 MIDDLE_HZ = 1000.0  # at which a loss factor over the frequency is set
 MOST_EDGE_M = 3.0  # highest length of an edge
 
@@ -85,6 +101,8 @@ def live_of(run: Run) -> Data | None:
         "limits": _limits(scene, settings, vibration is not None, ends),
         "fixed": _fixed(scene),
         "contact": ends[0] if ends else None,
+        "ends": [[1e-3 * x for x in end] for end in scene.plate.contact_ends_mm.values()],
+        "needs": [need._asdict() for need in needs_of_a_new_run(run)],
         "middle": [*np.mean(ends, axis=0).tolist(), 0.0] if ends else None,
         "listeners": [list(place) for place in scene.listeners] if ends else None,
         "scene": played_scene(scene, settings["speed"]),
@@ -220,10 +238,61 @@ def _fixed(scene: Scene) -> Data:
         "halfSpace": unit,
         "weight": scene.rolling.load_n == WEIGHT,
         "rollsOut": scene.rolling.resistance is not None,
+        "resistance": _resistance(scene),
+        "mass": scene.mass,
         "gravity": GRAVITY,
         "mostModes": MAX_MODES,
         "lossCurve": _loss_curve(scene.plate.loss_factor),
     }
+
+
+def _resistance(scene: Scene) -> float | None:
+    """Return the coefficient with which a ball rolls out on the page; None where none is usual.
+
+    A light ball that something presses would rest at once.
+    """
+    if scene.rolling.resistance is not None:
+        return scene.rolling.resistance
+    return USUAL_RESISTANCE if scene.rolling.load_n == WEIGHT else None
+
+
+class NewRun(NamedTuple):
+    """A number of a run that only a new run changes.
+
+    name, value : str. What it is, and the value of the run with its unit.
+    command : str. A command that runs the scene with another value.
+    """
+
+    name: str
+    value: str
+    command: str
+
+
+def needs_of_a_new_run(run: Run) -> list[NewRun]:
+    """Return radius, stiffness, hardness and roughness of a run, with commands that change them."""
+    needs = []
+    for key, name in SOLVED_KEYS.items():
+        value = labels.value_at(run.scene, key)
+        if not isinstance(value, float):
+            continue
+        _, unit = labels.named(key)
+        other = _other_value(run.scene, key, value)
+        change = f"sweep.{key}=[{other}]" if key in run.values else f"{key}={other}"
+        name_of_scene = run.scene.name
+        command = f'rolling run {name_of_scene}.yaml --set "{change}"'
+        command += f" --out outputs/{name_of_scene}-{other}"
+        needs.append(NewRun(name, f"{value:g} {unit}".strip(), command))
+    return needs
+
+
+def _other_value(scene: Scene, key: str, value: float) -> str:
+    """Return another value of a key that the scene allows: a larger one, or else a smaller one."""
+    larger = rounded(CHANGED * value)
+    try:
+        scene.with_({key: float(larger)})
+    except SceneError:  # such as a hardness above a fifth of Young's modulus
+        return rounded(value / CHANGED)
+    return larger
 
 
 def _loss_at_middle(loss_factor: LossFactor | None) -> float | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 import statistics
+from dataclasses import replace
 
 import live_engine
 import numpy as np
@@ -18,7 +19,9 @@ from ruamel.yaml import YAML
 from acoustics import level as sound_level
 from rolling.dynamics import drop
 from rolling.in_si.physics_of_scene import bodies_of
+from rolling.report.live import USUAL_RESISTANCE, needs_of_a_new_run
 from rolling.scene import file
+from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 
 LEVEL = "document.querySelector('#play-level').textContent"
@@ -503,3 +506,99 @@ def test_late_settings_are_said_to_be_prepared(playing) -> None:
         until(page, f"{said}.startsWith('Preparing')")
         page.evaluate("tap.ask()")
         until(page, f"{said} === ''")
+
+
+# ---- axes, path, rest, and what only a new run changes
+
+
+def test_axes_have_decibels_newtons_and_milliseconds(playing) -> None:
+    """The tick of the load stands at its dashed line, and levels are 20 dB apart."""
+    (run,) = runs_of("edged")
+    with playing("edged") as page:
+        roll(page)
+        until(page, "document.querySelectorAll('#play-forces span').length === 3")
+        ticks = page.locator("#play-forces span")
+        newtons = f"{1e3 * run.scene.load:g} mN"
+        assert ticks.nth(1).inner_text() == newtons
+        load = page.locator("#play-strip .load").bounding_box()
+        box = ticks.nth(1).bounding_box()
+        assert box["y"] + box["height"] / 2 == pytest.approx(load["y"] + load["height"] / 2, abs=3)
+        times = page.locator("#play-times span").all_inner_texts()
+        assert times == [f"{MINUS}4000 ms", f"{MINUS}2000 ms", "now"]
+        levels = page.locator("#play-levels span").all_inner_texts()
+        values = [float(text.removesuffix(" dB").replace(MINUS, "-")) for text in levels]
+        assert np.diff(values).tolist() == [-20, -20, -20]
+
+
+def test_the_ball_stays_on_its_path_on_the_plate(playing) -> None:
+    (run,) = runs_of("to-and-fro")
+    ends = np.array([*run.scene.plate.contact_ends_mm.values()])
+    length, width = run.scene.plate.edges_mm
+    with playing("to-and-fro") as page:
+        roll(page)
+        until(page, "document.querySelector('#play-plan-ball').hasAttribute('cx')")
+        seen = []
+        for _ in range(6):
+            page.wait_for_timeout(80)
+            seen.append(page.evaluate(PLAN))
+    plate = np.array(seen[0]["plate"])  # left, bottom, length, height
+    scale = plate[2] / length
+    assert plate[3] / width == pytest.approx(scale, rel=1e-3)
+    along = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+    places = []
+    for picture in seen:
+        x, y = picture["ball"]
+        away = np.array([x - plate[0], plate[1] - y]) / scale - ends[0]
+        places.append(float(away @ along))
+        assert abs(away[0] * along[1] - away[1] * along[0]) < 0.5  # mm beside the path
+    assert min(places) >= -0.5 and max(places) <= np.linalg.norm(ends[1] - ends[0]) + 0.5
+    assert max(places) - min(places) > 1.0  # it moves
+
+
+PLAN = """() => {
+  const numbers = document.querySelector('#play-plan-plate').getAttribute('d').match(/-?[0-9.]+/g);
+  const [left, bottom, length, height] = numbers.map(Number);
+  const ball = document.querySelector('#play-plan-ball');
+  const place = ['cx', 'cy'].map((name) => Number(ball.getAttribute(name)));
+  return { plate: [left, bottom, length, Math.abs(height)], ball: place };
+}"""
+
+
+@pytest.mark.law("instrument: a marble rolls out in the time that its resistance and weight give")
+def test_a_ball_under_its_weight_rolls_out_and_rests(playing) -> None:
+    (run,) = runs_of("falling")
+    scene = run.scene.with_({"rolling.drop_mm": None, "rolling.resistance": USUAL_RESISTANCE})
+    with playing("falling") as page:
+        page.click("#play-out")
+        until(page, "document.querySelector('#play-out-words').textContent.includes('at rest')")
+        words = page.inner_text("#play-out-words")
+        seconds = float(re.search(r"at rest ([0-9.]+) s", words).group(1))
+        assert seconds == pytest.approx(scene.motion.rest_time, rel=0.03)  # two digits
+        until(page, "!document.querySelector('#play-roll').hasAttribute('data-playing')")
+        until(page, f"Math.abs({SPEED}) < 1e-3")
+
+
+@pytest.mark.slow
+def test_a_ball_that_something_presses_does_not_roll_out(playing) -> None:
+    with playing("edged") as page:
+        assert page.locator("#play-out").is_hidden()
+
+
+@pytest.mark.parametrize("name", ["lap", "edged", "beside"])
+def test_what_needs_a_new_run_is_refused_by_resounding(name: str) -> None:
+    """Each command names a value that the scene allows, and that its solved contact does not."""
+    (run,) = runs_of(name)
+    needs = needs_of_a_new_run(run)
+    assert {"Radius", "Stiffness of the plate"} <= {need.name for need in needs}
+    for need in needs:
+        change = re.search(r'--set "([^"]+)"', need.command).group(1)
+        with pytest.raises(SceneError, match="needs a new run"):
+            file.resound(run.scene, [change])
+        assert file.with_overrides(run.scene, [change]).name == run.scene.name
+
+
+def test_a_hardness_at_its_limit_is_offered_smaller() -> None:
+    (run,) = runs_of("lap")
+    hard = replace(run, scene=run.scene.with_({"plate.hardness_gpa": 40}))
+    (need,) = [need for need in needs_of_a_new_run(hard) if need.name == "Hardness"]
+    assert "plate.hardness_gpa=27" in need.command and need.value == "40 GPa"

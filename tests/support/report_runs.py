@@ -57,6 +57,11 @@ EDGED = {
     "plate.loss_factor": 0.1,
 }
 PLACED = {"sound.listener_mm": [20, 30, 250]}  # 0.252 m from the contact at [51.6, 37, 0] mm
+TO_AND_FRO = {
+    "plate.contact_path": "to-and-fro",
+    "plate.contact_mm": [30, 40],
+    "plate.contact_end_mm": [90, 60],
+}
 FALL = {"rolling.speed_m_s": 0.02, "rolling.drop_mm": 0.1, "rolling.load_n": "weight"}
 BESIDE = """\
 name: beside
@@ -133,6 +138,7 @@ RUNS: dict[str, Callable[[], list[Run]]] = {
     "flying": lambda: swept(FLYING, "rolling.speed_m_s", 0.1, 1, film=True),
     "edged": lambda: [solved(scene_of(FLYING).with_(EDGED))],
     "placed": lambda: [solved(scene_of(FLYING).with_(EDGED | PLACED))],
+    "to-and-fro": lambda: [solved(scene_of(FLYING).with_(EDGED | TO_AND_FRO))],
     "falling": lambda: [solved(scene_of(FLYING).with_(FALL), film=True)],
     "beside": lambda: [solved(scene_of(BESIDE))],
     "seeds": _seeds,

@@ -4,7 +4,7 @@ import { $, runs, say } from "./core.js";
 import { live, liveOf, tellInstrument } from "./play_live.js";
 import { giveSpeed, listenToSliders, showRun, takeRun } from "./play_panel.js";
 import { shareAt, valueAt } from "./play_settings.js";
-import { askSettings, openWorker, prepareSound, rollBall, soundOn, startInstrument } from "./play_sound.js";
+import { askSettings, openWorker, prepareSound, rollBall, rollOut, soundOn, startInstrument } from "./play_sound.js";
 import { view, wakeStage } from "./play_view.js";
 import { copyYaml, saveWav, showExport } from "./play_export.js";
 
@@ -28,7 +28,7 @@ export function beginPlaying() {
   if (first < 0) return;
   const acts = { pointerdown: grab, pointermove: pull, pointerup: letGo, pointercancel: letGo, keydown: pressKey, keyup: releaseKey };
   for (const [type, act] of Object.entries(acts)) stage.addEventListener(type, act);
-  const clicks = { roll: turnRolling, drop: dropBall, back: showRun, copy: () => copyYaml($("#play-copy")), wav: saveWav };
+  const clicks = { roll: turnRolling, out: rollOut, drop: dropBall, back: showRun, copy: () => copyYaml($("#play-copy")), wav: saveWav };
   for (const [name, act] of Object.entries(clicks)) $(`#play-${name}`).addEventListener("click", act);
   listenToSliders();
   new ResizeObserver(wakeStage).observe(stage);

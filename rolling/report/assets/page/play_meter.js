@@ -6,6 +6,9 @@ import { aWeight } from "../engine/radiation.js";
 import { SPECTRUM, live, liveOf } from "./play_live.js";
 
 const COLUMNS = 125; // of the strip, one per report: 4 s
+const COLUMN_MS = 32; // of a report
+const STRIP_ABOVE = 8; // of the strip above its highest value,
+const STRIP_HIGH = 116; // and its whole height
 const SHOWN_MS = 120; // between changes of numbers and curves
 const SLOW_MS = 1000; // between them where motion is unwanted
 const SMOOTHED = 0.5; // weight of the latest spectrum in the shown average
@@ -18,7 +21,8 @@ const BANDS = data.bands.map(Number);
 
 const heard = { strip: [], powers: BANDS.map(() => 0), fast: 0, fastAt: 0, top: 0, shownAt: 0, gain: 0 };
 
-const newtons = (force) => (force < 1 ? `${Number((1e3 * force).toPrecision(3))} mN` : `${Number(force.toPrecision(3))} N`);
+const newtons = (force) => (Math.abs(force) < 1 ? `${Number((1e3 * force).toPrecision(3))} mN` : `${Number(force.toPrecision(3))} N`);
+const pascals = (pressure) => `${Number(pressure.toPrecision(2))} Pa`;
 
 /** Show a report of the processor on the meters. */
 export function showReport(report) {
@@ -68,6 +72,15 @@ function showNumbers({ state: { speed, force, height }, asleep }) {
   $("#play-limit").hidden = heard.gain > TIGHT_DB;
 }
 
+/** Write the texts of an axis, each at its share of the height from above. */
+function showTicks(selector, ticks) {
+  $(selector).replaceChildren(...ticks.map(([text, at]) => {
+    const tick = Object.assign(document.createElement("span"), { textContent: text.replace("-", "−") });
+    tick.style.setProperty("--at", Math.min(Math.max(at, 0.04), 0.96));
+    return tick;
+  }));
+}
+
 const draw = (selector, steps) => $(selector).setAttribute("d", steps.join(" "));
 
 /** Draw the range of force, or of pressure for a release, of each report, and shade flights. */
@@ -78,8 +91,9 @@ export function showStrip() {
   const at = (k) => COLUMNS - heard.strip.length + k + 0.5;
   draw("#play-range", heard.strip.map(({ low, high }, k) => `M ${at(k)} ${y(high)} V ${y(low) + 1}`));
   draw("#play-flights", heard.strip.map(({ flies }, k) => `M ${at(k)} 100 v ${-100 * flies}`));
-  const scale = release ? `pressure, ± ${digits(reach, 2)} Pa` : `force, load ± ${newtons(digits(reach, 2))}`;
-  $("#play-scale").textContent = `${scale}, last 4 s`;
+  const shown = release ? pascals : newtons, strip = (value) => (STRIP_ABOVE + y(value)) / STRIP_HIGH;
+  showTicks("#play-forces", [1, 0, -1].map((side) => middle + side * digits(reach, 2)).map((value) => [shown(value), strip(value)]));
+  $("#play-scale").textContent = `${release ? "Pressure" : "Contact force; dashed: the load"}. Each column is the range in ${COLUMN_MS} ms${release ? "" : ", shaded where the ball flies"}.`;
 }
 
 /** Sum the lines of the latest samples to third octaves, over (20 µPa)². */
@@ -98,7 +112,7 @@ export function drawSpectrum() {
   const own = runs[live.number].bands, sounding = heard.powers.map((power) => 10 * Math.log10(power));
   const wanted = 10 * Math.ceil((Math.max(...sounding, ...own.map((level) => level ?? -Infinity)) + 3) / 10);
   if (Number.isFinite(wanted) && (wanted > heard.top || wanted < heard.top - 15)) heard.top = wanted;
-  $("#play-top").textContent = `${heard.top} dB`.replace("-", "−");
+  showTicks("#play-levels", [0, 20, 40, 60].map((below) => [`${heard.top - below} dB`, below / LEVELS_DB]));
   const isShown = (level) => level !== null && level > heard.top - LEVELS_DB;
   const steps = (levels, step) => levels.flatMap((level, i) => (isShown(level) ? step(i, heard.top - level) : []));
   draw("#play-bars", steps(sounding, (i, y) => `M ${i + 0.5} ${LEVELS_DB} V ${y}`));

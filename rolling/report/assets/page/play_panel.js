@@ -52,12 +52,27 @@ export function showRun() {
   $("#play-drop").hidden = !isLive("dropHeight", run);
   if ($("#play-contact")) $("#play-contact").hidden = !runs[live.number].maps;
   $("#play-remarks").textContent = run.remarks.join(" ");
+  $("#play-out").hidden = run.fixed.resistance === null;
+  $("#play-out-words").textContent = "";
+  showNeeds(run);
   $("#play-volume").value = 0;
   for (const radio of $$("input[name=play-run]")) radio.checked = Number(radio.value) === live.number;
   showVolume();
   showStrip();
   drawSpectrum();
   takeSettings();
+}
+
+/** List the numbers that only a new run changes, each with a command that changes it. */
+function showNeeds({ needs }) {
+  $("#play-needs").replaceChildren(...needs.map(({ name, value, command }) => {
+    const row = document.createElement("div"), [term, words, code] = ["dt", "dd", "code"].map((tag) => document.createElement(tag));
+    term.textContent = `${name} ${value}`;
+    code.textContent = command;
+    words.append("needs a new run: ", code);
+    row.append(term, words);
+    return row;
+  }));
 }
 
 /** Show the settings and apply them: the speed glides, and other settings are prepared again. */

@@ -1,15 +1,16 @@
 // ---- the instrument: its processor, its worker, and their messages ----
 
-import { $, FADE_S, runs, state } from "./core.js";
+import { $, FADE_S, runs, say, state } from "./core.js";
 import { RATE } from "../engine/rate.js";
 import { RESTING_MS, audioContext, restContext, soundAlone, sounds, starting } from "./audio.js";
-import { SPECTRUM, heardPosition, live, liveOf, tellInstrument } from "./play_live.js";
+import { SPECTRUM, freeSpeed, heardPosition, live, liveOf, tellInstrument } from "./play_live.js";
 import { isFaint, showReport } from "./play_meter.js";
 import { sayPlayed, sayPreparing, showModes } from "./play_notes.js";
 import { view, wakeStage } from "./play_view.js";
 import { instrumentNode, leaveBody, limiterNode, throughBody } from "../engine/graph.js";
 import { stepsPerSample } from "../engine/motion.js";
 
+const OUT_MS = 40; // from one speed of a ball that rolls out to the next
 const LATE_MS = 400; // after which the page says that it prepares settings
 const FADED_MS = 200; // after which an instrument has faded out
 const HOLD_S = 0.15; // that a lifted ball is held, long enough to be seen; an impact is heard within half a second
@@ -196,16 +197,39 @@ export function sendVolume() {
 }
 
 /** Let the ball roll at the speed of the settings, or rest. */
-export const rollOn = () => tellInstrument({ task: "roll", speed: live.rolling * live.settings.speed });
+export const rollOn = () => tellInstrument({ task: "roll", speed: live.rolling * freeSpeed() });
 
-/** Roll the ball to one side (1, -1), or stop it (0). */
+/** Roll the ball to one side (1, -1), or stop it (0); it keeps its speed. */
 export async function rollBall(direction) {
+  live.out = null;
   live.rolling = direction;
   $("#play-roll span").textContent = direction ? "Stop" : "Roll";
   $("#play-roll").toggleAttribute("data-playing", direction !== 0);
   if (direction) await startInstrument();
   else setTimeout(restContext, RESTING_MS);
   rollOn();
+}
+
+/** Return the slowing [m/s2] of a free ball: 5/7 c times load over mass. */
+function slowingOf({ fixed, settings }) {
+  const mass = fixed.mass * ((live.settings.ballDensity ?? 1) / (settings.ballDensity ?? 1));
+  return (5 / 7) * fixed.resistance * (fixed.weight ? fixed.gravity : live.settings.load / mass);
+}
+
+/** Let the ball roll out from the set speed until it rests. */
+export async function rollOut() {
+  await rollBall(live.rolling || 1);
+  const out = { speed: live.settings.speed, slowing: slowingOf(liveOf()), begun: performance.now() };
+  live.out = out;
+  const { resistance } = liveOf().fixed, seconds = Number((out.speed / out.slowing).toPrecision(2));
+  say(`rolls out, at rest after ${seconds} s`);
+  $("#play-out-words").textContent = `Rolling resistance of ${resistance}: at rest ${seconds} s after it begins.`;
+  const clock = setInterval(() => {
+    if (live.out !== out) return clearInterval(clock);
+    if (freeSpeed() > 0) rollOn();
+    else rollBall(0);
+    return wakeStage();
+  }, OUT_MS);
 }
 
 /** Stop the ball, because another sound of the page starts. */

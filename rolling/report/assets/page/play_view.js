@@ -4,6 +4,7 @@ import { $, modulo, motionUnwanted, runs } from "./core.js";
 import { digits } from "./play_meter.js";
 import { heardPosition, live, liveOf } from "./play_live.js";
 import { drawLensMap } from "./contact.js";
+import { drawPlan } from "./play_plan.js";
 
 const CENTRING_S = 0.35; // in which a ball that is let go comes back to the middle
 const HAND_PX_S = 500; // speed of a hand that rolls the ball as fast as its run
@@ -24,6 +25,7 @@ export function wakeStage() {
     view.drawnAt = now;
     drawStage();
     drawLens();
+    drawPlan(view.ball);
     if (live.held || (live.report && !live.report.asleep)) wakeStage();
   });
 }
