@@ -119,7 +119,7 @@ def vibration_data(scene: Scene, law: ForceLaw, vibrating: Vibration) -> dict[st
         levels=SimpleNamespace(laeq_db=None),
     )
     result = SimpleNamespace(solved_steps=len(law.position_m))
-    parts = {"scene": scene, "sound": sound, "result": result, "label": "live"}
+    parts = {"scene": scene, "sound": sound, "result": result, "label": "live", "values": {}}
     run: Any = SimpleNamespace(vibration_sound=vibrating, record_laeq_db=None, **parts)
     return json.loads(json.dumps(live.live_of(run)))
 
