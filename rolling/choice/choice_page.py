@@ -16,6 +16,7 @@ from rolling.kinds.page_parts import Part
 from rolling.report import page_sounds
 from rolling.report.charts import Chart
 from rolling.report.level_bars import Bars, Row, bars_around_zero
+from rolling.report.machine_drawing import drawing_of
 from rolling.report.page_of_parts import PageOfParts, exhibit
 from rolling.results.notes import UNVALIDATED
 
@@ -86,6 +87,7 @@ def page(choice: Choice, sounds: Sequence[CandidateSound]) -> bytes:
     ]
     made = PageOfParts(
         title=_title(choice),
+        machine=drawing_of([contender.candidate.scene for contender in choice.contenders]),
         first=[
             Part(
                 "choice_first.html",

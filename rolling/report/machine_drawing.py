@@ -72,15 +72,29 @@ class MachineDrawing(NamedTuple):
     note: str
 
 
-def drawing_of_runs(runs: Sequence[Any]) -> MachineDrawing | None:
-    """Draw the machine of the first scene of runs; None where its kind has no drawing."""
-    first = runs[0].scene
+def drawing_of(scenes: Sequence[Any], numbers: Sequence[Any] = ()) -> MachineDrawing | None:
+    """Draw the machine of the first of some scenes; None where its kind has no drawing.
+
+    Parameters
+    ----------
+    scenes : sequence of scenes, at least one
+        Scenes without a sweep. Those of the same name and kind as the first have their numbers on
+        the drawing.
+    numbers : sequence of numbers
+        Those of the solved runs of all scenes. Default: none is solved.
+    """
+    first = scenes[0]
     kind = kind_of(first)
-    alike = [run for run in runs if run.scene.name == first.name and kind_of(run.scene) is kind]
+    alike = [
+        place
+        for place, scene in enumerate(scenes)
+        if scene.name == first.name and kind_of(scene) is kind
+    ]
+    solved = [numbers[place] for place in alike] if numbers else []
     with left_out_if_it_fails(f"of the machine of {first.name}"):
-        machine = kind.machine([run.scene for run in alike], [run.numbers for run in alike])
+        machine = kind.machine([scenes[place] for place in alike], solved)
         if machine is not None:
-            note = "" if len(alike) == len(runs) else f"Drawn: {printable(first.name)}."
+            note = "" if len(alike) == len(scenes) else f"Drawn: {printable(first.name)}."
             return MachineDrawing(machine_svg(machine), note)
     return None
 

@@ -28,6 +28,7 @@ from rolling.recordings.recording_comparison import (
 from rolling.report import page_sounds, text
 from rolling.report.charts import Chart
 from rolling.report.level_bars import Bars, Row, bars_around_zero
+from rolling.report.machine_drawing import drawing_of
 from rolling.report.page_of_parts import PageOfParts, exhibit
 from rolling.results import labels
 
@@ -51,6 +52,7 @@ def page(run: Any, comparison: RecordingComparison) -> bytes:
     }
     made = PageOfParts(
         title=f"{text.titles([run])}, beside a recording",
+        machine=drawing_of([run.scene], [run.numbers]),
         first=[Part("recording_first.html", first)],
         parts=[
             Part("charts.html", {"heading": "Levels", "charts": _charts(run, comparison)}),

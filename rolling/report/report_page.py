@@ -16,7 +16,7 @@ from rolling.kinds.heard_sound import HeardSound
 from rolling.kinds.page_parts import PageParts, Part
 from rolling.kinds.registry import kind_of, kind_of_runs
 from rolling.report import leading_numbers, number_table, page_sounds, text
-from rolling.report.machine_drawing import drawing_of_runs
+from rolling.report.machine_drawing import drawing_of
 from rolling.report.page_of_parts import ChartList, PageOfParts
 from rolling.results import verdict
 
@@ -50,7 +50,7 @@ def page(runs: Sequence[Any], unsolved: Sequence[str] = (), notice: str = "") ->
         noise=kind.noise,
         notice=notice,
         unsolved=[printable(label) for label in unsolved],
-        machine=drawing_of_runs(runs),
+        machine=drawing_of([run.scene for run in runs], [run.numbers for run in runs]),
         has_drawing_within=own.has_drawing_within,
         first=_plain_first(runs, own) if own.first is None else own.first,
         beside=own.beside,
