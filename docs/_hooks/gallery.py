@@ -36,6 +36,7 @@ LEFT_OUT = {
 BRIEF = "sound.listen_s=6"
 SITE = {
     "steel-sheet": ["rolling.distance_mm=4", BRIEF],
+    "ball-with-flat": [BRIEF],
     "marble-dropped": ["rolling.distance_mm=8", "surface.spacing_um=4"],
     "marble-rolling-out": ["rolling.distance_mm=4"],
     "ball-with-pit": ["rolling.distance_mm=25.134", BRIEF],
@@ -57,6 +58,15 @@ SHORT = {
         "plate.edges=simply_supported",
         "plate.length_mm=120",
         "plate.width_mm=90",
+        *SHORTEST,
+    ],
+    "ball-with-flat": [
+        "surface.spacing_um=16",
+        "plate.length_mm=150",
+        "plate.width_mm=100",
+        "plate.contact_mm=[30, 25]",
+        "plate.contact_end_mm=[120, 75]",
+        "sound.listener_mm=[75, 50, 500]",
         *SHORTEST,
     ],
     "marble-dropped": [

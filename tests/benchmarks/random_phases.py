@@ -3,7 +3,7 @@
 `python tests/benchmarks/random_phases.py [SCENE...]` runs scenes, takes the sound that plays, and
 gives its lines random phases. It prints the modulation of both, the kurtosis, and the ratio of the
 modulations, as in docs/gallery.md. A sound of noise has a ratio of 1 and a kurtosis of 3. All
-scenes take about five minutes on two cores. `--set KEY=VALUE` changes all of them.
+scenes take some ten minutes of processor time. `--set KEY=VALUE` changes all of them.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from rolling.kinds.heard_sound import played_sound
 from rolling.kinds.registry import kind_of
 
 SCENES = (
+    "ball-with-flat",
     "steel-sheet",
     "marble-rolling-out",
     "ball-with-pit",
