@@ -12,20 +12,12 @@ from collections.abc import Callable
 
 import numpy as np
 from llvmlite import ir
-from numba import carray, config, types
-from numba.extending import intrinsic, overload
+from numba import config, types
+from numba.core import cgutils
+from numba.extending import lower_builtin, type_callable
+from numba.np.arrayobj import make_array, populate_array
 
 _uncompiled: dict[int, Callable[..., None]] = {}  # functions by number, where nothing is compiled
-
-
-@intrinsic
-def _pointer(_, address, like):
-    """Return an address as a pointer to numbers of the type of the array `like`."""
-
-    def generate(context, builder, signature, arguments):
-        return builder.inttoptr(arguments[0], context.get_value_type(signature.return_type))
-
-    return types.CPointer(like.dtype)(types.int64, like), generate
 
 
 def array_at(address, shape, like):
@@ -35,23 +27,35 @@ def array_at(address, shape, like):
     return np.frombuffer(memory, like.dtype).reshape(shape)
 
 
-@overload(array_at, jit_options={"forceinline": True})
-def _compiled_array_at(address, shape, like):
-    return lambda address, shape, like: carray(_pointer(address, like), shape)
+# Numba has `carray` for this, which it compiles anew for each shape and type of numbers.
+@type_callable(array_at)
+def _type_of_array(_):
+    return lambda address, shape, like: types.Array(like.dtype, len(shape), "C")
 
 
-@intrinsic
-def _call(_, function, arguments):
-    """Call a C function that takes numbers and returns nothing."""
-    kinds = types.Tuple([types.unliteral(kind) for kind in arguments])
-
-    def generate(context, builder, signature, values):
-        parts = [builder.extract_value(values[1], k) for k in range(len(kinds))]
-        kind = ir.FunctionType(ir.VoidType(), [part.type for part in parts])
-        builder.call(builder.inttoptr(values[0], kind.as_pointer()), parts)
-        return context.get_dummy_value()
-
-    return types.void(types.int64, kinds), generate
+@lower_builtin(array_at, types.Integer, types.BaseTuple, types.Array)
+def _make_array(context, builder, signature, arguments):
+    """Make the array of a shape at an address, whose memory others own."""
+    address, shape = arguments[:2]
+    kind = signature.return_type
+    lengths = types.UniTuple(types.intp, kind.ndim)
+    shape = cgutils.unpack_tuple(builder, context.cast(builder, shape, signature.args[1], lengths))
+    itemsize = context.get_constant(
+        types.intp, context.get_abi_sizeof(context.get_data_type(kind.dtype))
+    )
+    strides = [itemsize]
+    for length in reversed(shape[1:]):
+        strides.insert(0, builder.mul(strides[0], length))
+    array = make_array(kind)(context, builder)
+    populate_array(
+        array,
+        data=builder.inttoptr(address, context.get_data_type(kind.dtype).as_pointer()),
+        shape=shape,
+        strides=strides,
+        itemsize=itemsize,
+        meminfo=None,
+    )
+    return array._getvalue()
 
 
 def call(function, arguments):
@@ -64,9 +68,19 @@ def call(function, arguments):
     ctypes.PYFUNCTYPE(None, *kinds)(int(function))(*numbers)
 
 
-@overload(call, jit_options={"forceinline": True})
-def _compiled_call(function, arguments):
-    return lambda function, arguments: _call(function, arguments)
+@type_callable(call)
+def _type_of_call(_):
+    return lambda function, arguments: types.void
+
+
+@lower_builtin(call, types.Integer, types.BaseTuple)
+def _make_call(context, builder, signature, arguments):
+    """Call the function at an address."""
+    function, numbers = arguments
+    parts = cgutils.unpack_tuple(builder, numbers)
+    kind = ir.FunctionType(ir.VoidType(), [part.type for part in parts])
+    builder.call(builder.inttoptr(function, kind.as_pointer()), parts)
+    return context.get_dummy_value()
 
 
 def address_of_uncompiled(function: Callable[..., None]) -> int:

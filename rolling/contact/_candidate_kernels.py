@@ -84,11 +84,11 @@ def candidates(p, g, hardness, lowest, highest, neighbours, subcells, node):
     # Most words of eight marks are empty, and a whole word is read as fast as a mark.
     words = nodes // 8 + 1
     marks = np.zeros(8 * words, np.uint8)
-    pressure = p.ravel()
+    pressure = p.reshape(-1)
     least = MIN_FREE * subcells * subcells
     if hardness == np.inf or sum_inside(pressure, pressure, hardness)[0] < least:
         lowest = -np.inf
-    mark_near(pressure, g.ravel(), hardness, lowest, highest, marks)
+    mark_near(pressure, g.reshape(-1), hardness, lowest, highest, marks)
     if neighbours:
         near = np.zeros(8 * words, np.uint8)
         mark_neighbours(marks[:nodes], columns, near[:nodes])
@@ -108,11 +108,16 @@ def candidates(p, g, hardness, lowest, highest, neighbours, subcells, node):
     last_row = node[count - 1] // columns
     for i in range(first_row, last_row + 1):
         or_line(marks[i * columns : (i + 1) * columns], in_column)
-    across = np.flatnonzero(in_column)
+    first_column = 0
+    while not in_column[first_column]:
+        first_column += 1
+    last_column = columns - 1
+    while not in_column[last_column]:
+        last_column -= 1
     row = first_row // subcells * subcells
-    column = across[0] // subcells * subcells
+    column = first_column // subcells * subcells
     rows = whole(last_row - row, subcells)
-    columns = whole(across[-1] - column, subcells)
+    columns = whole(last_column - column, subcells)
     return resting, count, row, column, rows, columns
 
 

@@ -244,6 +244,15 @@ def approach_of(p, g, hardness):
     return total / inside if inside else middle_of_bounds(p, g, hardness)
 
 
+@inlined()
+def highest_of(values):
+    """Return the maximum of values, at least 0; numba takes a second to compile `values.max()`."""
+    highest = 0.0
+    for k in range(values.size):
+        highest = max(highest, values[k])
+    return highest
+
+
 @inlined(fused=True)
 def raise_maxima(p, g, approach, hardness, maxima):
     """Raise maxima to the violations [m] of the contact conditions by as many nodes."""
@@ -262,7 +271,7 @@ def worst_and_load(p, g, approach, hardness):
     for k in range(0, p.size, MAXIMA):
         last = min(k + MAXIMA, p.size)
         raise_maxima(p[k:last], g[k:last], approach, hardness, maxima[: last - k])
-    return maxima.max(), sum_of(p)
+    return highest_of(maxima), sum_of(p)
 
 
 @inlined(fused=True)
@@ -297,7 +306,7 @@ def maximum_of(values):
     for k in range(0, values.size, MAXIMA):
         last = min(k + MAXIMA, values.size)
         raise_to(values[k:last], maxima[: last - k])
-    return maxima.max()
+    return highest_of(maxima)
 
 
 @njit(cache=True)

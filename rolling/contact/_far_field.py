@@ -231,7 +231,10 @@ def share_sum(shares, line):
 @inlined()
 def shares_of(tile):
     """Return the share of the next coarse node at each node of a tile."""
-    return (np.arange(tile) / tile).astype(np.float32)
+    shares = np.empty(tile, np.float32)
+    for k in range(tile):
+        shares[k] = k / tile
+    return shares
 
 
 @inlined(fused=True)
@@ -351,7 +354,7 @@ def answer(far):
     for k in range(loads.size):
         loads[k] -= known[k]
         # Nodes close a common gap together: the more of them are free, the less each has to bear.
-        share = stiffness[k] / far.tile**2
+        share = stiffness[k] / (far.tile * far.tile)
         free += stiffness[k]
         stiffness[k] /= far.own + share * (far.common - far.own)
     field_of(loads, table, field)
@@ -368,7 +371,8 @@ def answer(far):
         mean = mean_of(stiffness, residual)
         square = 0.0
         for k in range(residual.size):
-            square += stiffness[k] * (residual[k] - mean) ** 2
+            apart = residual[k] - mean
+            square += stiffness[k] * (apart * apart)
         first = max(first, square)
         if not square > ENOUGH * first:
             break

@@ -11,7 +11,7 @@ import numpy as np
 
 from rolling.contact import _window_kernels as windows
 from rolling.contact._candidate_kernels import cell_ranges
-from rolling.contact._condition_kernels import state_of, sum_of
+from rolling.contact._condition_kernels import maximum_of, state_of, sum_of
 from rolling.contact._window_kernels import extrapolate_deflection
 from rolling.contact.compiling import njit
 
@@ -68,7 +68,7 @@ def measure(fields, numbers, sphere, highest, approach, blended, corner):
     row = x / spacing - corner[0]
     column = y / spacing - corner[1]
     # Below the hardness there is no patch that could end within a cell.
-    yields = blended and p.max() >= hardness
+    yields = blended and maximum_of(p.reshape(-1)) >= hardness
     ends = edge if yields else edge[:0]
     (
         count,

@@ -215,10 +215,11 @@ def search_row(row, rise, sphere, begin, end, step):
         there = last * spacing - y
         nearest = min(abs(here), abs(there)) if here * there > 0.0 else 0.0
         farthest = max(abs(here), abs(there))
-        gap = rise + nearest**2 / (2 * radius_across) - tops[stretch]
-        if gap < 0.0 and gap + least_deflection(load, farthest**2) < 0.0:
+        gap = rise + nearest * nearest / (2 * radius_across) - tops[stretch]
+        if gap < 0.0 and gap + least_deflection(load, farthest * farthest) < 0.0:
             for k in range(j, last + step, step):
-                apart2 = (k * spacing - y) ** 2
+                apart = k * spacing - y
+                apart2 = apart * apart
                 gap = rise + apart2 / (2 * radius_across) - z[node + k - j]
                 if gap < 0.0 and gap + least_deflection(load, apart2) < 0.0:
                     return k
@@ -357,7 +358,9 @@ def measures(pressure, deflection, hardness, edge, levelled, row, column, reach)
     last_row = -1
     first_column = pressure.shape[1]
     last_column = -1
-    apart = np.arange(pressure.shape[1]) - column
+    apart = np.empty(pressure.shape[1])
+    for j in range(apart.size):
+        apart[j] = j - column
     for i in range(pressure.shape[0]):
         first, end = loaded_range(pressure[i])
         if first == end:
@@ -378,7 +381,7 @@ def measures(pressure, deflection, hardness, edge, levelled, row, column, reach)
         load += moments[0]
         along += moments[0] * (i - row)
         across += moments[1]
-        square += moments[2] + moments[0] * (i - row) ** 2
+        square += moments[2] + moments[0] * ((i - row) * (i - row))
         first_row = min(first_row, i)
         last_row = i
         first_column = min(first_column, first)

@@ -84,7 +84,7 @@ class Pool(ExitStack):
         raise error
 
     def _report_compiling(self) -> None:
-        """Say once that a process compiles, and let a spare core compile the longest kernels."""
+        """Say once that a process compiles, and let spare cores compile the longest kernels."""
         if self._has_reported_compiling:
             return
         self._has_reported_compiling = True
@@ -92,7 +92,7 @@ class Pool(ExitStack):
         if cost.cores() == 1:
             return
         with suppress(OSError):  # without another process all is compiled here
-            for part in worker.COMPILED_AHEAD:
+            for part in worker.COMPILED_AHEAD[: cost.cores() - 1]:
                 compiler = worker.compiler(part)
                 self.callback(compiler.wait)
                 self.callback(compiler.kill)  # before the wait; kernels that are done stay

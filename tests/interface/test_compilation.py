@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import subprocess
 import sys
@@ -10,6 +11,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from rolling.contact import compiling
 from rolling.contact._far_field import coarse_grid
 from rolling.contact.compiling import njit
 from rolling.run import pools
@@ -351,6 +353,26 @@ def test_a_process_that_compiles_computes_the_digits_of_those_that_load(tmp_path
     assert len(loading) == 65 and compiling == loading
 
 
+@pytest.mark.parametrize("collects", [True, False])
+def test_python_collects_no_garbage_while_a_kernel_is_compiled(collects: bool) -> None:
+    """Afterwards it does as before."""
+
+    @njit(cache=False)
+    def compiled(x: float) -> float:
+        return x + 1.0
+
+    collecting = []
+    enabled = gc.isenabled()
+    try:
+        (gc.enable if collects else gc.disable)()
+        with compiling.reporting(lambda: collecting.append(gc.isenabled())):
+            compiled(1.0)
+        assert gc.isenabled() == collects
+    finally:
+        (gc.enable if enabled else gc.disable)()
+    assert collecting and not any(collecting)
+
+
 def test_python_may_call_a_function_that_kernels_inline() -> None:
     """It is a plain function there, without compiled code that could be called in a wrong way."""
 
@@ -362,10 +384,14 @@ def test_python_may_call_a_function_that_kernels_inline() -> None:
         assert compiled(*shape) == coarse_grid(*shape)
 
 
-@pytest.mark.parametrize("core_count", [1, 2])
-def test_a_spare_core_compiles_ahead_until_the_pool_is_left(
-    monkeypatch: pytest.MonkeyPatch, core_count: int
+@pytest.mark.parametrize(
+    ("core_count", "parts"),
+    [(1, []), (2, ["compile_step"]), (8, ["compile_step", "compile_parts"])],
+)
+def test_spare_cores_compile_ahead_until_the_pool_is_left(
+    monkeypatch: pytest.MonkeyPatch, core_count: int, parts: list[str]
 ) -> None:
+    """Without a core to spare, a further process would only take the time of its own start."""
     done: list[str] = []
     process = SimpleNamespace(kill=lambda: done.append("kill"), wait=lambda: done.append("wait"))
     monkeypatch.setattr(pools.cost, "cores", lambda: core_count)
@@ -373,8 +399,7 @@ def test_a_spare_core_compiles_ahead_until_the_pool_is_left(
     with pools.Pool() as pool:
         pool._report_compiling()
         pool._report_compiling()
-    parts = ["compile_step", "compile_parts"]
-    assert done == ([] if core_count == 1 else [*parts, *["kill", "wait"] * 2])
+    assert done == [*parts, *["kill", "wait"] * len(parts)]
 
 
 def test_without_a_process_to_compile_ahead_a_pool_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
