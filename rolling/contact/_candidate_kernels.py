@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from rolling.contact._condition_kernels import sum_inside
+from rolling.contact._kinds import FIELD, INDICES, NOTHING, NUMBER, STRIPS, WHOLE
+from rolling.contact._linked import linked
 from rolling.contact._system import BORDER
 from rolling.contact._window_kernels import copy_line
 from rolling.contact.compiling import inlined, njit
@@ -127,7 +129,7 @@ def whole(last, subcells):
     return (last // subcells + 1) * subcells
 
 
-@njit(cache=True)
+@linked(WHOLE(INDICES, WHOLE, WHOLE, STRIPS))
 def list_strips(place, rows, row, strips):
     """List the nodes near the candidates as strips of a grid that is passed as one long row.
 
@@ -234,7 +236,7 @@ def half_range(square, levelled):
     return max(min(half, 2.0 * (half - levelled), STEEPEST * levelled), 0.0)
 
 
-@njit(cache=True)
+@linked(NOTHING(FIELD, FIELD, NUMBER, NUMBER, FIELD))
 def cell_ranges(shape, u, levelled, share, out):
     """Set `out` to a share of half the range [m] of the deflected gap over each cell.
 

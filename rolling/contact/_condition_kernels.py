@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numba import types
 
-from rolling.contact._kinds import LIMITS, LINE, NUMBER, SETS
+from rolling.contact._kinds import FLAG, LIMITS, LINE, NOTHING, NUMBER, SETS
 from rolling.contact._linked import linked
 from rolling.contact.compiling import inlined, njit
 
@@ -169,7 +169,7 @@ def slope_and_longest_step(p, g, approach, sets, hardness, d):
     return slope, max(longest, 1.0)
 
 
-@njit(cache=True)
+@linked(NOTHING(LINE, LINE, LIMITS, NUMBER))
 def settle_load(p, g, limits, trace):
     """Give the missing load to the lowest open nodes, or take the excess from loaded nodes.
 
@@ -234,7 +234,7 @@ def middle_of_bounds(p, g, hardness):
     return middle if np.isfinite(middle) else highest_capped
 
 
-@njit(cache=True)
+@linked(NUMBER(LINE, LINE, NUMBER))
 def approach_of(p, g, hardness):
     """Return the approach [m] of pressures p over deformed gaps g, flat arrays.
 
@@ -263,7 +263,7 @@ def raise_maxima(p, g, approach, hardness, maxima):
         maxima[k] = max(maxima[k], max(opening, overlap))
 
 
-@njit(cache=True)
+@linked(types.UniTuple(NUMBER, 2)(LINE, LINE, NUMBER, NUMBER))
 def worst_and_load(p, g, approach, hardness):
     """Return the maximum violation of the contact conditions [m] and the sum of pressures [Pa]."""
     # A single maximum would wait for the one before it.
@@ -309,7 +309,10 @@ def maximum_of(values):
     return highest_of(maxima)
 
 
-@njit(cache=True)
+@linked(
+    types.UniTuple(NUMBER, 3)(LINE, LINE, LINE, LINE, NUMBER, LINE, FLAG),
+    calls=(approach_of, worst_and_load),
+)
 def state_of(gap, u, p, edge, hardness, g, fresh):
     """Return approach, maximum deflection and maximum violation [m] of a state.
 

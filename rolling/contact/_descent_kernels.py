@@ -162,7 +162,7 @@ def convolve(system, block, convolution, cells):
     )
 
 
-@njit(cache=True, calls=(solver.iterate, project))
+@njit(cache=True, calls=(solver.iterate, project, settle_load, search.list_strips))
 def descend(window, candidates, numbers, half_space, before, aims, progress, memory):
     """Descend by conjugate gradients until the violation is within the goal, stuck or spent.
 

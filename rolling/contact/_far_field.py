@@ -17,9 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array
+from rolling.contact._kinds import FAR_FIELD, GRID, NOTHING, SINGLE, SINGLES, WHOLE
+from rolling.contact._linked import linked
 from rolling.contact._system import BORDER
 from rolling.contact._window_kernels import copy_line
-from rolling.contact.compiling import inlined, njit
+from rolling.contact.compiling import inlined
 from rolling.contact.half_space import love
 
 # Waves up to this many nodes long count in the fit of the stencil. Contacts are some ten to a
@@ -244,7 +246,7 @@ def add_lines(first, line, second, other, out):
         out[k] += first * line[k] + second * other[k]
 
 
-@njit(cache=True)
+@linked(NOTHING(GRID, WHOLE, WHOLE, SINGLES))
 def restrict(values, tile, row_length, out):
     """Sum values of the nodes (rows, columns) on the coarse grid, with bilinear weights.
 
@@ -269,7 +271,7 @@ def restrict(values, tile, row_length, out):
         below[:] = 0.0
 
 
-@njit(cache=True)
+@linked(NOTHING(SINGLES, SINGLE, WHOLE, WHOLE, GRID))
 def prolong(field, factor, tile, row_length, out):
     """Add a multiple of the bilinear interpolation of a flat coarse grid to the nodes."""
     rows, row = out.shape
@@ -288,7 +290,7 @@ def prolong(field, factor, tile, row_length, out):
         here, below = below, here
 
 
-@njit(cache=True)
+@linked(NOTHING(SINGLES, SINGLES, SINGLES))
 def field_of(loads, table, out):
     """Set `out` to the far field of loads, both flat on the coarse grid.
 
@@ -335,7 +337,7 @@ def mean_of(weights, values):
     return total / sum_of_weights
 
 
-@njit(cache=True)
+@linked(NOTHING(FAR_FIELD), calls=(field_of,))
 def answer(far):
     """Set the far field to that of the loads and of the answer of all free nodes [Pa].
 

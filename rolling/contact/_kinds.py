@@ -10,6 +10,7 @@ from rolling.contact import _system as parts
 from rolling.contact._linked import TupleReference
 
 NUMBER = types.float64
+SINGLE = types.float32
 WHOLE = types.int64
 FLAG = types.boolean
 NOTHING = types.none
@@ -36,6 +37,11 @@ _system = parts.System(
 )
 
 LINE = typeof(_line)
+FIELD = typeof(_field)
+SINGLES = typeof(_singles)
+GRID = typeof(_grid)
+INDICES = typeof(_indices)
+STRIPS = typeof(_strips)
 LIMITS = typeof(_system.limits)
 SETS = typeof(parts.Sets(_indices, 1, 1))
 DIRECTION = typeof(parts.Direction(1.0, 1.0, 1.0, 1.0))

@@ -24,16 +24,19 @@ from rolling.contact._kinds import (
     DIRECTION,
     FAR_FIELD,
     FLAG,
+    LINE,
     MODEL,
+    NODES,
     NOTHING,
     NUMBER,
+    SOLUTIONS,
     SYSTEM,
     WHOLE,
 )
 from rolling.contact._linked import linked
 from rolling.contact._system import BORDER, Direction, Sets
 from rolling.contact._window_kernels import copy_line, shared
-from rolling.contact.compiling import inlined, njit
+from rolling.contact.compiling import inlined
 
 # Sweeps that settle the model after its far field is known, and further sweeps after its edges
 # moved.
@@ -82,7 +85,10 @@ def add_changes(p, u, p_before, u_before, stiffness, changed, opened):
         opened[k] += stiffness * (u[k] - u_before[k])
 
 
-@njit(cache=True)
+@linked(
+    NUMBER(MODEL, NODES, NUMBER, NUMBER, SOLUTIONS, LINE, LINE),
+    calls=(approach_of,),
+)
 def extrapolate_model(model, nodes, hardness, present, solutions, pressure, height):
     """Add the changes between two solutions to the grid; return the approach of the sum [m].
 
@@ -278,7 +284,7 @@ def settle_model(model, sweeps):
     clear_border(model.gap)
 
 
-@linked(NOTHING(MODEL, FAR_FIELD, NUMBER))
+@linked(NOTHING(MODEL, FAR_FIELD, NUMBER), calls=(restrict, answer, prolong))
 def add_far_field(model, far, unit):
     """Add the far field to the gaps: that of the changes and of the answer of all free nodes.
 

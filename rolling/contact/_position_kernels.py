@@ -16,7 +16,7 @@ from rolling.contact._window_kernels import extrapolate_deflection
 from rolling.contact.compiling import njit
 
 
-@njit(cache=True)
+@njit(cache=True, calls=(extrapolate_deflection, cell_ranges, state_of))
 def judge(window, fields, before, numbers, fresh, g):
     """Set the edges and the deformed gaps g of a state; return its numbers as `state_of` does.
 

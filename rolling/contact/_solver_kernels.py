@@ -13,7 +13,8 @@ import numpy as np
 from numba import types
 
 from rolling.contact._candidate_kernels import move_edges
-from rolling.contact._condition_kernels import approach_of, project, sum_of
+from rolling.contact._condition_kernels import approach_of, project, sum_of, worst_and_load
+from rolling.contact._far_field import restrict
 from rolling.contact._kinds import (
     DIRECTION,
     FLAG,
@@ -25,7 +26,13 @@ from rolling.contact._kinds import (
     WHOLE,
 )
 from rolling.contact._linked import linked
-from rolling.contact._model_kernels import EDGES_LEAD, fill, follow_model, lead_model
+from rolling.contact._model_kernels import (
+    EDGES_LEAD,
+    extrapolate_model,
+    fill,
+    follow_model,
+    lead_model,
+)
 from rolling.contact._system import Direction, Sets, Step
 from rolling.contact._window_kernels import copy_line
 from rolling.contact.compiling import inlined, njit
@@ -261,7 +268,14 @@ def take_whole_step(p, d, hardness):
 
 @linked(
     types.Tuple((STEP, DIRECTION))(SYSTEM, DIRECTION, SOLUTIONS, RULES),
-    calls=(follow_model, find_direction),
+    calls=(
+        approach_of,
+        worst_and_load,
+        extrapolate_model,
+        restrict,
+        follow_model,
+        find_direction,
+    ),
 )
 def iterate(system, direction, solutions, rules):
     """Step along the direction, and find the next direction unless converged.

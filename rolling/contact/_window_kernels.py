@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from rolling.contact._kinds import FIELD, NOTHING, WHOLE
+from rolling.contact._linked import linked
 from rolling.contact.compiling import inlined, njit
 
 STRETCH = 16  # nodes of a row whose maximum height is known
@@ -236,7 +238,7 @@ def shared(first, length, begin, end):
     return low, max(low, min(first + length, end))
 
 
-@njit(cache=True)
+@linked(NOTHING(FIELD, FIELD, WHOLE, WHOLE, FIELD))
 def extrapolate_deflection(u, u_before, row, column, out):
     """Set `out` to the deflections u with their change since the previous position once more.
 
