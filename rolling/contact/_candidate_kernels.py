@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from rolling.contact._condition_kernels import sum_inside
-from rolling.contact._kinds import FIELD, INDICES, NOTHING, NUMBER, STRIPS, WHOLE
+from rolling.contact._kinds import FIELD, INDICES, NOTHING, NUMBER, STRIPS, SYSTEM, WHOLE
 from rolling.contact._linked import linked
 from rolling.contact._system import BORDER
 from rolling.contact._window_kernels import copy_line
@@ -318,7 +318,7 @@ def edges_in_field(place, row_length, edges, moved):
         moved[k] = half if moved[k] == moved[k] else edge[k]
 
 
-@inlined()
+@linked(NUMBER(SYSTEM, NUMBER))
 def follow_field(system, slack):
     """Move the edges of the candidates to the place that the field of gaps gives them.
 

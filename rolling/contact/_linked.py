@@ -1,7 +1,7 @@
 """Kernels that are compiled once and called by name, and named tuples that they share by reference.
 
 Numba makes the code of a kernel part of each kernel that calls it, and optimizes it there again. A
-*linked* kernel is compiled alone, for one signature, and its callers know no more than its symbol.
+*linked* kernel is compiled alone, and its callers know no more than its symbol, one per signature.
 Arguments of numbers and arrays go by value. A named tuple of many arrays goes by `reference`: as a
 single pointer instead of hundreds of numbers, which took half of the time of compilation.
 """
@@ -111,18 +111,22 @@ class LinkedKernel:
     ----------
     function : function
         What is compiled.
-    signature : numba signature
-        Types of the arguments and of the answer of the compiled call.
+    signatures : tuple of numba signatures
+        Types of the arguments and of the answer of each compiled call. Those of several precisions
+        differ in the types of their arrays.
     calls : tuple of LinkedKernel
         The linked kernels that it calls itself, or by functions that are part of it.
     """
 
     def __init__(
-        self, function: Callable[..., Any], signature: Any, calls: tuple[LinkedKernel, ...]
+        self,
+        function: Callable[..., Any],
+        signatures: tuple[Any, ...],
+        calls: tuple[LinkedKernel, ...],
     ) -> None:
         self.kernel = njit(cache=True, calls=calls)(function)
-        self.signature = signature
-        self.symbol = f"{function.__module__}.{function.__qualname__}"
+        self.signatures = signatures
+        self.name = f"{function.__module__}.{function.__qualname__}"
         self.py_func = function
         self._linked = False
 
@@ -134,41 +138,58 @@ class LinkedKernel:
         """Compile the kernel, or load it, and make its symbol known."""
         if self._linked:
             return
-        self.kernel.compile(self.signature.args)
-        compiled = self.kernel.overloads[self.signature.args]
-        answer = compiled.signature.return_type
-        if answer != self.signature.return_type:
-            raise TypeError(f"{self.symbol} returns {answer}, not {self.signature.return_type}")
-        name = compiled.fndesc.llvm_cfunc_wrapper_name
-        binding.add_symbol(self.symbol, compiled.library.get_pointer_to_function(name))
+        for signature in self.signatures:
+            self.kernel.compile(signature.args)
+            compiled = self.kernel.overloads[signature.args]
+            answer = compiled.signature.return_type
+            if answer != signature.return_type:
+                raise TypeError(f"{self.name} returns {answer}, not {signature.return_type}")
+            name = compiled.fndesc.llvm_cfunc_wrapper_name
+            pointer = compiled.library.get_pointer_to_function(name)
+            binding.add_symbol(self.symbol(signature), pointer)
         self._linked = True
+
+    def symbol(self, signature: Any) -> str:
+        """Return the symbol of the code for a signature."""
+        number = [known.args for known in self.signatures].index(signature.args)
+        return f"{self.name}.{number}"
+
+    def signature_for(self, arguments: Any) -> Any:
+        """Return the signature for arguments of some types, None where their arrays fit none."""
+        for signature in self.signatures:
+            pairs = zip(arguments, signature.args, strict=True)
+            if all(given == kind for given, kind in pairs if isinstance(kind, types.Array)):
+                return signature
+        return None
 
 
 def linked(
-    signature: Any, calls: tuple[LinkedKernel, ...] = ()
+    *signatures: Any, calls: tuple[LinkedKernel, ...] = ()
 ) -> Callable[[Callable[..., Any]], Any]:
-    """Compile a function as a linked kernel (see LinkedKernel)."""
+    """Compile a function as a linked kernel for some signatures (see LinkedKernel)."""
 
     def made(function: Callable[..., Any]) -> Any:
         if config.DISABLE_JIT:
             return function
-        kernel = LinkedKernel(function, signature, calls)
+        kernel = LinkedKernel(function, signatures, calls)
         parameters = parameters_of(function)
 
         @type_callable(kernel)
         def resolve(_):
             def typed(*arguments):
-                return signature.replace(pysig=parameters)
+                signature = kernel.signature_for(arguments)
+                return signature and signature.replace(pysig=parameters)
 
             typed.pysig = parameters
             return typed
 
         @lower_builtin(kernel, types.VarArg(types.Any))
         def generate(context, builder, called, arguments):
-            answer = context.get_value_type(signature.return_type)
-            kinds = [context.get_value_type(kind) for kind in signature.args]
+            answer = context.get_value_type(called.return_type)
+            kinds = [context.get_value_type(kind) for kind in called.args]
             kind = ir.FunctionType(answer, kinds)
-            callee = cgutils.get_or_insert_function(builder.module, kind, kernel.symbol)
+            symbol = kernel.symbol(called)
+            callee = cgutils.get_or_insert_function(builder.module, kind, symbol)
             return builder.call(callee, arguments)
 
         return kernel

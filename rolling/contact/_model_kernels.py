@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numba import types
 
-from rolling.contact._candidate_kernels import lead_edges
+from rolling.contact._candidate_kernels import follow_field, lead_edges
 from rolling.contact._condition_kernels import approach_of, project, worst_and_load
 from rolling.contact._far_field import answer, mark_free, prolong, restrict
 from rolling.contact._kinds import (
@@ -378,7 +378,7 @@ def sort_nodes(system):
     return free, bound
 
 
-@inlined()
+@linked(NOTHING(SYSTEM, WHOLE, WHOLE))
 def jump(system, free, bound):
     """Put the bound nodes on their bound at once, and add the deflection by each to the gaps.
 
@@ -453,7 +453,7 @@ def model_direction(system, approach, last, free, bound):
 
 @linked(
     types.Tuple((DIRECTION, WHOLE, WHOLE, WHOLE))(SYSTEM, NUMBER, DIRECTION, WHOLE, FLAG, FLAG),
-    calls=(settle_model, add_far_field, project),
+    calls=(settle_model, add_far_field, follow_field, jump, project),
 )
 def follow_model(system, approach, last, sweeps, edges_lead, jumps):
     """Find the next direction by the model, whose grid holds the present state.

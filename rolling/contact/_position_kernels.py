@@ -51,7 +51,7 @@ def carried_by(pressure):
     return sum_of(pressure.reshape(-1))
 
 
-@njit(cache=True)
+@njit(cache=True, calls=(windows.loaded_range,))
 def measure(fields, numbers, sphere, highest, approach, blended, corner):
     """Return the block of the loaded nodes of a solved window, and their measures.
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numba import types
 
-from rolling.contact._candidate_kernels import move_edges
+from rolling.contact._candidate_kernels import follow_field, move_edges
 from rolling.contact._condition_kernels import approach_of, project, sum_of, worst_and_load
 from rolling.contact._far_field import restrict
 from rolling.contact._kinds import (
@@ -269,6 +269,7 @@ def take_whole_step(p, d, hardness):
 @linked(
     types.Tuple((STEP, DIRECTION))(SYSTEM, DIRECTION, SOLUTIONS, RULES),
     calls=(
+        follow_field,
         approach_of,
         worst_and_load,
         extrapolate_model,

@@ -26,6 +26,8 @@ from numba import types
 
 from acoustics.arrays import Array
 from rolling.contact._by_address import array_at, call
+from rolling.contact._kinds import FIELD, FLAG, NOTHING, NUMBER, WHOLE
+from rolling.contact._linked import linked
 from rolling.contact.compiling import address_of, inlined, njit
 
 # Empty arrays of the types of numbers at an address.
@@ -55,6 +57,20 @@ OWN_BLOCK = 20
 ENTRIES = 21
 
 
+_CUBE = types.Array(NUMBER, 3, "C")  # of lines, columns and rows side by side
+
+
+def _multiplying(real):
+    """Return the signature of `multiply` in a precision."""
+    grid, line = types.Array(real, 2, "C"), types.Array(real, 1, "C")
+    return NOTHING(grid, grid, grid, line, line, FLAG)
+
+
+def _turning(both):
+    """Return the signature of `separate` and `combine` in a precision."""
+    return NOTHING(types.Array(both, 2, "C"), WHOLE, types.Array(both, 1, "C"))
+
+
 @inlined(fused=True)
 def join(first, second, line):
     """Set the numbers of a complex line to two rows of nodes side by side."""
@@ -63,7 +79,7 @@ def join(first, second, line):
         line[2 * j + 1] = second[j]
 
 
-@njit(cache=True)
+@linked(NOTHING(FIELD, _CUBE))
 def load(pressure: Array, out: Array) -> None:
     """Set an array (lines, columns, rows side by side) to the pressure, and its rest to 0."""
     rows, columns = pressure.shape
@@ -81,7 +97,7 @@ def load(pressure: Array, out: Array) -> None:
             join(first, pressure[row + 1] if row + 1 < rows else nothing, line)
 
 
-@njit(cache=True)
+@linked(NOTHING(_CUBE, NUMBER, FIELD))
 def read(values: Array, unit: float, out: Array) -> None:
     """Set `out` to values times the unit; they have rows side by side as in `load`."""
     side = values.shape[2]
@@ -97,7 +113,7 @@ def read(values: Array, unit: float, out: Array) -> None:
                 row[j] = unit * part[2 * j]
 
 
-@njit(cache=True)
+@linked(_multiplying(types.float64), _multiplying(types.float32))
 def multiply(numbers, mean, difference, sines, cosines, halved):
     """Multiply the frequencies of both rows of each pair by their coefficients.
 
@@ -216,7 +232,7 @@ def turn_apart(line: Array, turn: complex, other: Array) -> None:
         line[j] += turned
 
 
-@njit(cache=True)
+@linked(_turning(types.complex128), _turning(types.complex64))
 def separate(lines: Array, rows: int, turns: Array) -> None:
     """Separate the even from the odd frequencies of columns that are zero from `rows` on.
 
@@ -235,7 +251,7 @@ def separate(lines: Array, rows: int, turns: Array) -> None:
             lines[half + i] = 0.0
 
 
-@njit(cache=True)
+@linked(_turning(types.complex128), _turning(types.complex64))
 def combine(lines: Array, rows: int, turns: Array) -> None:
     """Set the first `rows` rows of columns from both their halves: `separate` backwards."""
     half = turns.size
@@ -245,6 +261,9 @@ def combine(lines: Array, rows: int, turns: Array) -> None:
             turn_apart(lines[i], turn, lines[half + i])
         else:
             add_turned(lines[i], turn, lines[half + i])
+
+
+_PASSES = separate, multiply, combine  # that `transform` calls
 
 
 @inlined()
@@ -508,7 +527,8 @@ def window_kernel(subcells: int) -> Any:
         transform_on_subcells(entry, rows, columns, every, side, _DOUBLE, _DOUBLE_COMPLEX)
         read(values, unit, out)
 
-    return njit(cache=True)(deflect_window if subcells == 1 else deflect_window_of_subcells)
+    compiled = njit(cache=True, calls=(load, *_PASSES, read))
+    return compiled(deflect_window if subcells == 1 else deflect_window_of_subcells)
 
 
 _NODES_SIGNATURE = types.void(*[types.int64] * 3, types.float64, *[types.int64] * 6)
@@ -547,7 +567,8 @@ def nodes_kernel(subcells: int, single: bool) -> int:
         transform_on_subcells(entry, rows, columns, cells, side, real, both)
         gather(values, node, image)
 
-    return address_of(deflect_at if subcells == 1 else deflect_subcells_at, _NODES_SIGNATURE)
+    function = deflect_at if subcells == 1 else deflect_subcells_at
+    return address_of(function, _NODES_SIGNATURE, calls=_PASSES)
 
 
 @inlined()

@@ -3,16 +3,20 @@
 Rows and columns of gap and overlap count on the unrolled plate; heights repeat with their period.
 """
 
-# mypy: disable-error-code="no-untyped-def"
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
 from __future__ import annotations
 
 import numpy as np
+from numba import types
 
-from rolling.contact._kinds import FIELD, NOTHING, WHOLE
+from rolling.contact._kinds import FIELD, LINE, NOTHING, NUMBER, WHOLE
 from rolling.contact._linked import linked
 from rolling.contact.compiling import inlined, njit
 
 STRETCH = 16  # nodes of a row whose maximum height is known
+_PAIR = types.UniTuple(WHOLE, 2)
+_PLATE = types.Tuple((FIELD, FIELD, LINE))  # of `overlap_of_row`, as is the sphere
+_SPHERE = types.Tuple((*(NUMBER,) * 6, types.UniTuple(NUMBER, 2)))
 
 
 @inlined()
@@ -86,66 +90,6 @@ def farthest_gap(highest, sphere, approach, blended):
     return approach + half * (half + np.sqrt(half * half + 2 * radius * touching)) / radius
 
 
-@njit(cache=True)
-def overlap(maxima, sphere, approach, load, blended):
-    """Find the window (row, column, rows, columns) where contact at an approach [m] can be.
-
-    The gap, with the minimum deflection, is below the approach there. Contact at a smaller approach
-    lies inside. With blended edges the gap is that of the top of each cell, and there is a border
-    of one node, because the edge of a cell needs nodes on both sides. A window without contact has
-    no rows.
-
-    `maxima` are the fields of `Maxima`, `sphere` its spacing, radii and place, and `load` the
-    numbers of the minimum deflection (see `least_deflection`).
-
-    The search covers the whole ellipse that the highest node allows, at most one period to each
-    side, because an island may lie outside any earlier window.
-    """
-    heights, stretches, row_highest, highest = maxima
-    spacing, radius, radius_across, x, y = sphere
-    approach = farthest_gap(highest, sphere, approach, blended)
-    nowhere = (0, 0, 0, 0)
-    reach2 = 2 * radius * (approach + highest)
-    if reach2 <= 0.0:
-        return nowhere
-    # The reach is half a node more than a period, so that rounding does not hide the image of a
-    # node right below the sphere.
-    reach = min(np.sqrt(reach2), (heights.shape[0] + 0.5) * spacing)
-    low = int(np.ceil((x - reach) / spacing))
-    high = int(np.floor((x + reach) / spacing))
-    plate = heights, stretches, row_highest
-    sphere = spacing, radius, radius_across, x, y, approach, load
-    # The first and the last row give the first columns. In the rows between them, only the nodes
-    # beyond the columns so far can widen the block.
-    empty = 1, 0
-    first_row = low
-    columns = empty
-    while first_row <= high:
-        columns = overlap_of_row(plate, sphere, first_row, empty)
-        if columns[0] <= columns[1]:
-            break
-        first_row += 1
-    if first_row > high:
-        return nowhere
-    last_row = high
-    while last_row > first_row:
-        left, right = overlap_of_row(plate, sphere, last_row, empty)
-        if left <= right:
-            columns = min(columns[0], left), max(columns[1], right)
-            break
-        last_row -= 1
-    # Middle rows are the widest. They come first and leave little to search in the others.
-    middle = min(max(round(x / spacing), first_row + 1), last_row)
-    for i in range(middle, last_row):
-        columns = overlap_of_row(plate, sphere, i, columns)
-    for i in range(middle - 1, first_row, -1):
-        columns = overlap_of_row(plate, sphere, i, columns)
-    border = 1 if blended else 0
-    rows = last_row - first_row + 1
-    width = columns[1] - columns[0] + 1
-    return first_row - border, columns[0] - border, rows + 2 * border, width + 2 * border
-
-
 @inlined()
 def least_deflection(load, distance2):
     """Return the minimum deflection [m] at a node by the whole load.
@@ -158,7 +102,7 @@ def least_deflection(load, distance2):
     return load[0] / np.sqrt(distance2 + load[1])
 
 
-@inlined()
+@linked(_PAIR(_PLATE, _SPHERE, WHOLE, _PAIR))
 def overlap_of_row(plate, sphere, i, columns):
     """Widen columns (first, last) to those of the nodes of row i whose gap is below the approach.
 
@@ -231,6 +175,66 @@ def search_row(row, rise, sphere, begin, end, step):
     return j
 
 
+@njit(cache=True, calls=(overlap_of_row,))
+def overlap(maxima, sphere, approach, load, blended):
+    """Find the window (row, column, rows, columns) where contact at an approach [m] can be.
+
+    The gap, with the minimum deflection, is below the approach there. Contact at a smaller approach
+    lies inside. With blended edges the gap is that of the top of each cell, and there is a border
+    of one node, because the edge of a cell needs nodes on both sides. A window without contact has
+    no rows.
+
+    `maxima` are the fields of `Maxima`, `sphere` its spacing, radii and place, and `load` the
+    numbers of the minimum deflection (see `least_deflection`).
+
+    The search covers the whole ellipse that the highest node allows, at most one period to each
+    side, because an island may lie outside any earlier window.
+    """
+    heights, stretches, row_highest, highest = maxima
+    spacing, radius, radius_across, x, y = sphere
+    approach = farthest_gap(highest, sphere, approach, blended)
+    nowhere = (0, 0, 0, 0)
+    reach2 = 2 * radius * (approach + highest)
+    if reach2 <= 0.0:
+        return nowhere
+    # The reach is half a node more than a period, so that rounding does not hide the image of a
+    # node right below the sphere.
+    reach = min(np.sqrt(reach2), (heights.shape[0] + 0.5) * spacing)
+    low = int(np.ceil((x - reach) / spacing))
+    high = int(np.floor((x + reach) / spacing))
+    plate = heights, stretches, row_highest
+    sphere = spacing, radius, radius_across, x, y, approach, load
+    # The first and the last row give the first columns. In the rows between them, only the nodes
+    # beyond the columns so far can widen the block.
+    empty = 1, 0
+    first_row = low
+    columns = empty
+    while first_row <= high:
+        columns = overlap_of_row(plate, sphere, first_row, empty)
+        if columns[0] <= columns[1]:
+            break
+        first_row += 1
+    if first_row > high:
+        return nowhere
+    last_row = high
+    while last_row > first_row:
+        left, right = overlap_of_row(plate, sphere, last_row, empty)
+        if left <= right:
+            columns = min(columns[0], left), max(columns[1], right)
+            break
+        last_row -= 1
+    # Middle rows are the widest. They come first and leave little to search in the others.
+    middle = min(max(round(x / spacing), first_row + 1), last_row)
+    for i in range(middle, last_row):
+        columns = overlap_of_row(plate, sphere, i, columns)
+    for i in range(middle - 1, first_row, -1):
+        columns = overlap_of_row(plate, sphere, i, columns)
+    border = 1 if blended else 0
+    rows = last_row - first_row + 1
+    width = columns[1] - columns[0] + 1
+    return first_row - border, columns[0] - border, rows + 2 * border, width + 2 * border
+
+
 @inlined()
 def shared(first, length, begin, end):
     """Return the part of a window from `first` on, so many nodes long, within `begin` to `end`."""
@@ -292,7 +296,7 @@ def sum_of_sizes(values):
     return total
 
 
-@njit(cache=True)
+@linked(_PAIR(LINE))
 def loaded_range(row):
     """Return the first loaded node of a row and the node after the last, or equal numbers."""
     first = 0
@@ -308,7 +312,7 @@ def loaded_range(row):
     return first, end
 
 
-@njit(cache=True)
+@njit(cache=True, calls=(loaded_range,))
 def reach(pressure):
     """Return the maximum distances of a row and a column from a loaded row and column.
 

@@ -69,8 +69,11 @@ def inlined(*, fused: bool = False) -> Callable[[Callable[..., Any]], Any]:
     return mark
 
 
-def address_of(function: Callable[..., None], signature: Any) -> int:
-    """Compile a function of numbers that returns nothing; return its address for `call`."""
+def address_of(function: Callable[..., None], signature: Any, calls: Sequence[Any] = ()) -> int:
+    """Compile a function of numbers that returns nothing; return its address for `call`.
+
+    `calls` are the linked kernels that it calls.
+    """
     if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         return address_of_uncompiled(function)
     example = _with_cache(lambda **how: numba.njit(**how)(function), cache=True)
@@ -80,6 +83,8 @@ def address_of(function: Callable[..., None], signature: Any) -> int:
         return numba.cfunc(signature, cache=cache)(function)
 
     with counted_as_compilation(), _without_collection():
+        for called in calls:
+            called.link()
         if files is None:
             callback = compiled(cache=False)
         else:

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from rolling.contact import compiling
@@ -197,11 +198,22 @@ def doubled_and_bounded(whole):
     return min(max(total, whole.bounds.low), whole.bounds.high)
 
 
-@njit(cache=True, calls=(scale, doubled_and_bounded))
+DOUBLES = types.Array(types.float64, 1, "C")
+SINGLES = types.Array(types.float32, 1, "C")
+
+
+@linked(types.float64(DOUBLES), types.float32(SINGLES))
+def last_of(values):
+    return values[values.size - 1]
+
+
+@njit(cache=True, calls=(scale, doubled_and_bounded, last_of))
 def root(values, high):
     whole = reference(Whole(Line(values, 10.0), Bounds(0.0, high)))
     first = doubled_and_bounded(whole)
-    return first, scale(whole.line, np.int64(3))[0]
+    singles = np.empty(1, np.float32)
+    singles[0] = 0.1
+    return first, scale(whole.line, np.int64(3))[0], last_of(singles), last_of(values)
 
 
 @linked(types.int64(LINES))
@@ -219,10 +231,12 @@ def main():
 COPIES = """
 import linked_kernels
 
+PARTS = "scale", "doubled", "last_of"
+
 linked_kernels.root.compile((linked_kernels.types.float64[::1], linked_kernels.types.float64))
 (library,) = [found.library for found in linked_kernels.root.overloads.values()]
 defined = [function.name for function in library.get_defined_functions()]
-print(len(defined) > 0, [name for name in defined if "scale" in name or "doubled" in name])
+print(len(defined) > 0, [name for name in defined if any(part in name for part in PARTS)])
 
 try:
     linked_kernels.factor_of.link()
@@ -298,7 +312,8 @@ def test_linked_kernels_are_compiled_once_and_called(tmp_path: Path) -> None:
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
     run = "import linked_kernels; linked_kernels.main()"
     compiling, loading = (_run(run, **cache).communicate()[0].split() for _ in range(2))
-    numbers = ["100.0", "3600.0", "0.0", "600.0", "1200.0", "1800.0"]
+    single = repr(float(np.float32(0.1)))
+    numbers = ["100.0", "3600.0", single, "1800.0", "0.0", "600.0", "1200.0", "1800.0"]
     assert compiling == [*numbers, "True"]
     assert loading == [*numbers, "False"]
     cache["NUMBA_CACHE_DIR"] = str(tmp_path / "anew")  # code that is loaded cannot be looked into
