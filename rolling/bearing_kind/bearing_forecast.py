@@ -34,7 +34,7 @@ LAYING = 0.2  # of the tracks of a run, and the doubts about them
 TRACK_POINT = 3e-6  # per point of a track and load
 FILES = 0.7  # of a run
 FILES_SECOND = 0.1  # for each second of its motion
-COMPILATION = {"march": 40.0, "motion": 9.0}  # of kernels that are not kept
+COMPILATION = {"march": 30.0, "motion": 9.0}  # of kernels that are not kept
 PAGE_RUN = 1.3  # of the figures and the page of a run
 PAGE_SECOND = 0.1
 
