@@ -31,7 +31,7 @@ class ListenFacts:
 
     content: str = number("what the file holds", "")
     meaning: str = number("what a sample is, and what the gain does to the ear", "")
-    source: Literal["release", "vibration"] | None = number(
+    source: Literal["vibration", "release"] | None = number(
         "what one hears; none in a file of an earlier program, which has the source of the record",
         "",
         default=None,

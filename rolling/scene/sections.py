@@ -833,7 +833,7 @@ class Sound(Section):
     1.0
     """
 
-    source: Literal["release", "vibration"] | None = None
+    source: Literal["vibration", "release"] | None = None
     ball: bool = True
     distance_m: float = Field(default=1.0, gt=0)
     listener_mm: Listeners | None = None
