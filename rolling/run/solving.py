@@ -301,7 +301,7 @@ def _solve_lacking(
 
 def _prepare_page(task: _RunOfLoop, number: int, loop: RunLoop, ending: Ending) -> None:
     """Queue the making of what the page shows of a run alone, while others are still solved."""
-    if ending.prepare_page is None:
+    if ending.prepare_page is None or ending.pool is None:  # of a cluster
         return
     loop.queue_beside(
         number,
