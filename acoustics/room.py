@@ -98,8 +98,8 @@ def in_room(
     --------
     >>> import acoustics
     >>> click = [1.0, 0.0, 0.0]
-    >>> heard = acoustics.in_room(click, reverberation_s=0.5)
-    >>> heard[0].tolist(), round(len(heard) / 48000, 2)
+    >>> pressure = acoustics.in_room(click, reverberation_s=0.5)
+    >>> pressure[0].tolist(), round(len(pressure) / 48000, 2)
     ([1.0, 1.0], 0.51)
     """
     from scipy.signal import fftconvolve  # slow to import
@@ -116,9 +116,9 @@ def in_room(
         rate,
         seed,
     )
-    heard = fftconvolve(ears, tails, axes=0)
-    heard[: len(ears)] += ears
-    return np.asarray(heard)
+    pressure = np.asarray(fftconvolve(ears, tails, axes=0))
+    pressure[: len(ears)] += ears
+    return pressure
 
 
 def diffuse_response(

@@ -149,9 +149,9 @@ def _records_of(sound: _Heard, playback: dict[str, float | None], below_db: floa
 def prepare(run: Run) -> None:
     """Make the records of the sounds of a run that are not read from a file; the run keeps them."""
     for sound in listening.new_sounds(run):
-        heard = _heard(run, sound)
-        if heard.is_new:
-            _records(heard)
+        sound_of_run = _heard(run, sound)
+        if sound_of_run.is_new:
+            _records(sound_of_run)
 
 
 def _records(sound: _Heard) -> list[PageRecord]:

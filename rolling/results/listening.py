@@ -517,12 +517,12 @@ def record_in_room(record: EarRecord, reverberation_s: float, distance_m: float)
     reverberation_s : float, s. Reverberation time.
     distance_m : float, m. Distance of the listener from the source.
     """
-    heard = room.in_room(record.pressure, reverberation_s, distance_m, wav.SAMPLE_RATE_HZ)
+    pressure = room.in_room(record.pressure, reverberation_s, distance_m, wav.SAMPLE_RATE_HZ)
     content = (
         f"{record.content}; heard in a made room of {room.VOLUME_M3:g} m3 with a reverberation"
         f" time of {reverberation_s:g} s, which no level includes"
     )
-    return record._replace(pressure=heard, content=content)
+    return record._replace(pressure=pressure, content=content)
 
 
 def write_long(run: NumberedRun, long: Listening, reverberation_s: float | None = None) -> Path:
