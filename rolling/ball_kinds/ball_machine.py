@@ -7,7 +7,7 @@ plate with edges is seen from above in its proportions.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,7 @@ from rolling.results.description import (
     ball_faults,
     ball_material,
     ball_surface,
+    different_words,
     finish_word,
     listed,
     plate_faults,
@@ -138,7 +139,7 @@ def _draw_ball(machine: Machine, scenes: Sequence[Scene], ball: _Ball) -> None:
     machine.draw("thin", line(ball.centre, end))
     radii = values_text([scene.sphere.radius_mm for scene in scenes])
     across = [scene.sphere.radius_across_mm for scene in scenes]
-    words = " ".join([listed(_different(scenes, ball_material) or ["elastic"]), "ball"])
+    words = " ".join([listed(different_words(scenes, ball_material) or ["elastic"]), "ball"])
     if any(across):
         words = f"along, {values_text(across)} mm across the track"
     machine.say(around(ball.centre, 0.6 * ball.radius, -2.5), f"R {radii} mm", words)
@@ -244,13 +245,23 @@ def _drawn_thickness(scene: Scene, ball: _Ball) -> float:
 
 def _mean_ra_um(scenes: Sequence[Scene], numbers: Sequence[Any]) -> float:
     """Return the Ra [um] that the profile shows: solved, given, or some where it is not known."""
-    if numbers:
-        return 1e6 * float(numbers[0].surface.ra_m)
+    solved = _solved_ra_um(numbers)
+    if solved:
+        return solved[0]
     law = scenes[0].surface.law
     if law is None and scenes[0].height_path is None:
         return 0.0
     given = (getattr(law, "roughness_ra_um", None), getattr(law, "rq_um", None))
     return next((float(value) for value in given if value is not None), SOME_UM)
+
+
+def _solved_ra_um(numbers: Sequence[Any]) -> list[float]:
+    """Return the Ra [um] of the plates of solved runs, without that of their balls."""
+    surfaces = [run_numbers.surface for run_numbers in numbers]
+    return [
+        1e6 * float(surface.ra_m if surface.plate_ra_m is None else surface.plate_ra_m)
+        for surface in surfaces
+    ]
 
 
 def _profile(ra_um: float, left: float, right: float) -> list[Place]:
@@ -276,9 +287,12 @@ def _hatching(left: float, right: float, bottom: float) -> list[str]:
 def _say_plate(
     machine: Machine, scenes: Sequence[Scene], numbers: Sequence[Any], inside: Place
 ) -> None:
-    """Name material, thickness and roughness of the plate."""
+    """Name material, thickness, roughness and faults of the plate."""
     scene = scenes[0]
-    materials = listed(_different(scenes, lambda item: plate_material(item.plate)) or ["plate"])
+    surface_at = (inside[0] - 14, GROUND + 2)
+    materials = listed(
+        different_words(scenes, lambda item: plate_material(item.plate)) or ["plate"]
+    )
     if scene.plate.thickness_mm is None:
         value = "half-space"
         words = f"of {materials}" if materials != "plate" else "elastic"
@@ -291,25 +305,31 @@ def _say_plate(
     if hardness:
         words += f", yields at {values_text(hardness)} GPa"
     machine.say(inside, value, words)
-    finishes = _different(scenes, finish_word)
+    _say_roughness(machine, scenes, numbers, surface_at)
+    faults = plate_faults(scene)
+    if faults:
+        at = (surface_at[0] - 30, GROUND + 3)
+        machine.draw("fault", circle(at, 3.0))
+        machine.say(at, faults, "in the plate")
+
+
+def _say_roughness(
+    machine: Machine, scenes: Sequence[Scene], numbers: Sequence[Any], place: Place
+) -> None:
+    """Name the roughness of the plate: as the scenes give it, or as it is where they do not."""
+    finishes = different_words(scenes, finish_word)
     surface = f"{listed(finishes)} surface" if finishes else "surface of the plate"
-    roughness = _different(scenes, roughness_text)
-    known = [1e6 * float(item.surface.ra_m) for item in numbers]
+    roughness = different_words(scenes, roughness_text)
+    known = _solved_ra_um(numbers)
     if known and not any(text.startswith("Ra ") for text in roughness):
         surface = f"{surface}, {listed(roughness)}" if roughness else surface
         roughness = [f"Ra {values_text(known)} µm"] if max(known) > 0 else []
-    place = (inside[0] - 14, GROUND + 2)
     if not roughness:
         machine.say(place, "smooth", "surface of the plate")
     elif len(roughness) > 3:
         machine.say(place, f"{len(roughness)} values", f"of the {surface}")
     else:
         machine.say(place, listed(_without_repeats(roughness)), surface)
-    faults = plate_faults(scene)
-    if faults:
-        at = (inside[0] - 44, GROUND + 3)
-        machine.draw("fault", circle(at, 3.0))
-        machine.say(at, faults, "in the plate")
 
 
 def _without_repeats(texts: Sequence[str]) -> list[str]:
@@ -322,11 +342,6 @@ def _without_repeats(texts: Sequence[str]) -> list[str]:
         return [*texts]
     first = f"{parts[0][0]} {parts[0][1]}"
     return [first, *(part[1] for part in parts[1:-1]), f"{parts[-1][1]} {parts[-1][2]}"]
-
-
-def _different(scenes: Sequence[Scene], word: Callable[[Scene], str]) -> list[str]:
-    """Return the different words for scenes, without empty ones."""
-    return [text for text in dict.fromkeys(map(word, scenes)) if text]
 
 
 # ---- a plate with edges from above
@@ -348,7 +363,7 @@ def _draw_plan(machine: Machine, scenes: Sequence[Scene], top: float) -> None:
     machine.draw("ground", box(left, top, left + scale * length, bottom))
     machine.draw("edge", box(left, top, left + scale * length, bottom))
     kinds = dict.fromkeys(kind.replace("_", " ") for kind in scene.plate.edge_pair)
-    sizes = _different(scenes, lambda item: plate_size(item.plate))
+    sizes = different_words(scenes, lambda item: plate_size(item.plate))
     size = sizes[0].rpartition(" x ")[0] if len(sizes) == 1 else f"{len(sizes)} sizes"
     corner = (left + scale * length - 8, bottom - 6)
     machine.say(corner, f"{size} mm", f"from above, edges {' and '.join(kinds)}")

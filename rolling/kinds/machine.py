@@ -64,14 +64,12 @@ class Machine:
     height : float. Height of the picture.
     shapes : list of Shape, in the order of drawing.
     callouts : list of Callout.
-    note : str. What the drawing leaves out, or which runs it has.
     """
 
     title: str
     height: float = 0.0
     shapes: list[Shape] = field(default_factory=list)
     callouts: list[Callout] = field(default_factory=list)
-    note: str = ""
 
     def draw(self, role: Role, *paths: str, share: float = 0.0) -> None:
         """Add a shape of one path or several."""

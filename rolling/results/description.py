@@ -95,7 +95,7 @@ def subject(scenes: Sequence[Scene]) -> str:
     return f"{ball[0].upper()}{ball[1:]} on {_plate(scenes)}, {words}"
 
 
-def _unique(scenes: Sequence[Scene], word: Callable[[Scene], str]) -> list[str]:
+def different_words(scenes: Sequence[Scene], word: Callable[[Scene], str]) -> list[str]:
     """Return the different words for scenes, without empty ones, in their order."""
     return [text for text in dict.fromkeys(map(word, scenes)) if text]
 
@@ -110,7 +110,7 @@ def values_text(values: Sequence[float | None]) -> str:
 
 def _ball(scenes: Sequence[Scene]) -> str:
     """Name the ball: its material, diameter and surface."""
-    materials = _unique(scenes, ball_material)
+    materials = different_words(scenes, ball_material)
     material = listed(materials) if materials else ""
     material = material.replace("bearing steel", "bearing-steel")
     diameters = values_text([2 * scene.sphere.radius_mm for scene in scenes])
@@ -187,10 +187,10 @@ def ball_surface(scenes: Sequence[Scene]) -> str:
     if grades:
         names = [*dict.fromkeys(grades)]
         words = f" (grade{'s' if len(names) > 1 else ''} {listed(names)})"
-    texts = _unique(scenes, _ball_roughness)
+    texts = different_words(scenes, _ball_roughness)
     if texts:
         words += f" ({listed(texts)})"
-    faults = _unique(scenes, ball_faults)
+    faults = different_words(scenes, ball_faults)
     if faults:
         words += f" with {faults[0]}"
     return words
@@ -277,14 +277,14 @@ def _speed(scenes: Sequence[Scene]) -> str:
 
 def _plate(scenes: Sequence[Scene]) -> str:
     """Name the plate: its finish, material, size and roughness."""
-    finishes = listed(_unique(scenes, finish_word) or [""])
-    materials = _unique(scenes, lambda scene: plate_material(scene.plate))
+    finishes = listed(different_words(scenes, finish_word) or [""])
+    materials = different_words(scenes, lambda scene: plate_material(scene.plate))
     sizes = [*dict.fromkeys(plate_size(scene.plate) for scene in scenes)]
     if sizes == [""] and materials:
         body = f"{finishes} {listed(materials)}"
     elif len(materials) > 1:
         body = f"{finishes} plates of {listed(materials)}{_sizes(scenes)}"
-    elif len(sizes) > 1 or len(_unique(scenes, finish_word)) > 1:
+    elif len(sizes) > 1 or len(different_words(scenes, finish_word)) > 1:
         material = "".join(materials).replace(" ", "-")
         body = f"{finishes} {material} plates{_sizes(scenes)}"
     else:
@@ -294,7 +294,7 @@ def _plate(scenes: Sequence[Scene]) -> str:
     brackets = _brackets(scenes)
     if brackets:
         words += f" ({', '.join(brackets)})"
-    faults = _unique(scenes, plate_faults)
+    faults = different_words(scenes, plate_faults)
     if faults:
         words += f" with {faults[0]}"
     return words
@@ -308,13 +308,13 @@ def _with_article(words: str) -> str:
 
 def _sizes(scenes: Sequence[Scene]) -> str:
     """Write the sizes of plates that bend; nothing for half-spaces."""
-    sizes = _unique(scenes, lambda scene: plate_size(scene.plate))
+    sizes = different_words(scenes, lambda scene: plate_size(scene.plate))
     return f" of {listed(sizes)}" if sizes else ""
 
 
 def _brackets(scenes: Sequence[Scene]) -> list[str]:
     """Return what stands in brackets behind a plate: its roughness, and the number of surfaces."""
-    brackets = _shortened(_unique(scenes, roughness_text))
+    brackets = _shortened(different_words(scenes, roughness_text))
     if len(brackets) > MAX_LISTED:
         brackets = [f"{len(brackets)} different surfaces"]
     seeds = {getattr(scene.surface, "seed", None) for scene in scenes}
