@@ -24,8 +24,8 @@ from rolling.results.run_result import Run
 from rolling.sound.vibration_sound import Vibration
 from rolling.sound.wavelengths import weighted_lines
 
-# Colour of releases, by their opacity. A blue without green differs from all pressures and from all
-# greys for people who see no red or no green, too.
+# Colour of releases, by their opacity. Cyan is grey for people who see no red or no green; a blue
+# with less green differs from all pressures and from all greys for them, too.
 LIT = np.tile(np.array((0, 150, 255), np.uint8), (256, 1))
 BRIGHTEST = 0.999  # share of the releases that are less than fully lit
 DIMMED = 0.7  # brightness of pressures above the surface

@@ -61,7 +61,7 @@ SLIDERS = (
     Slider("q", 1e-6, 1.0, "-"),
 )
 LEAST_EDGE = 1.5  # lowest length of an edge, over the distance from its corner to the contact
-USUAL_RESISTANCE = 0.005  # of hard balls on hard and even plates
+USUAL_RESISTANCE = 0.005  # assumed for balls under their own weight
 CHANGED = 1.5  # value of a command that changes a number, over that of the run
 # Keys of the solved contact, which the page cannot change, and their names there.
 SOLVED_KEYS = {
