@@ -62,6 +62,8 @@ SHORT = {
     ],
     "ball-with-flat": [
         "surface.spacing_um=16",
+        "sphere.radius_mm=5",
+        "rolling.distance_mm=31.408",
         "plate.length_mm=150",
         "plate.width_mm=100",
         "plate.contact_mm=[30, 25]",

@@ -239,6 +239,8 @@ class OneBall(Kind):
         path = listening.write_long(run, long, reverberation_s)
         stated = run.stated()
         progress.line(listening.describe_long_record(stated, long))
+        if reverberation_s is not None:
+            progress.line(listening.words_of_room(reverberation_s))
         for text in long.numbers.limits or ():
             progress.line(f"warning: {text}")
         return path

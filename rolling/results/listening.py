@@ -518,11 +518,16 @@ def record_in_room(record: EarRecord, reverberation_s: float, distance_m: float)
     distance_m : float, m. Distance of the listener from the source.
     """
     pressure = room.in_room(record.pressure, reverberation_s, distance_m, wav.SAMPLE_RATE_HZ)
-    content = (
-        f"{record.content}; heard in a made room of {room.VOLUME_M3:g} m3 with a reverberation"
-        f" time of {reverberation_s:g} s, which no level includes"
-    )
+    content = f"{record.content}; {words_of_room(reverberation_s)}"
     return record._replace(pressure=pressure, content=content)
+
+
+def words_of_room(reverberation_s: float) -> str:
+    """Say in which room a record is heard, and that no level has it."""
+    return (
+        f"heard in a made room of {room.VOLUME_M3:g} m3 with a reverberation time of"
+        f" {reverberation_s:g} s, which no level includes"
+    )
 
 
 def write_long(run: NumberedRun, long: Listening, reverberation_s: float | None = None) -> Path:

@@ -26,8 +26,8 @@ SCENES = (
     "steel-sheet",
     "marble-rolling-out",
     "ball-with-pit",
+    "bearing-inner-fault",
     "bearing-outer-fault",
-    "bearing-6204",
     "quickstart",
 )
 BAND_HZ = (0.5, 50.0)

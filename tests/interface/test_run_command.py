@@ -449,7 +449,9 @@ def refuse_or_hear_a_room(out: Path, order: list[str], capsys: pytest.CaptureFix
     assert cli.main([*order, "--seed", "2", "--reverberation", "20"]) == 2
     assert "reverberation: got 20 s, allowed: 0.1 to 10 s" in capsys.readouterr().err
     assert cli.main([*order, "--seed", "2", "--reverberation", "0.5"]) == 0
-    assert capsys.readouterr().out == f"{out / 'room.wav'}\n"
+    said = capsys.readouterr()
+    assert said.out == f"{out / 'room.wav'}\n"
+    assert "heard in a made room of 50 m3" in said.err
     after = {path.name: path.read_bytes() for path in out.iterdir() if path.is_file()}
     del after["room.wav"]
     assert after == before
