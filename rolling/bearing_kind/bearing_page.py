@@ -142,7 +142,10 @@ def _compared_bands(runs: Sequence[BearingRun]) -> list[Bars]:
         rows = []
         for run in runs:
             label = printable(run.label or run.scene.name)
-            rows.append(_bar(label, run.numbers.below_bending.radial.by_band[band]))
+            if band in bearing_sentences.band_words(run.numbers.ring.bending_hz):
+                rows.append(_bar(label, run.numbers.below_bending.radial.by_band[band]))
+            else:  # all of the band lies above the bending
+                rows.append(_no_bar(label))
         compared.append(bars_over_decades(f"{name} [µm/s]", rows))
     return compared
 
@@ -158,6 +161,12 @@ def _bar(name: str, velocity: Quantity) -> Row:
         factor = 10 ** (velocity.uncertainty / 20)
         low, high = value / factor, value * factor
     return Row(name=name, value=value, low=low, high=high, words=words, spread=spread)
+
+
+def _no_bar(name: str) -> Row:
+    """Return the row of a velocity that is not known."""
+    words = bearing_sentences.NO_VELOCITY
+    return Row(name=name, value=None, low=None, high=None, words=words)
 
 
 def _band_rows(numbers: BearingNumbers) -> list[tuple[str, list[tuple[str, str]]]]:

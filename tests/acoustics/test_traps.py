@@ -45,6 +45,7 @@ SOUND_DOORS: dict[str, Call] = {
     "band_uncertainty_db": lambda record: acoustics.band_uncertainty_db(len(record) / RATE),
     "default_room_db": lambda record: acoustics.default_room_db(),
     "envelope_spectrum": lambda record: acoustics.envelope_spectrum(record, RATE, (500.0, 1000.0)),
+    "in_room": lambda record: acoustics.in_room(record, reverberation_s=0.3),
     "intensity": lambda record: acoustics.intensity(np.abs(record), 1.0),
     "is_single_event": lambda record: acoustics.is_single_event(record, RATE),
     "kurtosis": lambda record: acoustics.kurtosis(record),

@@ -97,7 +97,12 @@ def test_docstrings_say_what_comes_out(
     module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:
     """Examples run in an empty folder; a scene is named by scenarios/."""
-    places = ("rolling.plot", "rolling.figures", "rolling.bearing_kind.bearing_figures")
+    places = (
+        "rolling.plot",
+        "rolling.figures",
+        "rolling.bearing_kind.bearing_figures",
+        "rolling.bearing_kind.pulse_figures",
+    )
     is_plot = module.startswith((*places, "rolling.kinds.shown_run"))
     (tmp_path / "scenarios").symlink_to(ROOT / "scenarios")
     monkeypatch.chdir(tmp_path)

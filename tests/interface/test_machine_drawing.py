@@ -85,7 +85,7 @@ def circles(machine: Machine, role: str) -> list[tuple[float, float, float]]:
     return found
 
 
-@pytest.mark.law("drawing: no number of a scene of the library covers another or leaves the page")
+@pytest.mark.law("drawing: no number of a scene of the library covers another or leaves the page.")
 @pytest.mark.parametrize("path", LIBRARY, ids=lambda path: str(path.relative_to(SCENARIOS)))
 def test_no_number_covers_another_one(path: Path) -> None:
     machine = drawn(*(scene for _, scene in read_scene(path).runs()))
@@ -182,7 +182,7 @@ def test_sensors_stand_on_the_plate_where_the_scene_has_them() -> None:
     assert sum(shape.role == "sensor" for shape in machine.shapes) == 2
 
 
-@pytest.mark.law("drawing: a bearing has its balls, in proportion and with the loads of a balance")
+@pytest.mark.law("drawing: a bearing has its balls, in proportion and with the loads of a balance.")
 def test_balls_of_a_bearing_are_in_proportion_and_their_shades_balance_the_load() -> None:
     scene = loads_bearing(BEARING)
     machine = drawn(scene)

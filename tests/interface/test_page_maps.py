@@ -385,7 +385,7 @@ def lab(colours: np.ndarray, seen: np.ndarray) -> np.ndarray:
     return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=1)
 
 
-@pytest.mark.law("page: released energy differs from all pressures and greys without red or green")
+@pytest.mark.law("page: released energy differs from all pressures and greys without red or green.")
 @pytest.mark.parametrize("who", SEEN_BY)
 @pytest.mark.parametrize("ends_at_hardness", [False, True])
 def test_released_energy_is_told_from_pressures_without_red_or_green(

@@ -564,7 +564,7 @@ PLAN = """() => {
 }"""
 
 
-@pytest.mark.law("instrument: a marble rolls out in the time that its resistance and weight give")
+@pytest.mark.law("instrument: a marble rolls out in the time that its resistance and weight give.")
 def test_a_ball_under_its_weight_rolls_out_and_rests(playing) -> None:
     (run,) = runs_of("falling")
     scene = run.scene.with_({"rolling.drop_mm": None, "rolling.resistance": USUAL_RESISTANCE})
