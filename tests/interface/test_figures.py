@@ -392,6 +392,7 @@ def test_figures_name_the_place_of_the_listener() -> None:
 # ---- files
 
 
+@pytest.mark.slow
 def test_the_same_run_gives_the_same_bytes(three) -> None:
     again = [replace(run) for run in three]
     for one, other in zip(comparing_pictures(three), comparing_pictures(again), strict=True):

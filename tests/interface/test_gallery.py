@@ -79,6 +79,7 @@ def test_one_sounds_at_a_time_with_equal_or_calibrated_gain(path: Path, opened) 
     assert np.ptp(20 * np.log10(calibrated / equal) - levels) < 1e-3
 
 
+@pytest.mark.slow
 def test_sounds_begin_like_the_record_and_stay_short(path: Path) -> None:
     """The MP3 follows the record, apart from the band above 19 kHz, 20 dB below the whole."""
     (filmed, *_), (sound, *_) = runs_of("filmed"), records(path)
