@@ -198,8 +198,11 @@ def welch(signal: Array, sample_rate_hz: float) -> Psd:
 def hann(length: int) -> Array:
     """Return a Hann window of so many samples, whose next sample would be its first one.
 
-    It is written out, because `scipy.signal` takes half a second to import.
+    That of a single sample is 1. It is written out, because `scipy.signal` takes half a second to
+    import.
     """
+    if length == 1:
+        return np.ones(1)
     angle = np.linspace(-np.pi, np.pi, length + 1)[:-1]
     window: Array = 0.5 + 0.5 * np.cos(angle)
     return window

@@ -103,6 +103,7 @@ def test_welch_gives_the_level_of_a_tone_through_its_noise_bandwidth(frequency_h
 
 
 def test_welch_keeps_the_mean_and_refuses_what_is_no_record():
+    assert np.isfinite(welch(np.ones(1), 48000).psd).all()  # a single sample has a window, too
     assert welch(np.full(4800, 2.0), 48000.0).psd[0] > 0.0
     with pytest.raises(ValueError, match="finite"):
         welch(np.array([0.0, np.inf]), 48000.0)

@@ -153,7 +153,7 @@ def test_python_keeps_the_numbers_alone(tmp_path: Path) -> None:
     assert choice.contenders[0].level_db <= choice.contenders[1].level_db
     frame = choice.table()
     assert frame["louder_db"][1] == pytest.approx(choice.differences[0].db)
-    assert choice.plot().get_xlabel() == "third octave, Hz"
+    assert choice.plot().get_xlabel() == "frequency [Hz]"
     assert not choice.folder.exists()
 
 

@@ -196,13 +196,13 @@ def test_targets_fit_fingers_and_tables_are_cards(pages, opened) -> None:
 
 
 def test_text_has_16_px_at_least(pages, opened) -> None:
-    """Axes of charts and of the picture of the record have smaller numbers."""
+    """Axes of charts, of the instrument and of the picture of the record have smaller numbers."""
     small = """() => {
       const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT), found = [];
       while (walker.nextNode()) {
         const { parentElement: box, textContent: text } = walker.currentNode;
         if (!text.trim() || !box.checkVisibility()) continue;
-        if (box.closest("svg, #heard, .only-spoken")) continue;
+        if (box.closest("svg, #heard, .ticks, .only-spoken")) continue;
         if (parseFloat(getComputedStyle(box).fontSize) < 16) found.push(box.outerHTML.slice(0, 80));
       }
       return found;
