@@ -340,8 +340,11 @@ def _without_repeats(texts: Sequence[str]) -> list[str]:
     words = {(part[0], part[2]) for part in parts}
     if len(words) > 1:
         return [*texts]
-    first = f"{parts[0][0]} {parts[0][1]}"
-    return [first, *(part[1] for part in parts[1:-1]), f"{parts[-1][1]} {parts[-1][2]}"]
+    word, _, unit = parts[0]
+    values = [part[1] for part in parts]
+    values[0] = f"{word} {values[0]}"
+    values[-1] = f"{values[-1]} {unit}"
+    return values
 
 
 # ---- a plate with edges from above
