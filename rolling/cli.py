@@ -233,7 +233,11 @@ def _resound(given: argparse.Namespace) -> int:
 
 
 def _report(given: argparse.Namespace) -> int:
-    """Write the page of runs."""
+    """Write the page of runs, or the sheets that people hand on."""
+    if given.declare:
+        with progress.step(LOADING):
+            from rolling.commands.declare import declare
+        return _print_paths(declare(given.run_folders, given.out))
     with progress.step(LOADING):
         from rolling.commands.stored_runs import report
     return _print_paths(report(given.run_folders, given.out))
@@ -428,6 +432,7 @@ def _surface(given: argparse.Namespace) -> int:
         tip_radius_um=given.tip_radius_um,
         save=given.save,
         out=given.out,
+        declare=given.declare,
     )
     return _print_paths(paths)
 

@@ -51,6 +51,7 @@ from rolling.terminal.whole_files import FolderError
 if TYPE_CHECKING:
     from rolling.archive.definition import Series
     from rolling.ball_kinds.ball_audition import BallAudition
+    from rolling.numbers.sheet import Sheet
     from rolling.recordings.compared_run import ComparedRun
     from rolling.recordings.recorded import MeasuredQuantity
 
@@ -323,6 +324,20 @@ class OneBall(Kind):
 
         prepare(run)
         return True
+
+    # ---- sheets
+
+    def sheets(self, run: Run) -> list[Sheet]:
+        """Return the declaration of the level of the vibration."""
+        from rolling.ball_kinds.ball_sheets import noise_sheet_of
+
+        return [noise_sheet_of(run)]
+
+    def surface_sheets(self, run: Run) -> list[Sheet]:
+        """Return the roughness report of the surface that the ball rolled over."""
+        from rolling.ball_kinds.ball_sheets import roughness_sheet_of
+
+        return [roughness_sheet_of(run)]
 
     # ---- choices
 

@@ -35,6 +35,7 @@ from rolling.terminal import defaults
 if TYPE_CHECKING:
     from rolling.archive.definition import Series
     from rolling.bearing_kind.bearing_audition import BearingAudition
+    from rolling.numbers.sheet import Sheet
     from rolling.recordings.compared_run import ComparedRun
     from rolling.recordings.recorded import MeasuredQuantity
 
@@ -239,6 +240,15 @@ class TurningBearing(MarchesInFiles):
         from rolling.bearing_kind.bearing_page import bearing_parts
 
         return bearing_parts(runs)
+
+    # ---- sheets
+
+    def sheets(self, run: BearingRun) -> list[Sheet]:
+        """Return the vibration sheet, and the declaration of a housing plate."""
+        from rolling.bearing_kind.bearing_sheets import housing_sheet, vibration_sheet
+
+        of_housing = housing_sheet(run)
+        return [vibration_sheet(run), *([] if of_housing is None else [of_housing])]
 
     # ---- choices
 

@@ -1,14 +1,16 @@
 """Files that a command may replace: its own, of the same source, by what the files say.
 
-A table names its source in a column and a picture in its header. A file that says nothing, or
-another source, is a person's.
+A table names its source in a column, a picture and a page in their heads, and JSON under a key. A
+file that says nothing, or another source, is a person's.
 """
 
 from __future__ import annotations
 
 import csv
 import io
+import json
 import os
+import re
 from pathlib import Path
 
 from PIL import PngImagePlugin
@@ -16,6 +18,10 @@ from PIL import PngImagePlugin
 from rolling.terminal.whole_files import FolderError, read_regular
 
 SOURCE = "Source"  # text of a picture, and in small letters the column of a table
+_PAGE_SOURCE = re.compile(
+    rb'<meta name="generator" content="rolling-contact-noise [^"]*">\s*'
+    rb'<meta name="source" content="([^"]*)">'
+)
 MAX_BYTES = 50_000_000  # of an earlier file, of which the command writes far less
 
 
@@ -44,6 +50,11 @@ def _origin(ending: str, content: bytes) -> object:
     """Return what a table or a picture says of its origin; bytes that say nothing are their own."""
     if ending == ".csv":
         return _origin_of_table(content) or content
+    if ending == ".json":
+        return _origin_of_json(content) or content
+    if ending in (".html", ".htm"):
+        match = _PAGE_SOURCE.search(content)
+        return content if match is None else match.group(1)
     return _origin_of_picture(content) or content
 
 
@@ -54,6 +65,15 @@ def _origin_of_table(content: bytes) -> tuple[list[str], list[tuple[str, str]]] 
         column = head.index(SOURCE.lower())
         return head, [(row[0], row[column]) for row in rows]
     except (ValueError, IndexError, csv.Error):
+        return None
+
+
+def _origin_of_json(content: bytes) -> tuple[str, str] | None:
+    """Return program, without its version, and source of a JSON; None without them."""
+    try:
+        values = json.loads(content)
+        return str(values["program"]).partition(" ")[0], str(values["source"])
+    except (ValueError, TypeError, KeyError, RecursionError):
         return None
 
 

@@ -17,6 +17,7 @@ from rolling.contact.track import MIN_NODES
 from rolling.in_si import measured, offered_lines
 from rolling.in_si.described_file import FileOptions, described_file, offer_of_file
 from rolling.in_si.scene_surface import scene_surface
+from rolling.results.roughness_sheet import MADE_HEIGHTS
 from rolling.scene import height_files
 from rolling.scene.file import read_as
 from rolling.scene.height_files import HeightFormatError, is_instrument
@@ -44,6 +45,7 @@ def surface(
     tip_radius_um: float | None = None,
     save: Path | None = None,
     out: Path | None = None,
+    declare: bool = False,
 ) -> list[Path]:
     """Print the parameters of a surface by ISO 25178-2, and write them with a picture.
 
@@ -55,6 +57,7 @@ def surface(
     tip_radius_um : float, um. Radius of the tip of the stylus that measured a file. Default: none.
     save : Path. File for the heights, in the format of its ending. Default: none.
     out : Path. Folder of picture and table. Default: outputs/NAME-surface.
+    declare : bool. Whether the roughness report is written, too. Default: false.
 
     Raises
     ------
@@ -76,7 +79,10 @@ def surface(
         described = _surface_of_file(source, options)
     folder = out or Path("outputs") / f"{described.name}-surface"
     with progress.step("computing the parameters, drawing the picture"):
-        lines, contents = _parameters_and_picture(described, source_name(source, folder))
+        named = source_name(source, folder)
+        lines, contents = _parameters_and_picture(described, named)
+        if declare:
+            contents |= _roughness_report(described, named)
     for name, content in contents.items():
         refuse_others(folder / name, content)
     if save is not None:
@@ -134,6 +140,8 @@ class _DescribedSurface:
     of_file : Offer or None. The line of a scene that rolls over the file; None for a scene.
     may_be_turned : bool. Whether the option `along` is left to choose.
     sight : str. What the instrument sees of a file; empty where there is nothing to say.
+    facts : tuple of pairs of str. Where the heights are from, and what was removed, for a report.
+    departures : tuple of str. What a measurement would have and the heights do not, in sentences.
     """
 
     name: str
@@ -145,6 +153,8 @@ class _DescribedSurface:
     of_file: offered_lines.Offer | None = None
     may_be_turned: bool = False
     sight: str = ""
+    facts: tuple[tuple[str, str], ...] = ()
+    departures: tuple[str, ...] = ()
 
 
 def _refuse_taken(save: Path | None, out: Path | None) -> None:
@@ -179,6 +189,10 @@ def _surface_of_scene(path: Path, overrides: Sequence[str]) -> _DescribedSurface
         steps=np.full(2, scene.spacing),
         is_periodic=True,
         pair=offered_lines.pair_of_scene(scene),
+        facts=(
+            ("Heights", f"those of the scene {printable(scene.name)}, as a run rolls over them"),
+        ),
+        departures=(MADE_HEIGHTS,),
     )
 
 
@@ -208,6 +222,12 @@ def _surface_of_file(path: Path, options: FileOptions) -> _DescribedSurface:
         of_file=offer_of_file(path, read.keys),
         may_be_turned=options.along is None and 1 not in read.heights.shape,
         sight=_sight_words(read.heights, read.steps, instrument),
+        facts=(
+            ("Heights", f"the file {printable(path.name)} as it was measured"),
+            ("Form and plane", "the least-squares plane is removed"),
+            ("Unmeasured nodes", f"{gaps:,}, which do not count"),
+        ),
+        departures=("What the instrument filtered before it wrote the file is not known.",),
     )
 
 
@@ -250,6 +270,26 @@ def _parameters_and_picture(
         facts = {"Software": "rolling-contact-noise", SOURCE: source}
         contents["surface.png"] = drawn.file("png", facts) or b""
     return parameter_lines(values, is_bound), contents
+
+
+def _roughness_report(described: _DescribedSurface, source: str) -> dict[str, bytes]:
+    """Return the files of the roughness report of a surface by their names."""
+    from rolling.commands.declare import DECLARATION, sheet_contents
+    from rolling.results.roughness_sheet import roughness_sheet
+
+    name = printable(described.name)
+    sheet = roughness_sheet(
+        f"Surface {name}, {described.words}.",
+        described.heights,
+        (float(described.steps[0]), float(described.steps[1])),
+        described.is_periodic,
+        facts=described.facts,
+        departures=described.departures,
+    )
+    contents = sheet_contents(f"Roughness report: {name}", {name: [sheet]}, source)
+    stem = Path(DECLARATION)
+    names = [stem.name, stem.with_suffix(".csv").name, stem.with_suffix(".json").name]
+    return dict(zip(names, contents, strict=True))
 
 
 def _save_heights(path: Path, described: _DescribedSurface) -> None:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:  # a scene is read without the solver
     from rolling.kinds.machine import Machine
     from rolling.kinds.needed_marches import March, MarchStore
     from rolling.kinds.page_parts import PageParts
+    from rolling.numbers.sheet import Sheet
 
 NOT_IN_0_8 = -1
 
@@ -389,6 +390,22 @@ class Kind(ABC):
         the same bytes whether it was prepared or not.
         """
         return False
+
+    # ---- sheets
+
+    def sheets(self, run: Any) -> Sequence[Sheet]:
+        """Return the sheets of a run that people hand on, from what is stored of it.
+
+        The page of a run has them. The default has none: runs of this kind declare nothing.
+        """
+        return ()
+
+    def surface_sheets(self, run: Any) -> Sequence[Sheet]:
+        """Return the sheets of the surfaces of a run, whose heights are made anew.
+
+        Nothing is marched. The default has none.
+        """
+        return ()
 
     # ---- choices
 

@@ -15,7 +15,12 @@ from rolling.scene.sections import WEIGHT, loss_text
 
 def assumptions(run: Run) -> dict[str, str]:
     """Return the assumptions of a run by their names."""
-    return _source(run) | _record(run) | _bodies(run) | _contact(run)
+    return _source(run) | _record(run) | of_machine(run)
+
+
+def of_machine(run: Run) -> dict[str, str]:
+    """Return the assumptions about bodies and contact by their names."""
+    return _bodies(run) | _contact(run)
 
 
 def _record(run: Run) -> dict[str, str]:

@@ -81,6 +81,8 @@ class PageOfParts:
         Data for the scripts beside the charts.
     cited : sequence of str
         Works that it cites beside the program.
+    source : str
+        What it was made of, by which a command knows its own file. Default: it does not say it.
     """
 
     title: str
@@ -99,6 +101,7 @@ class PageOfParts:
     shared: Mapping[str, Any] = field(default_factory=dict)
     data: Mapping[str, Any] = field(default_factory=dict)
     cited: Sequence[str] = ()
+    source: str = ""
 
     def written(self) -> bytes:
         """Return the HTML file."""
@@ -122,6 +125,7 @@ class PageOfParts:
         templates.globals["shown"] = shown
         values = {
             "title": self.title,
+            "source": self.source,
             "noise": self.noise,
             "notice": self.notice,
             "unsolved": self.unsolved,

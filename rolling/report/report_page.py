@@ -18,7 +18,9 @@ from rolling.kinds.registry import kind_of, kind_of_runs
 from rolling.report import leading_numbers, number_table, page_sounds, text
 from rolling.report.machine_drawing import drawing_of
 from rolling.report.page_of_parts import ChartList, PageOfParts
+from rolling.report.sheets import sheets_fold
 from rolling.results import verdict
+from rolling.terminal import defaults
 
 
 def page(runs: Sequence[Any], unsolved: Sequence[str] = (), notice: str = "") -> bytes:
@@ -44,7 +46,7 @@ def page(runs: Sequence[Any], unsolved: Sequence[str] = (), notice: str = "") ->
     parts = [*own.charts, _doubts(runs, own)]
     if own.has_number_table:
         parts.append(Part("numbers.html"))
-    parts += [Part("again.html", {"recipes": text.recipes(runs)}), *own.more]
+    parts += [Part("again.html", {"recipes": text.recipes(runs)}), *_declared(runs), *own.more]
     made = PageOfParts(
         title=text.titles(runs),
         noise=kind.noise,
@@ -73,6 +75,14 @@ def page(runs: Sequence[Any], unsolved: Sequence[str] = (), notice: str = "") ->
         cited=own.cited,
     )
     return made.written()
+
+
+def _declared(runs: Sequence[Any]) -> list[Part]:
+    """Return the fold with the sheets of runs; none where they have no sheets, or are too many."""
+    if len(runs) > defaults.MAX_RUNS_ON_PAGE:
+        return []
+    by_label = {run.label or run.scene.name: kind_of(run.scene).sheets(run) for run in runs}
+    return [sheets_fold(by_label)] if any(by_label.values()) else []
 
 
 def _plain_first(runs: Sequence[Any], own: PageParts) -> list[Part]:

@@ -17,6 +17,8 @@ instrument
     finds what the instrument of a measurement could not see
 parameters, lay, character
     compute the areal parameters of ISO 25178-2, the lay, and the numbers by which finishes compare
+profile_parameters
+    evaluate profiles along the track by the names of ISO 21920-2
 contact_average
     the spectrum of the heights that a contact averages along its track
 refined, subcell_contact

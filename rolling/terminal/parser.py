@@ -209,6 +209,12 @@ def _add_report(commands: Any) -> None:
         "no network.",
     )
     _add_run_folders(report)
+    report.add_argument(
+        "--declare",
+        action="store_true",
+        help="write the sheets that people hand on, with CSV and JSON: declared level, bearing"
+        " vibration, roughness (default: RUN/declaration.html)",
+    )
     _add_out(report, metavar="PAGE", help="page to write (default: RUN/report.html)")
 
 
@@ -441,6 +447,11 @@ def _add_surface(commands: Any) -> None:
         type=arguments.path,
         metavar="OUT",
         help="new file for the heights, in the format of its ending",
+    )
+    surface.add_argument(
+        "--declare",
+        action="store_true",
+        help="write the roughness report, too: declaration.html, .csv and .json in the folder",
     )
     _add_out(surface, help="folder of picture and table (default: outputs/NAME-surface)")
 
