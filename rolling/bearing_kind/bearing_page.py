@@ -22,8 +22,8 @@ from rolling.bearing_kind import bearing_sentences, stored_run
 from rolling.figures.catalogue import figures_of, picture_of
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.page_parts import PageParts, Part
-from rolling.numbers.bearing_numbers import AXIAL_NAMES, AngleNumbers, BearingNumbers, VelocityLine
-from rolling.numbers.quantity import Quantity, spread_text
+from rolling.numbers.bearing_numbers import AngleNumbers, BearingNumbers, VelocityLine
+from rolling.numbers.quantity import Quantity
 from rolling.report.charts import Chart
 from rolling.report.level_bars import Bars, Row, bars_over_decades
 from rolling.report.page_of_parts import exhibit
@@ -189,18 +189,9 @@ def _band_rows(numbers: BearingNumbers) -> list[tuple[str, list[tuple[str, str]]
 
 
 def _cell(velocity: Quantity) -> tuple[str, str]:
-    """Return the value of a velocity and its ±, or the verdict of one that is not to be quoted.
-
-    A ring at rest, and a velocity that is not known, have no ±.
-    """
+    """Return the value of a velocity and its ±, or the verdict of one that is not to be quoted."""
     text = bearing_sentences.velocity(velocity.value)
-    for doubt in velocity.doubts:
-        if doubt.about == AXIAL_NAMES:
-            return text, doubt.severity.word
-    spread_db = velocity.uncertainty
-    if velocity.value is None or spread_db is None or velocity.value < NOTHING_UM_S:
-        return text, ""
-    return text, f"± {spread_text(spread_db)} dB"
+    return text, bearing_sentences.spread_of_velocity(velocity)
 
 
 def _on_page(sentence: str) -> str:

@@ -12,13 +12,14 @@ from rolling.bearing.ring_record import AXIAL, DIRECTIONS, NOTHING_UM_S
 from rolling.bearing_kind.bearing_doubts import moves
 from rolling.bearing_kind.solved_bearing import bands_below_hz, faulty_bodies
 from rolling.numbers.bearing_numbers import (
+    AXIAL_NAMES,
     BandValues,
     BearingNumbers,
     EnvelopeLine,
     FaultlessNumbers,
     VelocityLine,
 )
-from rolling.numbers.quantity import uncertain
+from rolling.numbers.quantity import Quantity, spread_text, uncertain
 from rolling.scene.bearing_scene import BearingScene
 
 BAND_WORDS = {
@@ -80,6 +81,20 @@ def velocity(um_s: float | None) -> str:
     if um_s is None:
         return NO_VELOCITY
     return "0" if um_s < NOTHING_UM_S else rounded(um_s, 2)
+
+
+def spread_of_velocity(velocity: Quantity) -> str:
+    """Write the ± of a velocity, or the verdict of an axial one that is not to be quoted.
+
+    A ring at rest, and a velocity that is not known, have no ±.
+    """
+    for doubt in velocity.doubts:
+        if doubt.about == AXIAL_NAMES:
+            return doubt.severity.word
+    spread_db = velocity.uncertainty
+    if velocity.value is None or spread_db is None or velocity.value < NOTHING_UM_S:
+        return ""
+    return f"± {spread_text(spread_db)} dB"
 
 
 def not_resolved_by(duration_s: float) -> str:

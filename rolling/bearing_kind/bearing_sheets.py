@@ -73,23 +73,16 @@ def _band_table(run: BearingRun) -> SheetTable:
                 cells = _velocity_cells(velocities.by_band[band])
                 rows.append(SheetRow(symbol=f"{direction}, {band}", meaning=words, cells=cells))
     title = "Velocity of the ring, rms"
-    return SheetTable(title=title, heads=("velocity", "uncertainty"), rows=tuple(rows))
+    return SheetTable(title=title, heads=("velocity", "uncertainty", "verdict"), rows=tuple(rows))
 
 
-def _velocity_cells(velocity: Quantity) -> tuple[SheetCell, SheetCell]:
-    """Return the cells of a velocity and its ±; one that is not to be quoted says so."""
+def _velocity_cells(velocity: Quantity) -> tuple[SheetCell, SheetCell, SheetCell]:
+    """Return the cells of a velocity: its value, its ±, and its verdict."""
     text = bearing_sentences.velocity(velocity.value)
     if velocity.value is not None:
         text = f"{text} µm/s"
-    spread = NONE
-    uncertainty = velocity.uncertainty
-    if velocity.verdict == Severity.DO_NOT_QUOTE.word:
-        spread = Severity.DO_NOT_QUOTE.word
-        uncertainty = None
-    elif velocity.value is None or velocity.value < NOTHING_UM_S or uncertainty is None:
-        uncertainty = None
-    else:
-        spread = f"± {spread_text(uncertainty)} dB"
+    spread = bearing_sentences.spread_of_velocity(velocity)
+    uncertainty = velocity.uncertainty if spread.startswith("±") else None
     value = SheetCell(
         value=velocity.value,
         unit="um/s",
@@ -97,7 +90,11 @@ def _velocity_cells(velocity: Quantity) -> tuple[SheetCell, SheetCell]:
         uncertainty=uncertainty,
         uncertainty_unit="dB",
     )
-    return value, SheetCell(value=uncertainty, unit="dB", text=spread)
+    return (
+        value,
+        SheetCell(value=uncertainty, unit="dB", text=spread if uncertainty is not None else NONE),
+        SheetCell(value=None, text=velocity.verdict or NONE),
+    )
 
 
 def _pulse_table(run: BearingRun) -> SheetTable:

@@ -58,12 +58,15 @@ def _origin(ending: str, content: bytes) -> object:
     return _origin_of_picture(content) or content
 
 
-def _origin_of_table(content: bytes) -> tuple[list[str], list[tuple[str, str]]] | None:
-    """Return head, and first cell and source of each row, of a table; None without a source."""
+def _origin_of_table(content: bytes) -> tuple[list[str], set[str]] | None:
+    """Return the head of a table and the sources of its rows; None without a source.
+
+    A table may have other rows when it is made again, such as those of runs done meanwhile.
+    """
     try:
         head, *rows = csv.reader(io.StringIO(content.decode()))
         column = head.index(SOURCE.lower())
-        return head, [(row[0], row[column]) for row in rows]
+        return head, {row[column] for row in rows}
     except (ValueError, IndexError, csv.Error):
         return None
 
