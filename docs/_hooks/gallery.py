@@ -5,14 +5,13 @@
 Without scenes it runs those of `rolling scenes` whose estimated cost is moderate. A scene that is
 done is not run again. The gallery is OUT/gallery.html.
 
-The site runs the scenes that docs/gallery.md lists on shorter tracks, plays them there, and links
-to their gallery, of which `docs/_hooks/pictures.py gallery` draws a picture.
+The site runs the scenes that docs/gallery.md lists on shorter tracks, shows their cards with the
+parts of the gallery, and links to it, of which `docs/_hooks/pictures.py gallery` draws a picture.
 """
 
 from __future__ import annotations
 
 import argparse
-import base64
 import html
 import json
 import os
@@ -92,6 +91,14 @@ SHORT = {
     "accelerating": ["rolling.distance_mm=2", *SHORTEST],
 }
 CARD = "title", "stem", "vibration", "released", "played", "word", "reason"
+COLOURS = {  # of drawings, by those of the theme
+    "ground": "var(--md-default-bg-color)",
+    "ink": "var(--md-default-fg-color)",
+    "pale": "var(--md-default-fg-color--light)",
+    "raised": "var(--md-code-bg-color)",
+    "accent": "var(--md-typeset-a-color)",
+    "notice-line": "#c98a00",
+}
 ITEM = re.compile(r"^- `([\w-]+)`: (.*)$", re.MULTILINE)
 SHOWN = "![Gallery of scenes that come with the program](pictures/gallery.png)"
 
@@ -134,21 +141,31 @@ def made(scenes: Mapping[str, Sequence[str]], out: Path, workers: int, report: b
 
 
 def on_files(files, config):
-    """Add the players, the pictures and the gallery of the scenes that the site runs."""
+    """Add the players and the gallery of the scenes that the site runs."""
     from mkdocs.structure.files import File
 
-    for path in sorted(site().glob("*.[hmp]*")):  # pages, sounds and pictures
+    for path in sorted(site().glob("*.[hm]*")):  # pages and sounds
         files.append(File.generated(config, f"gallery/{path.name}", abs_src_path=str(path)))
     return files
 
 
 def on_page_markdown(markdown, page, config, files):
-    """Put a player in place of each scene of the gallery, and a link above its picture."""
+    """Put a card in place of each scene of the gallery, and a link above its picture."""
     if page.file.src_uri != "gallery.md":
         return markdown
     size = (site() / "gallery.html").stat().st_size / 1e6
     text = f"The [gallery of the scenes above](gallery/gallery.html) weighs {size:.1f} MB."
-    return ITEM.sub(_figures, markdown).replace(SHOWN, f"{text}\n\n{SHOWN}")
+    cards = ITEM.sub(_figures, markdown).replace(SHOWN, f"{text}\n\n{SHOWN}")
+    return f"<style>{_look_of_drawings()}</style>\n\n{cards}"
+
+
+def _look_of_drawings() -> str:
+    """Return the rules of drawings on pages, with the colours of the site."""
+    from rolling.report.text import asset
+
+    rules = [line for line in asset("report.css").splitlines() if line.startswith(".machine")]
+    colours = " ".join(f"--{name}: {colour};" for name, colour in COLOURS.items())
+    return "\n".join([f".run {{ {colours} }}", *rules])
 
 
 def site() -> Path:
@@ -164,8 +181,9 @@ def _scenes() -> dict[str, list[str]]:
 
 
 def _make_site(folder: Path) -> None:
-    """Run the scenes of the site, and write sound, picture and level of each run."""
-    from rolling.report import film, text
+    """Run the scenes of the site, and write sound, drawing and level of each run."""
+    from rolling.report import text
+    from rolling.report.machine_drawing import drawing_of
     from rolling.results.listening import ListenSound
     from rolling.run.folder import stored_runs
     from rolling.run.solving import open_runs
@@ -177,15 +195,13 @@ def _make_site(folder: Path) -> None:
             stem = f"{name}-{len(cards.setdefault(name, [])) + 1}"
             sound = (run.folder / "listen.wav").read_bytes()
             (folder / f"{stem}.mp3").write_bytes(compressed(sound))
-            if picture := film.still(run):
-                content = base64.b64decode(picture.png.partition(",")[2])
-                (folder / f"{stem}.png").write_bytes(content)
             title = text.titles([run])
             if run.values:
                 title += f", {run.label}"
             heard = ListenSound(run).stated
             numbers = run.numbers
             judged = numbers.leading.judged
+            drawing = drawing_of([run.scene], [numbers], name=stem)
             card = {
                 "title": title,
                 "stem": stem,
@@ -194,31 +210,30 @@ def _make_site(folder: Path) -> None:
                 "played": f"The record that plays is the {heard.name}, {heard.level.words}",
                 "word": judged.word,
                 "reason": judged.worst.text,
+                "drawing": "" if drawing is None else drawing.svg,
             }
             cards[name].append(card)
     (folder / "cards.json").write_text(json.dumps(cards), encoding="utf-8")
 
 
 def _figures(match: re.Match[str]) -> str:
-    """Return picture, both levels and player of each run of a scene that the page lists."""
+    """Return the card of each run of a scene that the page lists, which says what to listen for."""
     name, text = match.groups()
     cards = json.loads((site() / "cards.json").read_text(encoding="utf-8"))[name]
     return "\n\n".join(_figure(card, html.escape(text), name) for card in cards)
 
 
 def _figure(card: Mapping[str, str], text: str, scene: str) -> str:
-    """Return picture, both levels and player of a run as HTML."""
+    """Return the parts of the card of a run as HTML: drawing, both levels, player, what to hear."""
     title, stem, vibration, released, played, word, reason = (html.escape(card[x]) for x in CARD)
-    picture = ""
-    if (site() / f"{stem}.png").exists():  # a ball that falls has no still
-        picture = f'<img src="gallery/{stem}.png" alt="Contact seen from above" loading="lazy">\n'
     return f"""<figure class="run">
-{picture}<figcaption>
+<div class="drawing">{card["drawing"]}</div>
+<figcaption>
 <strong>{title}</strong> <code>{scene}</code>
-<p>{text[0].upper()}{text[1:]}.</p>
 <p>Vibration: <b>{vibration}</b>. Released power: {released}.</p>
-<p>Verdict: {word}, {reason}. {played}.</p>
 <audio controls preload="none" aria-label="{title}" src="gallery/{stem}.mp3"></audio>
+<p>Listen for {text}.</p>
+<p>Verdict: {word}, {reason}. {played}.</p>
 </figcaption>
 </figure>"""
 

@@ -18,7 +18,7 @@ from rolling.bearing_kind.former_bearing import former_bearing
 from rolling.check.findings import Findings
 from rolling.kinds.figure_kind import FigureKind
 from rolling.kinds.heard_sound import HeardSound
-from rolling.kinds.kind import Pilot, Still
+from rolling.kinds.kind import Pilot
 from rolling.kinds.machine import Machine
 from rolling.kinds.needed_marches import March
 from rolling.kinds.page_parts import PageParts
@@ -54,8 +54,9 @@ class TurningBearing(MarchesInFiles):
     noise = "bearing noise"
     gallery_note = (
         "Bearings: velocities of the ring that vibrates, in the three bands of ISO 15242-1 as far"
-        " as the ring is rigid. Pictures: the spectrum of the velocity with its lines."
+        " as the ring is rigid. Charts: the spectrum of the velocity with its lines."
     )
+    card_figure = "spectrum"
     leading = tuple(f"below_bending_radial_{band}_um_s" for band in VELOCITY_BANDS_HZ)
 
     # ---- scenes
@@ -196,18 +197,6 @@ class TurningBearing(MarchesInFiles):
     def card_sentence(self, run: BearingRun) -> str:
         """Return the first sentence of the answer."""
         return run.numbers.sentences[0].replace(" um/s", " µm/s")
-
-    def still(self, run: BearingRun) -> Still | None:
-        """Draw the spectrum of the velocity."""
-        from rolling.figures.catalogue import single_picture
-        from rolling.report import maps
-
-        drawn = single_picture("spectrum", run)
-        content = None if drawn is None else drawn.file("png")
-        if content is None:
-            return None
-        words = f"Spectrum of the velocity of the ring, {run.label or run.scene.name}"
-        return Still(maps.uri("image/png", content), words, is_chart=True)
 
     def machine(self, scenes: Sequence[BearingScene], numbers: Sequence[Any] = ()) -> Machine:
         """Draw the bearing with its load zone, its balls and its faults."""

@@ -34,18 +34,16 @@ NOT_IN_0_8 = -1
 
 
 class Still(NamedTuple):
-    """A picture of a run.
+    """A field of pixels of a run, such as its contact seen from above.
 
     png : str. The picture, a PNG in a data URI.
     words : str. What it shows, for those who do not see it.
     at : int. Where it is looked at, percent of its width.
-    is_chart : bool. Whether it is shown whole, and not cut to the frame of a card.
     """
 
     png: str
     words: str
     at: int = 50
-    is_chart: bool = False
 
 
 class Pilot(NamedTuple):
@@ -82,6 +80,8 @@ class Kind(ABC):
         Words for what its pages are about. Default: contact noise.
     gallery_note : str
         What the numbers and pictures of its cards mean. Default: empty.
+    card_figure : str
+        Name of the figure of one run that its card shows as a chart. Default: none.
     leading : tuple of str
         Columns of runs.csv that are plotted unasked, the first one leads. Default: the values of
         all quantities.
@@ -94,6 +94,7 @@ class Kind(ABC):
     former_format: ClassVar[int | None] = NOT_IN_0_8
     noise: ClassVar[str] = "contact noise"
     gallery_note: ClassVar[str] = ""
+    card_figure: ClassVar[str] = ""
     leading: ClassVar[tuple[str, ...]] = ()
 
     # ---- scenes
@@ -342,7 +343,7 @@ class Kind(ABC):
         return "" if sound is None else f"You hear: {sound.words}."
 
     def still(self, run: Any) -> Still | None:
-        """Return a picture of a run for its card; None without one."""
+        """Return a field of pixels of a run for its card; None without one."""
         return None
 
     def machine(self, scenes: Sequence[Any], numbers: Sequence[Any] = ()) -> Machine | None:

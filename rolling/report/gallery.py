@@ -1,4 +1,4 @@
-"""The gallery: a page of many runs, each with a picture, a sound, its level and a sentence."""
+"""The gallery: a page of many runs as cards, each with its drawing, its level and Play."""
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
@@ -7,18 +7,20 @@ from typing import Any
 from urllib.parse import quote
 
 import numpy as np
-from markupsafe import Markup
 
 from acoustics import wav
 from acoustics.arrays import Array
 from acoustics.texts import printable
-from rolling import __version__
+from rolling.figures.catalogue import single_picture
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.heard_sound import HeardSound, played_sound
+from rolling.kinds.page_parts import Part
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import PAGE
 from rolling.report import leading_numbers, page_sounds, text
-from rolling.report.templates import environment
+from rolling.report.charts import Chart
+from rolling.report.machine_drawing import drawing_of
+from rolling.report.page_of_parts import PageOfParts, exhibit
 from rolling.results.notes import UNVALIDATED
 
 MAX_CARDS = 200
@@ -50,21 +52,23 @@ def gallery_page(
         The HTML file.
     """
     seconds = min(SECONDS, max(MIN_SECONDS, ALL_SECONDS / count))
-    cards = [_card(run, seconds, folder) for run in runs]
-    template = environment().get_template("gallery.html")
-    return template.render(
-        version=__version__,
-        cards=[*zip(cards, _gains(cards), strict=True)],
-        notes=[*dict.fromkeys(card["note"] for card in cards if card["note"])],
-        seconds=seconds,
+    cards = [_card(run, number, seconds, folder) for number, run in enumerate(runs)]
+    for card, gains in zip(cards, _gains(cards), strict=True):
+        card["gain"] = gains
+    notes = [*dict.fromkeys(card["note"] for card in cards if card["note"])]
+    made = PageOfParts(
+        title="Rolling contacts to hear",
         unsolved=unsolved,
-        remark=UNVALIDATED,
-        css=Markup(text.asset("report.css") + text.asset("gallery.css")),
-    ).encode()
+        first=[Part("gallery_first.html", {"count": len(cards), "seconds": seconds})],
+        parts=[Part("gallery.html", {"cards": cards, "notes": [*notes, UNVALIDATED]})],
+        styles=("gallery.css",),
+        script="page/gallery.js",
+    )
+    return made.written()
 
 
-def _card(run: Any, seconds: float, folder: Path) -> dict[str, Any]:
-    """Return title, picture, sound, level and sentence of a run, and the link to its page."""
+def _card(run: Any, number: int, seconds: float, folder: Path) -> dict[str, Any]:
+    """Return the parts of the card of a run: drawing, sentence, level, sound, and what it shows."""
     kind = kind_of(run.scene)
     played = played_sound(kind.sounds(run))
     sound = _excerpt(played, seconds)
@@ -75,11 +79,13 @@ def _card(run: Any, seconds: float, folder: Path) -> dict[str, Any]:
     return {
         "title": text.titles([run]),
         "label": run.label,
+        "machine": drawing_of([run.scene], [run.numbers], name=f"machine-{number}"),
         "answers": leading_numbers.shown_columns([run]),
         "sentence": _sentence(run),
-        "listen_for": _listen_for(run),
+        "listen_for": _listen_for(run.scene),
         "heard": kind.heard(run, is_alone=True),
-        "picture": still,
+        "still": still,
+        "chart": _chart(run, kind.card_figure),
         "sound": page_sounds.compressed(wav.PEAK / peak * sound) if peak > 0 else None,
         "peak": peak,
         "unit": "" if played is None else played.unit,
@@ -87,6 +93,16 @@ def _card(run: Any, seconds: float, folder: Path) -> dict[str, Any]:
         "report": _link(run.home / PAGE, folder),
         "note": kind.gallery_note,
     }
+
+
+def _chart(run: Any, name: str) -> Chart | None:
+    """Return a figure of a run as a chart; None without a name, or where the run lacks it."""
+    drawn = single_picture(name, run) if name else None
+    if drawn is None:
+        return None
+    with left_out_if_it_fails(f"{name} of the card of {run.label}"):
+        return exhibit(drawn)
+    return None
 
 
 def _gains(cards: Sequence[Mapping[str, Any]]) -> list[dict[str, float | None]]:
@@ -127,7 +143,7 @@ def _sentence(run: Any) -> str:
     return printable(description).rstrip(".") + "."
 
 
-def _listen_for(run: Any) -> str:
-    """Return what to listen for in a run, as its scene says it; empty where it says nothing."""
-    words = " ".join((getattr(run.scene, "listen_for", None) or "").split())
+def _listen_for(scene: Any) -> str:
+    """Return what to listen for in a scene, as it says it; empty where it says nothing."""
+    words = " ".join((getattr(scene, "listen_for", None) or "").split())
     return f"Listen for {printable(words).rstrip('.')}." if words else ""

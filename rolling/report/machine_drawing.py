@@ -72,7 +72,9 @@ class MachineDrawing(NamedTuple):
     note: str
 
 
-def drawing_of(scenes: Sequence[Any], numbers: Sequence[Any] = ()) -> MachineDrawing | None:
+def drawing_of(
+    scenes: Sequence[Any], numbers: Sequence[Any] = (), name: str = "machine"
+) -> MachineDrawing | None:
     """Draw the machine of the first of some scenes; None where its kind has no drawing.
 
     Parameters
@@ -82,6 +84,8 @@ def drawing_of(scenes: Sequence[Any], numbers: Sequence[Any] = ()) -> MachineDra
         the drawing.
     numbers : sequence of numbers
         Those of the solved runs of all scenes. Default: none is solved.
+    name : str
+        Name of the drawing, which no other on its page has.
     """
     first = scenes[0]
     kind = kind_of(first)
@@ -95,17 +99,19 @@ def drawing_of(scenes: Sequence[Any], numbers: Sequence[Any] = ()) -> MachineDra
         machine = kind.machine([scenes[place] for place in alike], solved)
         if machine is not None:
             note = "" if len(alike) == len(scenes) else f"Drawn: {printable(first.name)}."
-            return MachineDrawing(machine_svg(machine), note)
+            return MachineDrawing(machine_svg(machine, name), note)
     return None
 
 
-def machine_svg(machine: Machine) -> Markup:
+def machine_svg(machine: Machine, name: str = "machine") -> Markup:
     """Draw a machine as an SVG, whose colours are those of the page.
 
     Parameters
     ----------
     machine : Machine
         Shapes and numbers.
+    name : str
+        Name of the drawing, which no other on its page has.
 
     Returns
     -------
@@ -123,9 +129,9 @@ def machine_svg(machine: Machine) -> Markup:
     texts = [_text(box) for box in boxes]
     return Markup(
         f'<svg class="machine" viewBox="0 0 {WIDTH:g} {height:g}" role="img"'
-        ' aria-labelledby="machine-title machine-words">'
-        f'<title id="machine-title">{escape(printable(machine.title))}</title>'
-        f'<desc id="machine-words">{escape(in_words(machine))}</desc>'
+        f' aria-labelledby="{name}-title {name}-words">'
+        f'<title id="{name}-title">{escape(printable(machine.title))}</title>'
+        f'<desc id="{name}-words">{escape(in_words(machine))}</desc>'
         f'<g transform="translate(0 {down:.1f})">{"".join(shapes)}</g>'
         f'<path class="leader" d="{"".join(leaders)}"/>{"".join(texts)}</svg>'
     )

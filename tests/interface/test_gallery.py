@@ -11,9 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import soundfile
+from bearing_runs import turning
 from commands import rolling
 from PIL import Image
-from report_browser import axe_findings, until
+from report_browser import axe_findings, data_of, until
 from report_runs import runs_of
 
 from rolling.report.gallery import gallery_page
@@ -41,11 +42,13 @@ def records(path: Path) -> list[np.ndarray]:
     return [soundfile.read(io.BytesIO(base64.b64decode(text)))[0] for text in found]
 
 
-def test_cards_have_picture_sound_level_and_sentence(path: Path, opened) -> None:
+def test_cards_have_drawing_sound_level_and_sentence(path: Path, opened) -> None:
     with opened(path, viewport=PHONE) as page:
         assert page.locator(".card").count() == 7
         assert page.locator(".card audio").count() == 6  # one run is silent
-        assert page.locator(".card img").count() == 7
+        assert page.locator(".card svg.machine").count() == 7
+        assert page.locator(".card img.field").count() == 7
+        assert page.locator(".card .said .two b").count() >= 7
         assert page.evaluate("document.scrollingElement.scrollWidth") <= 390
         assert page.text_content("h2 small >> nth=0") == '<b> "quoted"'
         assert "waiting" in page.text_content(".notice")
@@ -128,3 +131,15 @@ def test_a_card_says_what_to_listen_for_as_the_scene_says_it(tmp_path: Path) -> 
     page = gallery_page(iter([told, run]), 2, tmp_path).decode()
     assert page.count("<p>Listen for a &lt;tick&gt; once per turn.</p>") == 1
     assert page.count("Listen for") == 1
+
+
+def test_a_gallery_is_a_page_of_parts(tmp_path: Path) -> None:
+    """Each drawing has ids of its own, and a bearing shows its spectrum as a chart."""
+    runs = [*runs_of("smooth"), turning(), turning()]
+    path = tmp_path / "gallery.html"
+    path.write_bytes(gallery_page(iter(runs), 3, tmp_path))
+    content = path.read_text()
+    ids = re.findall(r' id="([^"]+)"', content)
+    assert len(ids) == len({*ids}) and content.count('<svg class="machine"') == 3
+    assert [chart["name"] for chart in data_of(path)["charts"]] == ["spectrum", "spectrum"]
+    assert content.count('<img class="field"') == 1 == content.count("<img")

@@ -3,7 +3,7 @@
 import { openCharts } from "./chart.js";
 import { listenToCopying } from "./copy.js";
 
-const players = [...document.querySelectorAll("audio")];
+export const players = [...document.querySelectorAll("audio")];
 const { charts, labels } = JSON.parse(document.querySelector("#data").textContent);
 
 document.documentElement.classList.add("scripted");
