@@ -31,6 +31,7 @@ from rolling.figures.contact_figures import ball_surface, contact_pressure, reco
 from rolling.figures.level_figures import levels
 from rolling.figures.origins import modulation, running_in, wavelengths
 from rolling.figures.place_figures import places
+from rolling.figures.quantity_figures import quantities
 from rolling.figures.sound_figures import (
     power_density,
     release_power,
@@ -49,9 +50,9 @@ __all__ = [
     "acceleration_signal", "ball_forces", "ball_surface", "channel_envelope", "channel_spectrum",
     "channel_third_octaves", "contact_areas", "contact_filter", "contact_force", "contact_pressure",
     "envelope", "levels", "load_distribution", "max_level_over_load", "mean_third_octaves",
-    "mobilities", "modulation", "places", "power_density", "recovery_events", "release_power",
-    "released_spectrum", "released_third_octaves_a", "running_in",
-    "sources", "spectra_over_load", "spectrogram", "spectrum", "surface", "third_octaves",
+    "mobilities", "modulation", "places", "power_density", "quantities", "recovery_events",
+    "release_power", "released_spectrum", "released_third_octaves_a", "running_in", "sources",
+    "spectra_over_load", "spectrogram", "spectrum", "surface", "third_octaves",
     "velocity_spectrogram", "wavelengths",
 ]  # fmt: skip
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from rolling.bearing_kind.pulse_figures import (
 )
 from rolling.bearing_kind.solved_bearing import SolvedBearing
 from rolling.figures.picture import axes_of, drawable, finish
+from rolling.figures.quantity_figures import has_sweep, quantities, quantity_table
 from rolling.kinds.figure_kind import FigureKind
 from rolling.numbers import views
 from rolling.numbers.bearing_numbers import EnvelopeLine, VelocityLine
@@ -373,8 +375,15 @@ def _facts(run: BearingRun) -> list[str]:
     return [bearing_sentences.condition(run.scene), f"{run.record.duration_s:.3g} s"]
 
 
+_WORDS_OF_BANDS = {
+    name: bearing_sentences.BAND_WORDS[band]
+    for band, name in bearing_sentences.QUANTITY_NAMES.items()
+}
 FIGURES = {
     "spectrum": FigureKind(spectrum, spectrum_table, is_single=True, is_written=True),
+    "quantities": FigureKind(
+        partial(quantities, words=_WORDS_OF_BANDS), quantity_table, is_shown=has_sweep
+    ),
     "acceleration_signal": FigureKind(acceleration_signal, signal_table, is_single=True),
     "velocity_spectrogram": FigureKind(velocity_spectrogram, is_single=True),
     "envelope": FigureKind(envelope, envelope_table, is_single=True, is_written=True),

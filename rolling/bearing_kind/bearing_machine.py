@@ -190,16 +190,10 @@ def _draw_speed(machine: Machine, scenes: Sequence[BearingScene], scale: float) 
     first, last = -2.6, -1.3
     machine.draw("arrow", arc(CENTRE, radius, last, first))
     machine.draw("arrow", head(around(CENTRE, radius, first), first - math.pi / 2))
-    speeds = " and ".join(_thousands(scene.bearing.speed_rpm) for scene in _by_speed(scenes))
+    rpm = sorted({scene.bearing.speed_rpm for scene in scenes})
+    ends = dict.fromkeys((rpm[0], rpm[-1]))
+    speeds = (" to " if len(rpm) > len(ends) else " and ").join(map(_thousands, ends))
     machine.say(around(CENTRE, radius, last), f"{speeds} rpm", f"{turning} ring turns")
-
-
-def _by_speed(scenes: Sequence[BearingScene]) -> list[BearingScene]:
-    """Return the first and the last of the scenes of different speeds; one of equal ones."""
-    ordered = sorted(scenes, key=lambda scene: scene.bearing.speed_rpm)
-    if ordered[0].bearing.speed_rpm == ordered[-1].bearing.speed_rpm:
-        return ordered[:1]
-    return [ordered[0], ordered[-1]]
 
 
 def _thousands(rpm: float) -> str:

@@ -27,7 +27,7 @@ from rolling.numbers.quantity import Quantity
 from rolling.report.charts import Chart
 from rolling.report.level_bars import Bars, Row, bars_over_decades
 from rolling.report.page_of_parts import exhibit
-from rolling.report.report_page import page_gains
+from rolling.report.report_page import page_gains, quantity_chart
 from rolling.terminal.streams import unbroken
 
 if TYPE_CHECKING:
@@ -59,13 +59,19 @@ def bearing_parts(runs: Sequence[BearingRun]) -> PageParts:
     runs : sequence of BearingRun, at least one, in the order of the page.
     """
     gain = page_gains(runs)[stored_run.RING]
+    curve = quantity_chart(runs, figures_of(runs)["quantities"])
+    bars = _compared_bands(runs) if len(runs) > 1 else []
     first = {
         "together": "Radial velocity of the ring, rms, below its bending",
-        "compared": _compared_bands(runs) if len(runs) > 1 else [],
+        "curve": curve,
+        "compared": [] if curve else bars,
     }
     return PageParts(
         first=[Part("bearing_first.html", first)],
-        charts=[Part("bearing_charts.html"), Part("bearing_instrument.html")],
+        charts=[
+            Part("bearing_charts.html", {"compared": bars if curve else []}),
+            Part("bearing_instrument.html"),
+        ],
         doubted=[Part("bearing_doubted.html")],
         styles=("bearing.css",),
         script="bearing/begin.js",

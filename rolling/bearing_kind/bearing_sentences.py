@@ -25,6 +25,7 @@ from rolling.scene.bearing_scene import BearingScene
 BAND_WORDS = {
     name: f"{low:,.0f} to {high:,.0f} Hz" for name, (low, high) in VELOCITY_BANDS_HZ.items()
 }
+QUANTITY_NAMES = {name: f"Radial below the bending, {name} band" for name in VELOCITY_BANDS_HZ}
 NO_VELOCITY = "-"  # of a band that lies above the bending, or where it is not known
 HEARD_LINE = 5.0  # height from which on a line stands out of its surroundings
 LEAST_SHARE = 0.1  # of the largest line, from which on another one is named

@@ -191,7 +191,7 @@ class TurningBearing(MarchesInFiles):
                 quantity = replace(quantity, meaning=f"Velocity of the ring from {words[band]}")
                 if quantity.value is not None and quantity.value < NOTHING_UM_S:
                     quantity = replace(quantity, value=0.0, uncertainty=None)
-            quantities[f"Radial below the bending, {band} band"] = quantity
+            quantities[bearing_sentences.QUANTITY_NAMES[band]] = quantity
         return quantities
 
     def card_sentence(self, run: BearingRun) -> str:

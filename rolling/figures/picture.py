@@ -242,7 +242,7 @@ def _values_text(key: str, values: Sequence[Any]) -> str:
     else:
         names = [f"{value:g}" if are_numbers else printable(str(value)) for value in values]
         shown = f"{', '.join(names[:-1])} and {names[-1]}"
-    return f"{word} {shown} {unit}".rstrip()
+    return f"{word} {shown} {unit}".strip()
 
 
 class LevelOf(NamedTuple):

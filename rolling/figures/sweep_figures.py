@@ -510,8 +510,12 @@ def label_values(ax: Axes, key: str, places: dict[Any, float]) -> None:
 
 
 def _label_of(key: str) -> str:
-    """Return the label of an axis for a swept key, with its unit."""
+    """Return the label of an axis for a swept key, with its unit.
+
+    A key whose values need no word, as 900 rpm, has its own name.
+    """
     word, unit = labels.named(key)
+    word = word or key.rpartition(".")[2].removesuffix(f"_{unit}").replace("_", " ")
     return f"{word} [{unit}]" if unit else word
 
 

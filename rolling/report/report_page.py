@@ -12,12 +12,17 @@ import numpy as np
 from acoustics import wav
 from acoustics.numbers import rounded
 from acoustics.texts import printable
+from rolling.figures.catalogue import picture_of
+from rolling.figures.quantity_figures import has_sweep, quantities, quantity_table
+from rolling.figures.settings import left_out_if_it_fails
+from rolling.kinds.figure_kind import FigureKind
 from rolling.kinds.heard_sound import HeardSound
 from rolling.kinds.page_parts import PageParts, Part
 from rolling.kinds.registry import kind_of, kind_of_runs
 from rolling.report import leading_numbers, number_table, page_sounds, text
+from rolling.report.charts import Chart
 from rolling.report.machine_drawing import drawing_of
-from rolling.report.page_of_parts import ChartList, PageOfParts
+from rolling.report.page_of_parts import ChartList, PageOfParts, exhibit
 from rolling.report.sheets import sheets_fold
 from rolling.results import verdict
 from rolling.terminal import defaults
@@ -54,7 +59,7 @@ def page(runs: Sequence[Any], unsolved: Sequence[str] = (), notice: str = "") ->
         unsolved=[printable(label) for label in unsolved],
         machine=drawing_of([run.scene for run in runs], [run.numbers for run in runs]),
         has_drawing_within=own.has_drawing_within,
-        first=_plain_first(runs, own) if own.first is None else own.first,
+        first=_plain_first(runs) if own.first is None else own.first,
         beside=own.beside,
         parts=parts,
         charted=own.charted or ChartList(),
@@ -85,9 +90,23 @@ def _declared(runs: Sequence[Any]) -> list[Part]:
     return [sheets_fold(by_label)] if any(by_label.values()) else []
 
 
-def _plain_first(runs: Sequence[Any], own: PageParts) -> list[Part]:
+def _plain_first(runs: Sequence[Any]) -> list[Part]:
     """Return the first view of runs of a kind that gives none of its own."""
-    return [Part("plain_first.html", {"sentences": kind_of_runs(runs).sentences(runs)})]
+    kind = FigureKind(quantities, quantity_table, is_shown=has_sweep)
+    values = {
+        "sentences": kind_of_runs(runs).sentences(runs),
+        "curve": quantity_chart(runs, kind),
+    }
+    return [Part("plain_first.html", values)]
+
+
+def quantity_chart(runs: Sequence[Any], kind: FigureKind) -> Chart | None:
+    """Return the chart of the numbers that lead over the swept value; None where none is swept."""
+    if not kind.is_shown(runs):
+        return None
+    with left_out_if_it_fails("of the numbers over the swept value"):
+        return exhibit(picture_of("quantities", kind, runs))
+    return None
 
 
 def _doubts(runs: Sequence[Any], own: PageParts) -> Part:

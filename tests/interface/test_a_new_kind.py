@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from ball_between_plates import AIR, KIND, BetweenPlates
 from commands import PATIENCE, ROOT, pieces, wait_for
+from report_browser import data_of
 
 import rolling
 from rolling import cli
@@ -108,6 +109,10 @@ def test_a_folder_has_files_status_table_page_and_gallery(
     kept: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert (kept / "report.html").read_text().count("The upper plate moves at") >= 2
+    charts = data_of(kept / "report.html")["charts"]
+    assert [(chart["name"], chart["x"]["label"]) for chart in charts] == [
+        ("quantities", "plates.load_n")
+    ]
     assert len([*(kept / "contacts").glob("*.npz")]) == 2
     assert not pieces(kept)
     assert cli.main(["status", str(kept)]) == 0

@@ -20,6 +20,7 @@ from report_browser import axe_findings, data_of
 from report_runs import runs_of
 
 import rolling as rc
+from rolling.bearing_kind.bearing_sentences import BAND_WORDS
 from rolling.choice import choice_page
 from rolling.choice.advice_page import limit_page, sensitivities_page
 from rolling.choice.audition import SOUND
@@ -35,6 +36,7 @@ from rolling.report import recording_page
 from rolling.report.charts import chart_of
 from rolling.report.level_bars import Row, bars_around_zero, bars_over_decades
 from rolling.report.report_page import page as page_of
+from rolling.report.report_page import quantity_chart
 
 MOST_WORDS = 150  # of a first view
 # Words in sight when a page opens, without numbers, units, and letters on the axes of charts.
@@ -263,6 +265,25 @@ def test_pulses_have_the_frames_between_them() -> None:
     frame_ms = float(re.search(r"frames of ([\d.]+) ms", ax.get_title("left"))[1])
     passes = 1e3 / max(run.kinematics.ball_pass_inner_hz, 2 * run.kinematics.ball_spin_hz)
     assert 1 <= frame_ms < passes / 2
+
+
+def test_a_sweep_of_bearings_is_drawn_over_its_swept_value() -> None:
+    """Bands are curves with the ends of their ± at the swept speeds; a ring at rest has no mark."""
+    scene = loads_bearing(WAVY, ["sound.duration_s=0.1", "sound.listen_s=0.1"])
+    speeds = [900, 1800, 2700]
+    swept = scene.with_(sweep={"bearing.speed_rpm": speeds})
+    runs = list(rc.simulate_sweep(swept, progress=False).values())
+    chart = quantity_chart(runs, kind_of(scene).figures()["quantities"])
+    assert chart is not None and (chart["x"]["label"], chart["x"]["unit"]) == ("speed", "rpm")
+    assert [curve["name"] for curve in chart["curves"]] == [*BAND_WORDS.values()]
+    low = next(part for part in chart["parts"] if part["kind"] == "line" and part["of"] == 0)
+    assert chart["xs"][low["x"]] == speeds
+    velocities = [run.numbers.below_bending.radial.low for run in runs]
+    assert low["y"] == pytest.approx([velocity.value for velocity in velocities], rel=1e-3)
+    bars = next(part for part in chart["parts"] if part["kind"] == "errors" and part["of"] == 0)
+    factors = [10 ** (velocity.uncertainty / 20) for velocity in velocities]
+    assert np.divide(bars["high"], bars["low"]) == pytest.approx(np.square(factors), rel=1e-3)
+    assert quantity_chart(runs[:1], kind_of(scene).figures()["quantities"]) is None
 
 
 # ---- bars

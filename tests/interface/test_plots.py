@@ -79,7 +79,7 @@ def drawing(name: str) -> Callable[[Axes], Axes]:
     else:
         runs = runs_of("seeds")
     function = getattr(plot, name)
-    if name in ("levels", "contact_areas"):
+    if name in ("levels", "contact_areas", "quantities"):
         return lambda ax: function(runs, "rolling.load_n", ax=ax)
     if name == "ball_surface":
         return lambda ax: function(read_scene("ball-with-pit"), ax=ax)
