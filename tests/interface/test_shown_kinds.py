@@ -33,6 +33,7 @@ from rolling.numbers.quantity import Quantity
 from rolling.report.gallery import gallery_page
 from rolling.report.report_page import page as page_of
 from rolling.scene.swept import SweptScene
+from rolling.terminal.streams import unbroken
 
 KINDS = ["ball", "bearing"]
 
