@@ -16,6 +16,7 @@ from rolling import __version__
 from rolling.figures.picture import Picture
 from rolling.kinds.page_parts import Part
 from rolling.report import text
+from rolling.report.chart_svg import chart_svg
 from rolling.report.charts import Chart, chart_of
 from rolling.report.machine_drawing import MachineDrawing
 from rolling.report.templates import environment, joined_script
@@ -107,6 +108,7 @@ class PageOfParts:
         """Return the HTML file."""
         templates = environment()
         templates.globals |= {
+            "chart_svg": chart_svg,
             "crowded": False,
             "numbered": self.charted.add,
             "sharing": self.charted.sharing,
@@ -137,6 +139,14 @@ class PageOfParts:
             "css": Markup("".join(text.asset(name) for name in (*STYLES, *self.styles))),
             "js": Markup(joined_script(self.script)),
             "engine": Markup(joined_script(self.engine) if self.engine else ""),
-            "data": {"labels": [], **self.data, "charts": self.charted.shown},
+            "data": {"labels": [], **self.data, "charts": [*map(_for_script, self.charted.shown)]},
         }
         return templates.get_template("page.html").render(values).encode()
+
+
+def _for_script(chart: Chart) -> Chart:
+    """Return a chart without the pixels of its image, which its drawing has."""
+    parts = [
+        {name: value for name, value in part.items() if name != "png"} for part in chart["parts"]
+    ]
+    return chart | {"parts": parts}

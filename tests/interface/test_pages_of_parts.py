@@ -204,10 +204,15 @@ def test_a_phone_shows_all_and_the_first_view_is_short(
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["bearing", "choice", "comparison", "advice"])
 def test_the_answer_needs_no_scripts(kind: str, page_file: Callable[[str], Path], browser) -> None:
-    """Bars and sounds stand in the page itself."""
+    """Bars, curves and sounds stand in the page itself."""
     context = browser.new_context(java_script_enabled=False)
     page = context.new_page()
     page.goto(page_file(kind).as_uri())
+    charts = page.locator("figure[data-chart] >> visible=true")
+    assert page.locator("figure[data-chart] .still path >> visible=true").count() >= charts.count()
+    for chart in charts.all():
+        box = chart.locator(".still").bounding_box()
+        assert box["width"] > 200 and box["height"] > 100
     assert page.locator(".bars .value b >> visible=true").count()
     assert page.locator(".bars svg rect").count()
     if kind != "advice":

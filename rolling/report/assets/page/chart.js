@@ -42,6 +42,7 @@ export function openCharts(charts, labels) {
 export function openChart(figure, chart) {
   const viewOf = (axis) => ({ ...axis, whole: axis.limits }); // `limits` belong to the zoom
   const plot = { figure, chart, points: pointsOf(chart), places: null, reading: null };
+  takePixels(figure, chart);
   plot.view = { x: viewOf(chart.x), y: chart.y.map(viewOf), hidden: new Set() };
   chart.offsets = offsetsOf(chart);
   plot.svg = drawn("svg", { role: "img", tabindex: 0, "aria-label": `${chart.title}: ${chart.note}. Arrow keys read values, + and - zoom.${chart.patches ? " Enter plays a patch." : ""}` });
@@ -53,6 +54,12 @@ export function openChart(figure, chart) {
   listenTo(plot);
   sizeChart(plot.svg, layoutOf(chart, plot.view, widthOf(plot))); // so that nothing moves when it is drawn
   comingNear.observe(figure);
+}
+
+/** Give the image of a chart its pixels, which stand in the drawing that scripts replace. */
+function takePixels(figure, chart) {
+  const image = chart.parts.find((part) => part.kind === "image");
+  if (image) image.png ??= figure.querySelector(".plot image").getAttribute("href");
 }
 
 /** Return offsets along x of marks with error bars, so that none hides another. */
