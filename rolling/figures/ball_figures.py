@@ -101,11 +101,13 @@ FIGURES = {
         sound_figures.released_third_octaves_a,
         sound_figures.released_third_octave_a_table,
         _have_a_second_sound,
+        is_written=False,  # the page has it, and files of the sound that plays suffice
     ),
     "released_spectrum": FigureKind(
         sound_figures.released_spectrum,
         sound_figures.released_spectrum_table,
         _have_a_second_sound,
+        is_written=False,  # the page has it, and files of the sound that plays suffice
     ),
     # of one run
     "release_power": FigureKind(

@@ -166,9 +166,9 @@ def _refuse_unknown(name: str, runs: Sequence[RunFolder]) -> None:
 def has_written_figures(runs: Sequence[RunFolder]) -> bool:
     """Tell whether `rolling run` writes figures of so many runs beside their page."""
     figures = figures_of(runs).values()
-    if any(kind.is_single and kind.is_written for kind in figures):
+    if any(kind.is_single and kind.has_file for kind in figures):
         return True
-    return len(runs) > 1 and any(not kind.is_single for kind in figures)
+    return len(runs) > 1 and any(not kind.is_single and kind.has_file for kind in figures)
 
 
 def write_figures(runs: Sequence[Any], folder: Path) -> list[Path]:
@@ -179,11 +179,11 @@ def write_figures(runs: Sequence[Any], folder: Path) -> list[Path]:
     """
     figures = figures_of(runs)
     paths = []
-    names = _unasked(figures, runs)
+    names = [name for name in _unasked(figures, runs) if figures[name].has_file]
     if len(runs) > 1 and names:
         make_below(folder, folder / FIGURES)
         paths += plot_run(runs, names, out=folder / FIGURES)
-    names = [name for name, kind in figures.items() if kind.is_single and kind.is_written]
+    names = [name for name, kind in figures.items() if kind.is_single and kind.has_file]
     for run in runs:
         own = [name for name in names if figures[name].is_shown(run)]
         if own:

@@ -33,7 +33,8 @@ class FigureKind:
     shares_scales : bool. Whether `draw` takes the runs `among` which a run is compared.
     is_unasked : callable of the same. Whether the runs have it without a request, if fewer runs do.
     is_asked_only : bool. Whether neither page nor `rolling run` has it.
-    is_written : bool. Whether `rolling run` writes this figure of one run beside its page.
+    is_written : bool. Whether `rolling run` writes the figure beside its page. None: it does if the
+        figure compares runs.
     is_polar : bool. Whether new axes for it are polar.
     groups : callable of runs. Labels and runs of the groups of which each has the figure. None:
         all runs have it together.
@@ -46,6 +47,11 @@ class FigureKind:
     shares_scales: bool = False
     is_unasked: Callable[[Any], bool] = _always
     is_asked_only: bool = False
-    is_written: bool = False
+    is_written: bool | None = None
     is_polar: bool = False
     groups: Groups | None = None
+
+    @property
+    def has_file(self) -> bool:
+        """Whether `rolling run` writes the figure beside its page, where runs have it unasked."""
+        return not self.is_single if self.is_written is None else self.is_written

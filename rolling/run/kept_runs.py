@@ -53,21 +53,26 @@ class KeptRuns:
     """Runs that processes of this command have heard.
 
     folder : Path. The run folder.
-    digests : dict. Digest of the file of each kept run, by the folder of the run.
+    digests : dict. Digest of the file of each kept run, by the folder of the run in the run folder,
+        whose own path may be spelled in several ways: the workers of a cluster have the whole one.
     """
 
     folder: Path
     digests: dict[Path, str] = field(default_factory=dict)
 
+    def add(self, run: RunFolder, digest: str) -> None:
+        """Remember the digest of the file of a run."""
+        self.digests[_place(run)] = digest
+
     def only(self, run: RunFolder) -> KeptRuns:
         """Return a run alone, for a process that needs no other."""
-        digest = self.digests.get(run.folder, "")
-        return KeptRuns(self.folder, {run.folder: digest})
+        place = _place(run)
+        return KeptRuns(self.folder, {place: self.digests.get(place, "")})
 
     def exchange(self, run: RunFolder, digest: str) -> None:
         """Take another file for a run, and remove the former one."""
-        former = self.digests.get(run.folder, "")
-        self.digests[run.folder] = digest
+        former = self.digests.get(_place(run), "")
+        self.add(run, digest)
         if former and former not in self.digests.values():
             with suppress(OSError):
                 (self.folder / folders.PIECES / folders.KEPT / former).unlink(missing_ok=True)
@@ -79,7 +84,7 @@ class KeptRuns:
         ------
         FolderError, SceneError : as `read_run`.
         """
-        digest = self.digests.get(run.folder)
+        digest = self.digests.get(_place(run))
         if digest:
             with suppress(OSError):
                 path = self.folder / folders.PIECES / folders.KEPT / digest
@@ -108,3 +113,8 @@ class KeptRuns:
             with suppress(OSError):  # pieces of other marches are there
                 place.rmdir()
         self.digests.clear()
+
+
+def _place(run: RunFolder) -> Path:
+    """Return the folder of a run in its run folder."""
+    return run.folder.relative_to(run.home)

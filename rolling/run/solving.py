@@ -274,7 +274,7 @@ def _solve_lacking(
                     continue
                 count += 1
                 if ending is not None and finished.digest:
-                    ending.kept.digests[task.place.folder] = finished.digest
+                    ending.kept.add(task.place, finished.digest)
                     if film:
                         _prepare_page(task, finished.number, loop, ending)
                 if count == 1 and len(lacking) > 1 and not pilots.all:
@@ -316,7 +316,7 @@ def _tell_pilot(
 ) -> None:
     """Say what a pilot found, and queue the page of all pilots after the last one."""
     if digest:
-        pilots.kept.digests[pilot.place.folder] = digest
+        pilots.kept.add(pilot.place, digest)
     pilots.tell(pilot)
     if pilots.are_told and ending is not None and ending.first_page is not None:
         loop.queue_page(ending.first_page, *pilots.page_arguments)

@@ -108,7 +108,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
 
 def test_a_kept_run_is_the_run_that_is_read(run: Run) -> None:
     kept = KeptRuns(run.folder)
-    kept.digests[run.folder] = kept_runs.keep(run)
+    kept.add(run, kept_runs.keep(run))
     again = kept.read(run, "again")
     read = read_run(run, "again")
     assert again.label == read.label and again.numbers == read.numbers
@@ -120,6 +120,19 @@ def test_a_kept_run_is_the_run_that_is_read(run: Run) -> None:
     assert not (run.folder / folders.PIECES).exists()
 
 
+def test_a_kept_run_is_found_by_another_spelling_of_its_folder(
+    run: Run, made: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Workers of a cluster have the whole path of a folder that the command names from its own."""
+    kept = KeptRuns(run.folder)
+    kept.add(run, kept_runs.keep(run))
+    monkeypatch.chdir(run.folder.parent)
+    named = RunFolder(run.values, run.scene, Path(run.folder.name))
+    assert kept.only(named).read(named, "again").label == "again"
+    assert not made
+    kept.remove()
+
+
 def test_a_kept_run_has_the_records_that_were_made_for_its_files(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -128,7 +141,7 @@ def test_a_kept_run_has_the_records_that_were_made_for_its_files(
     write_run(heard)
     files = [sound.wav() for sound in listening.new_sounds(heard)]
     kept = KeptRuns(tmp_path)
-    kept.digests[tmp_path] = kept_runs.keep(heard)
+    kept.add(heard, kept_runs.keep(heard))
     made: list[str] = []
     for name in ("make_long_record", "reason_against_long_record"):
         monkeypatch.setattr(long_record, name, lambda *_, **__: made.append("a record"))
@@ -146,9 +159,10 @@ def test_a_page_that_was_prepared_has_the_same_bytes(
     write_run(heard)
     expected = page([read_run(heard, heard.label)])
     kept = KeptRuns(tmp_path)
-    kept.digests[tmp_path] = kept_runs.keep(heard)
+    first = kept_runs.keep(heard)
+    kept.add(heard, first)
     digest = derived.prepare_page(kept.only(heard), heard, heard.label)
-    assert digest and digest != kept.digests[tmp_path]
+    assert digest and digest != first
     kept.exchange(heard, digest)
     (only,) = (tmp_path / folders.PIECES / folders.KEPT).iterdir()
     assert only.name == digest
@@ -199,7 +213,8 @@ def test_a_file_that_was_exchanged_is_never_unpickled(
     damage: str, run: Run, tmp_path: Path
 ) -> None:
     kept = KeptRuns(run.folder)
-    digest = kept.digests[run.folder] = kept_runs.keep(run)
+    digest = kept_runs.keep(run)
+    kept.add(run, digest)
     path = run.folder / folders.PIECES / folders.KEPT / digest
     path.unlink()
     if damage == "another pickle":

@@ -67,7 +67,11 @@ def test_a_run_leaves_few_files(tmp_path: Path, swept: Path) -> None:
     }
     for name in below:
         assert {path.name for path in (swept / name).iterdir()} == OF_A_RUN
-    assert len([*swept.rglob("*.*")]) < 35
+    written = {path.stem for path in (swept / "figures").iterdir()}
+    assert "spectrum" in written
+    assert not any("released" in name for name in written)  # they are on the page alone
+    assert "released_spectrum" in (swept / "report.html").read_text()
+    assert len([*swept.rglob("*.*")]) < 30
     for name in ("summary.json", "scene.yaml"):
         assert str(tmp_path) not in (out / name).read_text()
 

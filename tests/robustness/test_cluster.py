@@ -25,7 +25,10 @@ from scene_text import TINY
 
 import rolling
 from rolling import cli
+from rolling.ball_kinds import one_ball
 from rolling.kinds import registry
+from rolling.kinds.run_folder import RunFolder
+from rolling.results import run_result
 from rolling.run import folder as folders
 from rolling.run import worker
 from rolling.terminal import program
@@ -124,6 +127,25 @@ def test_parts_of_a_sweep_run_on_a_cluster(cluster: DaskProcesses, tmp_path: Pat
     assert run(scene, out, cluster, "--part", "1/2") == 0
     assert [state for state, _ in folders.states(out).values()] == ["done", "waiting", "done"]
     assert run(scene, out, cluster) == 0
+
+
+def test_runs_that_workers_kept_are_found_from_a_folder_that_only_the_command_knows(
+    cluster: DaskProcesses, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The workers work elsewhere, and no sound is made again at the end."""
+    made: list[str] = []
+
+    def counted(place: RunFolder, label: str, *more: object) -> None:
+        made.append(label)
+
+    for module in (one_ball, run_result):
+        monkeypatch.setattr(module, "make_run", counted)
+    monkeypatch.chdir(tmp_path)
+    scene = Path("scene.yaml")
+    scene.write_text(TINY + "sweep: {surface.seed: [1, 2]}\n")
+    assert run(scene, Path("out"), cluster) == 0
+    assert not made
+    assert Path("out", "runs.csv").is_file()
 
 
 def test_workers_learn_a_registered_kind_from_the_command(
