@@ -20,8 +20,12 @@ SCENARIOS = Path(__file__).parents[2] / "scenarios"
 # Scenes with their settings: a thick plate, and a thin sheet at two speeds.
 SCENES = {
     "steel ball on a plate of 10 mm": ("vibrating-ball", {"rolling.load_n": 20}, 0.1),
-    "steel ball on a sheet of 1 mm": ("steel-sheet", {}, 0.02),
-    "the same sheet at a third of the speed": ("steel-sheet", {"rolling.speed_m_s": 0.1}, 0.06),
+    "steel ball on a sheet of 1 mm": ("round-ball-on-sheet", {}, 0.02),
+    "the same sheet at a third of the speed": (
+        "round-ball-on-sheet",
+        {"rolling.speed_m_s": 0.1},
+        0.06,
+    ),
 }
 HEARD_DB = np.linspace(5.0, 57.5, 22)  # levels at which a sound is heard, dB(A)
 SHOWN_DB = (10, 15, 20, 25, 30, 35, 40, 50)  # dB(A)

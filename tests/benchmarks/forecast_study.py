@@ -29,7 +29,7 @@ SCENES: dict[str, tuple[str, list[str]]] = {
     "quickstart, three loads": ("quickstart", ["rolling.duration_s=0.01"]),
     "vibrating ball": ("vibrating-ball", ["rolling.duration_s=0.04"]),
     "ball on plate, eight runs": ("ball-on-plate", ["rolling.distance_mm=1"]),
-    "steel sheet": ("steel-sheet", ["rolling.distance_mm=4"]),
+    "round ball on sheet": ("round-ball-on-sheet", ["rolling.distance_mm=4"]),
     "marble dropped": ("marble-dropped", []),
     "running in": ("running-in", []),
 }

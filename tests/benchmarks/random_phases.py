@@ -24,6 +24,7 @@ from rolling.kinds.registry import kind_of
 SCENES = (
     "ball-with-flat",
     "steel-sheet",
+    "round-ball-on-sheet",
     "marble-rolling-out",
     "ball-with-pit",
     "bearing-inner-fault",

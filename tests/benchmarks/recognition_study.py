@@ -26,7 +26,7 @@ from rolling.sound.long_listening import Listening
 
 FOLDER = Path(__file__).parents[2] / "scenarios"
 SCENES = (
-    "steel-sheet",
+    "round-ball-on-sheet",
     "marble-rolling-out",
     "bearing-grades",
     "ball-with-pit",
