@@ -7,6 +7,8 @@ smooth contact carries them to the listener.
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -16,7 +18,8 @@ from acoustics.numbers import rounded, si
 from acoustics.radiation import axis_transfer
 from acoustics.weighting import a_weighting_db
 from rolling.check.finding import Finding
-from rolling.check.force_estimate import contact_axes, mean_heights
+from rolling.check.force_estimate import SHARED, contact_axes
+from rolling.dynamics.ball_on_plate import BallOnPlate
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.comb import (
     BROAD,
@@ -26,14 +29,16 @@ from rolling.dynamics.comb import (
     speeds_of_comb,
     spread_db,
 )
-from rolling.in_si.physics_of_scene import bodies_of, listener_of, plate_of
+from rolling.in_si.physics_of_scene import bodies_of, listener_of
 from rolling.in_si.scene_surface import heights
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.scene import Scene
 from rolling.scene.sections import loss_text
 from rolling.scene.surfaces import HeightFile
 from rolling.sound.radiators import sources
-from rolling.surface.contact_average import asperity_density
+from rolling.sound.receivers import Listener
+from rolling.surface.contact_average import asperity_density, averaged_density
+from rolling.surface.height_law import HeightSpectrum
 
 KEY = "comb"  # of the finding
 _SPEEDS_OF_MODES = 20  # a plate with modes is slow to compute
@@ -92,20 +97,94 @@ def _repeats(scene: Scene) -> bool:
     )
 
 
+@dataclass(frozen=True, kw_only=True)
+class HeardLap:
+    """A lap as it is heard: all that the spread takes beside the heights, which runs may share.
+
+    Attributes
+    ----------
+    chain : Chain
+        Ball, contact and plate.
+    bodies : BallOnPlate
+        The bodies that radiate.
+    listener : Listener
+        Who hears them.
+    axes_m : (2,) tuple of float, m
+        Semi-axes of the contact of the rough surface, along and across.
+    length_m : float, m
+        Length of the lap.
+    speed_m_s : float, m/s
+        Highest speed.
+    """
+
+    chain: Chain
+    bodies: BallOnPlate
+    listener: Listener
+    axes_m: tuple[float, float]
+    length_m: float
+    speed_m_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawsOfLap:
+    """Random heights of a lap by their laws, which know no seed.
+
+    Attributes
+    ----------
+    laws : tuple of HeightSpectrum
+        Laws of the random heights of plate and sphere.
+    spacing_m : float, m
+        Distance of nodes.
+    steps : int
+        Steps of the lap.
+    """
+
+    laws: tuple[HeightSpectrum, ...]
+    spacing_m: float
+    steps: int
+
+
 def comb_spread_db(scene: Scene, chain: Chain, lap_m: float, speed: float) -> float | None:
     """Return the rms difference of LAeq at near speeds from its mean [dB]; None without a comb.
 
     It is the median over random strengths of the lines.
     """
-    lines = _lines(scene, lap_m)
-    if lines is None:
+    lap = HeardLap(
+        chain=chain,
+        bodies=bodies_of(scene),
+        listener=listener_of(scene),
+        axes_m=contact_axes(scene),
+        length_m=lap_m,
+        speed_m_s=speed,
+    )
+    if _is_file_alone(scene):  # whose lines are known
+        return _spread_over_speeds(lap, _lines(lap, _lines_of_heights(scene), strengths=None))
+    if not scene.laws:
         return None
+    laws = LawsOfLap(
+        laws=tuple(law.in_si for law in scene.laws),
+        spacing_m=scene.spacing,
+        steps=scene.track.lap_steps,
+    )
+    return spread_of_laws(lap, laws)
+
+
+@lru_cache(maxsize=SHARED)
+def spread_of_laws(lap: HeardLap, laws: LawsOfLap) -> float | None:
+    """Return the rms difference of LAeq at near speeds [dB] of a lap over random heights."""
+    expected = _lines_of_laws(lap, laws)
+    return _spread_over_speeds(lap, _lines(lap, expected, strengths=_strengths(len(expected))))
+
+
+def _spread_over_speeds(lap: HeardLap, lines: Array) -> float | None:
+    """Return the rms difference of LAeq at near speeds [dB] of lines (draws, lines)."""
+    chain = lap.chain
     speeds = speeds_of_comb(
         chain=chain,
         lines=lines.mean(axis=0),
-        line_hz=speed / lap_m,
-        loss_factor=least_loss_factor(scene.plate.loss_factor or 0.0),
-        gain=lambda frequency: _weighted_gain(scene, chain, frequency),
+        line_hz=lap.speed_m_s / lap.length_m,
+        loss_factor=least_loss_factor(lap.bodies.plate.loss_factor or 0.0),
+        gain=lambda frequency: _weighted_gain(lap, frequency),
         most_speeds=MOST_SPEEDS if chain.modes is None else _SPEEDS_OF_MODES,
     )
     if speeds is None:
@@ -116,31 +195,31 @@ def comb_spread_db(scene: Scene, chain: Chain, lap_m: float, speed: float) -> fl
     return float(np.median([spread_db(sums_of_draw) for sums_of_draw in sums.T]))
 
 
-def _lines(scene: Scene, lap_m: float) -> Array | None:
+def _strengths(count: int) -> Array:
+    """Return random strengths of lines (draws, lines)."""
+    return np.random.default_rng(0).exponential(size=(_DRAWS, count))
+
+
+def _lines(lap: HeardLap, linear: Array, strengths: Array | None) -> Array:
     """Return mean squares of the lines of the approach over a lap, (draws, lines), to one factor.
 
-    None where neither a law nor the heights of the plate alone describe the surface.
+    `linear` (lines,) are those of the heights that the contact averages; without `strengths` they
+    are known. The lines of the asperities are random.
     """
-    from_file = _is_file_alone(scene)
-    if not from_file and not scene.laws:
-        return None
-    linear = _lines_of_heights(scene) if from_file else _lines_of_laws(scene, lap_m)
-    strengths = np.random.default_rng(0).exponential(size=(_DRAWS, linear.shape[-1]))
-    waves = 2 * math.pi / lap_m * np.arange(1, linear.shape[-1] + 1)
-    length, _ = contact_axes(scene)
-    tail = linear.sum() * asperity_density(waves, length) * (2 * math.pi / lap_m)
-    # The lines of a file are known, those of a law and of the tail are random.
-    lines: Array = np.maximum(linear if from_file else linear * strengths, tail * strengths)
-    return lines
+    waves = 2 * math.pi / lap.length_m * np.arange(1, len(linear) + 1)
+    tail = linear.sum() * asperity_density(waves, lap.axes_m[0]) * (2 * math.pi / lap.length_m)
+    if strengths is None:
+        return np.asarray(np.maximum(linear, tail * _strengths(len(linear))))
+    return np.asarray(np.maximum(linear * strengths, tail * strengths))
 
 
-def _lines_of_laws(scene: Scene, lap_m: float) -> Array:
+def _lines_of_laws(lap: HeardLap, laws: LawsOfLap) -> Array:
     """Return the expected mean squares of the lines of the heights that the contact averages."""
-    count = scene.track.lap_steps // 2
-    waves = np.asarray(2 * math.pi / lap_m * np.arange(1, count + 1), dtype=float)
+    count = laws.steps // 2
+    waves = np.asarray(2 * math.pi / lap.length_m * np.arange(1, count + 1), dtype=float)
     coarse = np.geomspace(waves[0], waves[-1], min(count, _WAVES))
-    at_coarse = np.sum([mean_heights(scene, law, coarse) for law in scene.laws], axis=0)
-    return np.asarray(np.interp(np.log(waves), np.log(coarse), at_coarse))
+    densities = [averaged_density(law, coarse, lap.axes_m, laws.spacing_m) for law in laws.laws]
+    return np.asarray(np.interp(np.log(waves), np.log(coarse), np.sum(densities, axis=0)))
 
 
 def _lines_of_heights(scene: Scene) -> Array:
@@ -164,17 +243,18 @@ def _lines_of_heights(scene: Scene) -> Array:
     return lines / max(float(lines.max()), 1e-300)
 
 
-def _weighted_gain(scene: Scene, chain: Chain, frequency: Array) -> Array:
+def _weighted_gain(lap: HeardLap, frequency: Array) -> Array:
     """Return A-weighted power at the first listener per mean square of the approach."""
-    force = chain.force(frequency, np.ones(len(frequency)))
-    plate = plate_of(scene.plate).with_edges
+    force = lap.chain.force(frequency, np.ones(len(frequency)))
+    plate = lap.bodies.plate.with_edges
+    listener = lap.listener
     if plate is None:
-        bodies = sources(bodies_of(scene), listener_of(scene))
-        parts = [axis_transfer(frequency, body, scene.sound.distance_m) for body in bodies]
+        bodies = sources(lap.bodies, listener)
+        parts = [axis_transfer(frequency, body, listener.distance_m) for body in bodies]
         transfer = np.sum(parts, axis=0)
     else:
-        (contact,) = plate_of(scene.plate).points_between_ends(1)
-        transfer = plate.pressure_transfer(frequency, contact, scene.listeners[0], 0.0)
+        (contact,) = lap.bodies.plate.points_between_ends(1)
+        transfer = plate.pressure_transfer(frequency, contact, listener.places_m[0], 0.0)
     weight = 10 ** (a_weighting_db(frequency) / 10)
     return np.asarray(weight * np.square(np.abs(transfer * force)))
 

@@ -2,6 +2,7 @@
 
 import math
 import os
+from dataclasses import replace
 
 from acoustics.numbers import clock
 from rolling.contact import estimated_contact
@@ -77,9 +78,14 @@ def overlap_width(scene: Scene, rq: float) -> float:
     return estimated_contact.overlap_across_m(smooth_contact_of(scene), scene.hardness, rq)
 
 
-def window_nodes(scene: Scene, rq: float) -> float:
-    """Estimate the nodes along the side of a square of the area of the overlap, at both ends."""
+def window_nodes(scene: Scene, rq: float, load_n: float | None = None) -> float:
+    """Estimate the nodes along the side of a square of the area of the overlap, at both ends.
+
+    The load [N] is by default that of the scene.
+    """
     contact = smooth_contact_of(scene)
+    if load_n is not None:
+        contact = replace(contact, load_n=load_n)
     return estimated_contact.window_nodes(
         contact, scene.hardness, rq, scene.spacing, scene.step_nodes
     )
@@ -109,11 +115,15 @@ def expected_step_ms(window_nodes: float, subcells: int = 1, law: str = "sharp")
     return float(at_100 * (window_nodes / 100) ** power * subcells**SUBCELL_POWER)
 
 
-def step_ms(scene: Scene) -> float:
-    """Estimate the time of a step of a scene [ms] on one core; a height file is read."""
+def step_ms(scene: Scene, load_n: float | None = None) -> float:
+    """Estimate the time of a step of a scene [ms] on one core; a height file is read.
+
+    The load [N] is by default that of the scene.
+    """
     rq = roughness(scene)[0]
     longer = math.pow(min(max(scene.step_nodes, 1.0), LONGEST_STEP), STEP_POWER)
-    own_ms = expected_step_ms(window_nodes(scene, rq), subcells(scene), step_law(scene, rq))
+    nodes = window_nodes(scene, rq, load_n)
+    own_ms = expected_step_ms(nodes, subcells(scene), step_law(scene, rq))
     return own_ms * longer
 
 
@@ -140,11 +150,11 @@ def fall_seconds(scene: Scene) -> tuple[int, float]:
     if scene.keeps_its_load:
         return 0, 0.0
     period = shortest_period(scene)
-    loads = [load for sign in (-1, 1) for load in drop.loads(bodies_of(scene), sign)]
-    held = [load for load in loads if 2 * max(smooth_contact_of(scene).semi_axes_m(load)) <= period]
-    # Another load would roll out elsewhere.
-    heavier = [scene.with_({"rolling.load_n": x, "rolling.resistance": None}) for x in held]
-    return len(held), scene.track.solved_steps * sum(map(step_ms, heavier)) * 1e-3
+    bodies = bodies_of(scene)
+    loads = [load for sign in (-1, 1) for load in drop.loads(bodies, sign)]
+    held = [load for load in loads if 2 * max(bodies.contact.semi_axes_m(load)) <= period]
+    all_ms = sum(step_ms(scene, load) for load in held)
+    return len(held), scene.track.solved_steps * all_ms * 1e-3
 
 
 def surface_seconds(scene: Scene) -> tuple[float, float]:

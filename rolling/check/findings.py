@@ -25,6 +25,7 @@ from rolling.check import (
     forecast,
     height_findings,
     level_doubts,
+    long_steps,
     narrow_surface,
     refusals,
     resolution,
@@ -32,16 +33,17 @@ from rolling.check import (
     vibration_limits,
 )
 from rolling.check.finding import Finding
-from rolling.check.long_steps import refuse_long_steps
 from rolling.check.memory_and_disk import SAMPLE_RATE, disk, memory
-from rolling.check.run_size import run_size
+from rolling.check.run_size import RunSize, run_size
 from rolling.in_si import scene_surface
 from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.identity import contact_keys, digest
 from rolling.scene.scene import Scene
+from rolling.scene.seeds import SEED_KEYS
 from rolling.scene.surfaces import HeightFile
-from rolling.scene.sweep import run_name
+from rolling.scene.sweep import Value, run_name
+from rolling.scene.swept import SweepRun
 from rolling.terminal import progress
 from rolling.terminal.streams import columns, line_width, wrapped
 
@@ -207,9 +209,10 @@ def check_scene(scene: Scene, solve: bool = True, pilots: Sequence[Scene] = ()) 
     >>> len(check_scene(rolling.read_scene("quickstart"), solve=False).runs)
     3
     """
-    refuse_long_steps(scene)
     runs = scene.runs()
     scenes = [run.scene for run in runs]
+    sizes = {run_name(run.values): run_size(run.scene) for run in runs}
+    long_steps.refuse_runs(scene, sizes)
     refusals.refuse_large_files(scenes)
     probes: Sequence[Probe | None] = [None] * len(runs)
     if solve:
@@ -220,22 +223,25 @@ def check_scene(scene: Scene, solve: bool = True, pilots: Sequence[Scene] = ()) 
     doubts: dict[str, list[Doubt]] = {}
     quantities: dict[str, level_doubts.Forecasts] = {}
     with progress.step("judging the numbers of the scene"):
+        shared: dict[tuple[tuple[str, Value], ...], StatisticalRules] = {}
         for run, solved in zip(runs, probes, strict=True):
             name = run_name(run.values) or scene.name
-            rows[name], doubts[name] = check_run(run.scene, solved)
+            known_by = _values_known_without_heights(run)
+            if known_by not in shared:
+                shared[known_by] = statistical_rules(run.scene)
+            rows[name], doubts[name] = check_run(run.scene, solved, shared[known_by])
             quantities[name] = level_doubts.forecasts(run.scene, doubts[name])
     seconds = _core_seconds(scenes, [*rows.values()]) + forecast.pilot_seconds(pilots)
     whole = f"{forecast.takes(seconds)}, with start, files and page"
     if len(runs) == 1:
         of_all = (("time of the whole run", whole),)
         return Findings(rows, doubts, of_all, seconds=seconds, quantities=quantities)
-    sizes = [run_size(run) for run in scenes]
     of_every = (
         ("expected time of all", f"{whole}, {len(runs)} runs"),
-        ("memory of all", refusals.memory_text(memory(sizes, cost.cores()))),
-        ("disk of all", f"about {byte_size(disk(sizes))}"),
+        ("memory of all", refusals.memory_text(memory([*sizes.values()], cost.cores()))),
+        ("disk of all", f"about {byte_size(disk([*sizes.values()]))}"),
     )
-    excess = refusals.excess(sizes, cost.cores(), refusals.OUTPUTS, of=" of all")
+    excess = refusals.excess([*sizes.values()], cost.cores(), refusals.OUTPUTS, of=" of all")
     return Findings(rows, doubts, of_every, tuple(excess), seconds, quantities)
 
 
@@ -291,18 +297,67 @@ def conclusion(scene: Scene, findings: Findings) -> str:
     return f"It runs in {time}. {expected}"
 
 
-def check_run(scene: Scene, solved: Probe | None = None) -> RunCheck:
+@dataclass(frozen=True)
+class StatisticalRules:
+    """What rules say that know no heights; runs that differ in their seeds alone share it.
+
+    Attributes
+    ----------
+    fits : bool
+        Whether memory holds the run, so that its heights may be made.
+    first, last : list of Finding or Doubt
+        Rows and doubts that stand before and after those of the heights.
+    """
+
+    fits: bool
+    first: list[Finding | Doubt]
+    last: list[Finding | Doubt]
+
+
+def statistical_rules(scene: Scene) -> StatisticalRules:
+    """Judge one run by its scene without random heights; a height file is read."""
+    size = run_size(scene)
+    fits = refusals.fits(size)
+    first = [
+        *_track(scene),
+        *_march(scene),
+        *_memory(size),
+        *smooth_contact_rules(scene),
+        *resolution.rules(scene),
+    ]
+    last = [*validity.rules(scene)]
+    if scene.dynamics is not None:
+        last += vibration_limits.rules(scene)
+    if fits:
+        last += comb_spread.rules(scene)
+    return StatisticalRules(fits=fits, first=first, last=[*last, *resolution.record(scene)])
+
+
+def scene_rules(scene: Scene, statistical: StatisticalRules | None = None) -> list[Finding | Doubt]:
+    """Return rows and doubts of one run from its scene, in the order of the table.
+
+    What is known without heights need not be found again.
+    """
+    known = statistical or statistical_rules(scene)
+    of_heights = height_findings.rules(scene) if known.fits else ()
+    return [*known.first, *of_heights, *known.last]
+
+
+def check_run(
+    scene: Scene, solved: Probe | None = None, statistical: StatisticalRules | None = None
+) -> RunCheck:
     """Judge one run; solved positions replace the numbers of closed forms.
 
     Raise SceneError for a height file that cannot be used.
     """
-    rows_and_doubts: list[Finding | Doubt] = [
+    known = statistical or statistical_rules(scene)
+    rows_and_doubts = [
         *level_doubts.of_source(scene),
-        *scene_rules(scene),
+        *scene_rules(scene, known),
         *level_doubts.of_grid(scene),
     ]
     is_narrow = any(x.key == "window" for x in rows_and_doubts if isinstance(x, Doubt))
-    if not is_narrow and not refusals.excess([run_size(scene)], 1, None):
+    if known.fits and not is_narrow:
         rows_and_doubts += narrow_surface.rules(scene)
     if solved is not None:
         rows_and_doubts += solved.findings(scene)
@@ -312,22 +367,13 @@ def check_run(scene: Scene, solved: Probe | None = None) -> RunCheck:
     return RunCheck([*rows.values()], [*doubts.values()])
 
 
-def scene_rules(scene: Scene) -> Iterator[Finding | Doubt]:
-    """Yield rows and doubts of one run from its scene, in the order of the table."""
-    fits = not refusals.excess([run_size(scene)], 1, None)
-    yield from _track(scene)
-    yield from _march(scene)
-    yield from _memory(scene)
-    yield from smooth_contact_rules(scene)
-    yield from resolution.rules(scene)
-    if fits:
-        yield from height_findings.rules(scene)
-    yield from validity.rules(scene)
-    if scene.dynamics is not None:
-        yield from vibration_limits.rules(scene)
-    if fits:
-        yield from comb_spread.rules(scene)
-    yield from resolution.record(scene)
+def _values_known_without_heights(run: SweepRun[Scene]) -> tuple[tuple[str, Value], ...]:
+    """Return the swept values of a run but for its seeds, or all beside heights from a file.
+
+    Rules that make no heights read those of a file.
+    """
+    left_out = () if run.scene.height_paths else SEED_KEYS
+    return tuple((key, value) for key, value in run.values.items() if key not in left_out)
 
 
 # ---- size and cost
@@ -439,10 +485,10 @@ def _window(scene: Scene, rq: float) -> Iterator[Finding | Doubt]:
         )
 
 
-def _memory(scene: Scene) -> Iterator[Finding | Doubt]:
+def _memory(size: RunSize) -> Iterator[Finding | Doubt]:
     """State memory and disk, and tell where the run does not fit."""
     workers = cost.cores()
-    sizes = [run_size(scene)]
+    sizes = [size]
     yield Finding("memory", "memory", refusals.memory_text(memory(sizes, workers)))
     yield Finding("disk", "disk", f"about {byte_size(disk(sizes))}")
     yield from refusals.excess(sizes, workers, refusals.OUTPUTS)

@@ -88,6 +88,11 @@ def _refuse_interleaved(scene: Scene, runs: Iterable[RunSize]) -> None:
             )
 
 
+def fits(run: RunSize) -> bool:
+    """Tell whether memory holds a run in one process, so that its heights may be made."""
+    return not excess([run], 1, None)
+
+
 def excess(runs: Sequence[RunSize], workers: int, folder: Path | None, of: str = "") -> list[Doubt]:
     """Return the doubts "memory" and "disk" where runs do not fit: need, limit and advice.
 

@@ -27,6 +27,8 @@ from rolling.scene.sections import (
 )
 from rolling.scene.swept import SweepRun
 
+CACHED = ("track", "motion", "duration")  # properties that a scene keeps
+
 
 def _sweep(value: Any) -> dict[str, Any]:
     """Return a sweep of a scene with its lists as tuples, or refuse it."""
@@ -126,7 +128,8 @@ class Scene(values_in_si.SceneQuantities):
 
     def __copy__(self) -> Self:
         copied = super().__copy__()
-        copied.__dict__.pop("track", None)  # a copy may be given other values
+        for name in CACHED:  # a copy may be given other values
+            copied.__dict__.pop(name, None)
         return copied
 
     # ---- plain values and runs ----

@@ -154,7 +154,7 @@ class SceneQuantities(SweptScene):
             context = error.context or {}
             raise SceneError([f"{dotted(context['at'])}: {context['message']}"]) from error
 
-    @property
+    @cached_property
     def motion(self) -> Motion:
         """Distance and speed over time."""
         return motion_of(self.sphere, self.rolling)
@@ -164,7 +164,7 @@ class SceneQuantities(SweptScene):
         """Motion along the track."""
         return Travel(motion=self.motion, track=self.track)
 
-    @property
+    @cached_property
     def duration(self) -> float:
         """Time [s] that the track takes."""
         return self.travel.duration_s

@@ -1,6 +1,7 @@
 """The check agrees with numbers by hand, and each warning appears only when it should."""
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +12,24 @@ from scene_text import WIDE
 
 import rolling
 from acoustics import wav
-from rolling.check import cost, forecast, memory_and_disk, refusals
+from rolling.check import (
+    comb_spread,
+    cost,
+    findings,
+    force_estimate,
+    forecast,
+    memory_and_disk,
+    refusals,
+    vibration_limits,
+)
 from rolling.check.cost import expected_step_ms, roughness
+from rolling.check.finding import Finding
 from rolling.check.findings import check_scene
+from rolling.numbers.doubt import Doubt
 from rolling.scene.file import loads
 from rolling.scene.laws import AUTOCORRELATIONS
 from rolling.scene.scene import Scene
+from rolling.scene.sweep import run_name
 from rolling.surface import heights as surface
 
 
@@ -331,3 +344,54 @@ def test_report_of_one_run_and_of_many() -> None:
         check_scene(loads(WIDE, [f"sweep.rolling.load_n={list(range(1, 13))}"]), solve=False)
     )
     assert len([line for line in many.splitlines() if line.startswith("Hertz radius")]) == 3
+
+
+@pytest.mark.parametrize(
+    "name, seed",
+    [
+        ("marble-dropped", "surface.seed"),
+        ("vibrating-ball", "surface.seed"),
+        ("ball-with-pit", "surface.seed"),
+        ("ball-on-plate", "surface.seed"),
+        ("running-in", "surface.seed"),
+    ],
+)
+def test_runs_that_share_their_statistics_are_judged_as_alone(name: str, seed: str) -> None:
+    scene = rolling.read_scene(name, ["sweep=", f"sweep.{seed}=[1, 2, 3]"])
+    together = check_scene(scene, solve=False)
+    for run in scene.runs():
+        alone = findings.check_run(run.scene)
+        label = run_name(run.values)
+        assert together.runs[label] == alone.findings
+        assert together.doubts[label] == alone.doubts
+
+
+def test_rules_without_heights_judge_runs_that_differ_in_seeds_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    judged: list[Scene] = []
+    rules = vibration_limits.rules
+
+    def counted(scene: Scene) -> Iterator[Finding | Doubt]:
+        judged.append(scene)
+        return rules(scene)
+
+    monkeypatch.setattr(vibration_limits, "rules", counted)
+    swept = "sweep={surface.seed: [1, 2, 3, 4], rolling.drop_mm: [5, 6]}"
+    found = check_scene(rolling.read_scene("marble-dropped", [swept]), solve=False)
+    assert len(found.runs) == 8
+    assert [scene.rolling.drop_mm for scene in judged] == [5, 6]
+
+
+def test_estimates_are_shared_by_runs_that_differ_in_other_keys() -> None:
+    """The height of a fall changes neither the force over a rough surface nor its comb."""
+    for estimate in (force_estimate.rms_of_statistics, comb_spread.spread_of_laws):
+        estimate.cache_clear()
+    for name, key in (
+        ("marble-dropped", "sweep={rolling.drop_mm: [5, 6, 7]}"),
+        ("vibrating-ball", "sweep={rolling.across_um: [0, 20, 40]}"),
+    ):
+        before = force_estimate.rms_of_statistics.cache_info().misses
+        check_scene(rolling.read_scene(name, [key]), solve=False)
+        assert force_estimate.rms_of_statistics.cache_info().misses == before + 1
+    assert comb_spread.spread_of_laws.cache_info().misses == 1  # of the ball that rolls

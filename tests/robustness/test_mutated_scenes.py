@@ -23,7 +23,6 @@ from rolling.scene.messages import SceneError
 
 SECONDS = 1.0  # of processor time, up to which a case is quick on any machine
 SECONDS_OF_MODES = 10.0  # the same for plates whose modes have no closed form, some 1,000 of them
-SECONDS_OF_A_RUN = 0.06  # more for each run of a sweep, which are all judged
 WORKS = 20  # maximum processor time of a case, over that of `work`; the slowest takes 12
 # cases of each kind; tests/support/mutations.py runs any number
 NUMBERS = range(200)
@@ -64,8 +63,6 @@ def assert_read_or_refused(kind: str, numbers: range, folder: Path) -> None:
         limit = SECONDS
         if made and made[0].plate.edges not in (None, "simply_supported"):
             limit = SECONDS_OF_MODES
-        if made and made[0].sweep:
-            limit += SECONDS_OF_A_RUN * len(made[0].runs())
         assert took < limit or took < WORKS * processor_time(work), (kind, number)
     assert outcomes == {"read", "refused"}  # neither is rare, so both ways are tried
 
