@@ -22,7 +22,10 @@ KEYS = [
     "plate.density_kg_m3=7850",
     "plate.thickness_mm=10",
     "rolling.load_n=1",
-    "rolling.duration_s=0.02",
+    "rolling.duration_s=0.01",
+    "surface.width_um=128",
+    "numerics.error_estimate=false",
+    "sound.listen_s=2",
 ]
 
 
