@@ -318,14 +318,14 @@ def _say_roughness(
 ) -> None:
     """Name the roughness of the plate: as the scenes give it, or as it is where they do not."""
     finishes = different_words(scenes, finish_word)
-    surface = f"{listed(finishes)} surface" if finishes else "surface of the plate"
+    surface = f"{listed(finishes)} surface" if finishes else "surface"
     roughness = different_words(scenes, roughness_text)
     known = _solved_ra_um(numbers)
     if known and not any(text.startswith("Ra ") for text in roughness):
         surface = f"{surface}, {listed(roughness)}" if roughness else surface
         roughness = [f"Ra {values_text(known)} µm"] if max(known) > 0 else []
     if not roughness:
-        machine.say(place, "smooth", "surface of the plate")
+        machine.say(place, "smooth", "surface")
     elif len(roughness) > 3:
         machine.say(place, f"{len(roughness)} values", f"of the {surface}")
     else:
@@ -429,10 +429,10 @@ def _draw_listener(machine: Machine, scenes: Sequence[Scene], ball: _Ball) -> No
     machine.draw("path", line(ball.contact, (EAR[0] - 6, EAR[1] + 10)))
     machine.draw("thin", *listener(EAR))
     distances = values_text([item.listener_distance_m for item in scenes])
-    words = "to the listener"
+    words = "listener"
     count = len(scene.sound.listener_mm or ())
     if count > 1:
-        words = f"to the first of {count} listeners"
+        words = f"first of {count} listeners"
     if scene.is_listener_placed and scene.listeners[0][2] < 0:
         words += ", below the plate"
     machine.say((EAR[0] + 4, EAR[1] + 2), f"{distances} m", words)

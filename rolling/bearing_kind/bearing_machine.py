@@ -105,9 +105,9 @@ def _draw_balls(machine: Machine, scenes: Sequence[BearingScene], scale: float) 
     words = _surface_words(scenes, "balls") or "smooth"
     machine.say(_nearest_ball(scene, pitch, 0.0), f"{balls} balls of {diameters} mm", words)
     carrying = int((loads > _BEARING * largest).sum())
-    words = f"on the ball that bears most, {carrying} of {len(loads)} carry"
+    words = f"most loaded ball, {carrying} of {len(loads)} carry"
     if carrying == len(loads):
-        words = "on the ball that bears most, all carry"
+        words = "most loaded ball, all carry"
     if len(scenes) > 1:
         words += ", in the first run"
     machine.say(_nearest_ball(scene, pitch, DOWN - 0.1), f"{rounded(largest, 3)} N", words)
@@ -231,7 +231,7 @@ def _draw_sensor(machine: Machine, scene: BearingScene, scale: float) -> None:
     up = OUTER + 5 if scene.moving_ring == "outer" else scale * scene.bore / 2 - 5
     at = (x, y - up)
     machine.draw("sensor", square(at, 5.0))
-    machine.say((at[0] + 5, at[1]), "velocity", f"of the {scene.moving_ring} ring is measured")
+    machine.say((at[0] + 5, at[1]), "velocity", f"of the {scene.moving_ring} ring")
 
 
 def _draw_housing(machine: Machine, scenes: Sequence[BearingScene]) -> None:
@@ -243,7 +243,7 @@ def _draw_housing(machine: Machine, scenes: Sequence[BearingScene]) -> None:
     machine.draw("path", line((CENTRE[0], top), (EAR[0] - 5, EAR[1] + 10)))
     machine.draw("thin", *listener(EAR))
     distances = values_text([scene.sound.distance_m for scene in scenes])
-    machine.say((EAR[0] + 4, EAR[1] + 2), f"{distances} m", "to the listener")
+    machine.say((EAR[0] + 4, EAR[1] + 2), f"{distances} m", "listener")
     plates = [scene.plate for scene in scenes if scene.plate is not None]
     sizes = listed(dict.fromkeys(plate_size(plate) for plate in plates))
     materials = listed(dict.fromkeys(plate_material(plate) for plate in plates))

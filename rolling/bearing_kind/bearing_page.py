@@ -84,7 +84,8 @@ def bearing_parts(runs: Sequence[BearingRun]) -> PageParts:
 def _view(run: BearingRun, number: int, is_alone: bool) -> dict[str, Any]:
     """Return the words, tables and charts of a run, whose number on the page is given.
 
-    Beside others its velocities are said by the bars alone.
+    Its velocities are said by bars or a curve. How it runs is said by title and drawing where it is
+    alone, and otherwise by a sentence.
     """
     numbers = run.numbers
     duration_s = numbers.motion.duration_s
@@ -93,9 +94,9 @@ def _view(run: BearingRun, number: int, is_alone: bool) -> dict[str, Any]:
     lead = faults[0] if faults else bearing_sentences.leading_lines(numbers)
     return {
         "label": printable(run.label or run.scene.name),
-        "what": _on_page(first if is_alone else _condition(run)),
+        "what": "" if is_alone else _condition(run),
         "lead": _on_page(lead),
-        "sentences": [_on_page(sentence) for sentence in others if sentence != lead],
+        "sentences": [_on_page(sentence) for sentence in (first, *others) if sentence != lead],
         "bars": bars_over_decades("Radial velocity of the ring, rms [µm/s]", _bars(numbers)),
         "rows": [(name, *map(" ".join, cells)) for name, cells in _band_rows(numbers)],
         "line_heads": _line_heads(numbers),
@@ -127,8 +128,17 @@ def _charts(run: BearingRun, number: int) -> dict[str, Chart]:
         with left_out_if_it_fails(f"{name} of {run.label}"):
             # A chart has an axis along, where a file may have one around.
             kind = replace(figures[name], is_polar=False)
-            charts[name] = exhibit(picture_of(name, kind, run)) | {"run": number}
+            chart = exhibit(picture_of(name, kind, run)) | {"run": number}
+            chart["note"] = _without_condition(chart["note"], run)
+            charts[name] = chart
     return charts
+
+
+def _without_condition(note: str, run: BearingRun) -> str:
+    """Return the note of a chart without how the bearing runs, which the page says once."""
+    rest = note.removeprefix(_condition(run).removesuffix("."))
+    rest = rest.removeprefix("; ")
+    return f"{rest[:1].upper()}{rest[1:]}"
 
 
 # ---- velocities in the three bands

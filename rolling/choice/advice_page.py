@@ -14,7 +14,10 @@ from rolling.choice.change_words import in_words
 from rolling.figures.picture import finish, picture
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.page_parts import Part
+from rolling.kinds.run_folder import RunFolder
+from rolling.report import text
 from rolling.report.level_bars import Bars, Row, bars_around_zero
+from rolling.report.machine_drawing import MachineDrawing, drawing_of
 from rolling.report.page_of_parts import PageOfParts, exhibit
 from rolling.results import labels
 from rolling.results.notes import UNVALIDATED
@@ -30,8 +33,9 @@ def sensitivities_page(result: Sensitivities) -> bytes:
     heads = ["Value", f"per step, {result.quantity.decibels}", "linear chain", "specimens"]
     rows = [_cells(row) for row in result.rows]
     made = PageOfParts(
-        title=f"What would make it quieter? {printable(result.name)}",
-        first=[Part("advice_first.html", {"lead": lead, "bars": _bars(result)})],
+        title=f"What would make it quieter? {_title(result)}",
+        machine=_drawing(result),
+        first=[Part("advice_first.html", {"lead": lead, "bars": _bars(result), "charts": []})],
         parts=[_doubts(others), Part("table.html", {"heads": heads, "rows": rows})],
     )
     return made.written()
@@ -103,15 +107,24 @@ def limit_page(result: Limit) -> bytes:
             ]
         )
     made = PageOfParts(
-        title=f"Which {word} stays below {result.level_db:g} {unit}? {printable(result.name)}",
-        first=[Part("advice_first.html", {"lead": lead, "bars": None})],
-        parts=[
-            Part("charts.html", {"heading": "Level over the value", "charts": charts}),
-            _doubts(others),
-            Part("table.html", {"heads": heads, "rows": rows}),
-        ],
+        title=f"Which {word} stays below {result.level_db:g} {unit}? {_title(result)}",
+        machine=_drawing(result),
+        first=[Part("advice_first.html", {"lead": lead, "bars": None, "charts": charts})],
+        parts=[_doubts(others), Part("table.html", {"heads": heads, "rows": rows})],
     )
     return made.written()
+
+
+def _title(result: Limit | Sensitivities) -> str:
+    """Say what rolls on what, or give the name of a scene that is not known."""
+    if result.scene is None:
+        return printable(result.name)
+    return text.titles([RunFolder({}, result.scene, result.folder)])
+
+
+def _drawing(result: Limit | Sensitivities) -> MachineDrawing | None:
+    """Draw the machine of the scene; None where the scene is not known."""
+    return None if result.scene is None else drawing_of([result.scene])
 
 
 def _search(result: Limit, ax: Axes) -> Axes:

@@ -101,6 +101,8 @@ class Limit:
         What became of the range.
     folder : Path
         Folder of the specimens.
+    scene : scene, optional
+        The scene whose key is searched, which the page draws. Default: none.
 
     Examples
     --------
@@ -128,6 +130,7 @@ class Limit:
     noun: str
     notes: list[str]
     folder: Path
+    scene: Any = None
 
     @property
     def ordered(self) -> list[Point]:

@@ -289,6 +289,7 @@ class LimitSearch:
             noun=self._work.specimens.noun,
             notes=notes,
             folder=self._work.folder,
+            scene=self._base.scene,
         )
 
     def _end(self, value: Value, notes: list[str]) -> Point:

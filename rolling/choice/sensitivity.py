@@ -127,6 +127,8 @@ class Sensitivities:
         Folder of the specimens.
     omitted : list of OmittedPair
         Specimens that are left out of some changes, because a contact has no solution.
+    scene : scene, optional
+        The scene whose values are changed, which the page draws. Default: none.
 
     Examples
     --------
@@ -150,6 +152,7 @@ class Sensitivities:
     limit: str
     folder: Path
     omitted: Sequence[OmittedPair] = ()
+    scene: Any = None
 
     def table(self) -> pd.DataFrame:
         """Tabulate the changes, the largest first.
@@ -282,6 +285,7 @@ def improve_scene(
         limit=search.limit,
         folder=target,
         omitted=[*search.omitted.values()],
+        scene=base.scene,
     )
 
 

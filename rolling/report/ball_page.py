@@ -50,7 +50,9 @@ from rolling.terminal import defaults
 
 MAX_RUNS = defaults.MAX_RUNS_ON_PAGE
 MAX_BESIDE = 3  # runs whose own pictures stand below each other
-LEADING = ("levels", "third_octaves_a")  # shown first; other curves are one choice away
+OVER_SWEEP = "levels"  # chart of the first view of a sweep
+FIRST_HIGH = 270  # pixels of its height
+LEADING = ("third_octaves_a",)  # shown first; other curves are one choice away
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 SURFACES = ("surface", "ball_surface")
 VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
@@ -75,6 +77,10 @@ def ball_parts(runs: Sequence[Run]) -> PageParts:
     views = _views(shown)
     players = [_player(view, scale) for view in views]
     charts = BallCharts(views)
+    curves = _comparing_exhibits(runs)
+    over_sweep = next((curve for curve in curves if curve["name"] == OVER_SWEEP), None)
+    if over_sweep is not None:
+        over_sweep["high"] = FIRST_HIGH
     shared = {
         "views": views,
         "film": film,
@@ -91,9 +97,9 @@ def ball_parts(runs: Sequence[Run]) -> PageParts:
     }
     return PageParts(
         has_drawing_within=True,
-        first=[Part("hero.html", _first(runs, players))],
+        first=[Part("hero.html", _first(runs, players, over_sweep))],
         beside=[Part("player.html"), Part("contents.html")] if views else [],
-        charts=_charts(runs, shown, views, players),
+        charts=_charts(runs, shown, views, players, curves),
         more=[Part("details.html", _details(runs, shown, views))] if views else [],
         has_number_table=False,
         styles=("heard.css", "play.css"),
@@ -107,13 +113,18 @@ def ball_parts(runs: Sequence[Run]) -> PageParts:
     )
 
 
-def _first(runs: Sequence[Run], players: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the values of the first view."""
+def _first(
+    runs: Sequence[Run], players: Sequence[Mapping[str, Any]], over_sweep: Chart | None
+) -> dict[str, Any]:
+    """Return the values of the first view, which shows the levels of a sweep, or the contact."""
+    has_stills = any(player["maps"] and not player["falls"] for player in players)
     return {
         "sentence": description.runs_sentence(runs),
         "follows": answer.follows(runs),
         "units": leading_numbers.units(runs),
-        "stills": any(player["maps"] and not player["falls"] for player in players),
+        "over_sweep": over_sweep,
+        "folds_runs": over_sweep is not None and len(runs) > MAX_BESIDE,
+        "stills": has_stills and over_sweep is None,
     }
 
 
@@ -122,10 +133,11 @@ def _charts(
     shown: Sequence[Run],
     views: Sequence[RunView],
     players: Sequence[Mapping[str, Any]],
+    curves: Sequence[Chart],
 ) -> list[Part]:
     """Return the instrument, the spectra and the contact; of too many runs the spectra alone."""
     spectra = {
-        "curves": _comparing_exhibits(runs),
+        "curves": [curve for curve in curves if curve["name"] != OVER_SWEEP],
         "LEADING": LEADING,
         "listeners": number_table.listeners(runs),
     }

@@ -72,7 +72,7 @@ def chart_svg(chart: Chart) -> Markup:
     whole = _box(frame.left, frame.top, frame.right, frame.bottom)
     ground = "" if chart["ground"] is None else f'<path d="{whole}" fill="{chart["ground"]}"/>'
     parts = [
-        f'<svg class="still" viewBox="0 0 {WIDTH} {math.ceil(frame.height)}" role="img"'
+        f'<svg class="drawn" viewBox="0 0 {WIDTH} {math.ceil(frame.height)}" role="img"'
         f' aria-label="{escape(printable(name))}">',
         ground,
         *_axes(chart, frame),

@@ -119,9 +119,15 @@ def _shown(quantity: Quantity, is_mixed: bool, leads: bool) -> ShownQuantity:
         spread=f"± {spread}" if spread else "",
         measure=quantity.measure if is_mixed else "",
         verdict=judged.word,
-        error=_error(judged),
+        error=_beside(_error(judged), spread),
         leads=leads,
     )
+
+
+def _beside(error: str, spread: str) -> str:
+    """Return the error of a verdict; nothing where the number stands beside it with the same ±."""
+    is_same = bool(spread) and error.removesuffix(" dB") == f"± {spread.removesuffix(' dB')}"
+    return "" if is_same else error
 
 
 def _error(judged: Verdict) -> str:

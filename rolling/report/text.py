@@ -13,6 +13,7 @@ from acoustics.numbers import rounded
 from acoustics.texts import printable
 from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.kinds.registry import kind_of
+from rolling.numbers.quantity import Quantity
 from rolling.numbers.views import NOTHING
 from rolling.results import description
 from rolling.results.run_quantities import heard_level_db
@@ -47,10 +48,13 @@ def titles(runs: Sequence[Any]) -> str:
     return printable(", ".join(dict.fromkeys(names)))
 
 
-def heard(run: Run, is_alone: bool, stated: StatedSound | None = None) -> str:
+def heard(
+    run: Run, is_alone: bool, stated: StatedSound | None = None, is_beside_levels: bool = False
+) -> str:
     """Say what one hears of a run, and what is special about it unless the page has it alone.
 
-    `stated` is the sound. Default: what plays.
+    `stated` is the sound. Default: what plays. Its level is left out beside the levels of runs that
+    have the same one.
     """
     stated = stated or run.stated()
     if stated.level.level_db is None:
@@ -64,7 +68,9 @@ def heard(run: Run, is_alone: bool, stated: StatedSound | None = None) -> str:
         sound = f"the released power, as if a share of {q:g} became sound"
     else:
         sound = "the released power, as if all of it became sound"
-    sentence = f"You hear {sound}: {stated.level.words}."
+    level = stated.level.words
+    is_known = is_beside_levels and level == _level_words(run.vibration)
+    sentence = f"You hear {sound}." if is_known else f"You hear {sound}: {level}."
     reason = run.numbers.vibration.reason
     if stated.source == "release" and reason:
         sentence += f" No vibration plays: {reason}."
@@ -73,13 +79,20 @@ def heard(run: Run, is_alone: bool, stated: StatedSound | None = None) -> str:
     return sentence
 
 
-def released(stated: StatedSound) -> str:
-    """Say what the second button plays."""
+def _level_words(quantity: Quantity) -> str:
+    """Write a level as a sound that plays at it does."""
+    if quantity.value is None:
+        return ""
+    return f"{quantity.measure} {quantity.value:.1f} {quantity.unit}"
+
+
+def released(run: Run, stated: StatedSound) -> str:
+    """Say what the second button plays, with its level unless the levels of runs have it."""
     if stated.level.level_db is None:
         return "The released power does not fluctuate within hearing."
-    return (
-        f"The released power is an upper bound, and not what one would hear: {stated.level.words}."
-    )
+    if stated.level.words == _level_words(run.released_power):
+        return "An upper bound."
+    return f"An upper bound: {stated.level.words}."
 
 
 def common_gain(sounds: Iterable[StatedSound]) -> str:

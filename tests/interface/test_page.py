@@ -34,7 +34,7 @@ PHONE = {"width": 360, "height": 740}
 
 DESK = {"width": 1400, "height": 900}
 SMALL = {"width": 390, "height": 844}
-FIRST = ("h1", ".what", ".answers b", ".lead", "#play")
+FIRST = ("h1", ".answers b", ".lead", "#play")
 
 
 # ---- any run, any screen
@@ -64,16 +64,21 @@ def test_the_first_view_holds_both_numbers_what_follows_and_play(viewport, pages
             for box in shown:
                 place = box.bounding_box()
                 assert place["y"] >= 0 and place["y"] + place["height"] <= viewport["height"]
-        drawn = page.locator("#still").evaluate(
-            "(c) => new Set(c.getContext('2d').getImageData(0, 0, c.width, c.height).data).size"
-        )
-        assert drawn > 20  # shades
+        assert page.locator(".hero figure[data-name=levels] .plot .errors").count() == 2
         for place in (0, 3000, 0):
             page.evaluate(f"window.scrollTo(0, {place})")
             until(page, f"document.documentElement.matches('.beyond') === {str(place > 0).lower()}")
             buttons = page.locator("[data-play=played] >> visible=true").all()
             inside = [b for b in buttons if 0 <= b.bounding_box()["y"] < viewport["height"]]
             assert len(inside) == 1
+
+
+def test_the_first_view_of_one_run_shows_its_contact(pages, opened) -> None:
+    with opened(pages("one"), viewport=DESK) as page:
+        shades = page.locator("#still").evaluate(
+            "(c) => new Set(c.getContext('2d').getImageData(0, 0, c.width, c.height).data).size"
+        )
+        assert shades > 20
 
 
 def test_a_row_of_the_numbers_chooses_its_run(pages, opened) -> None:
@@ -196,13 +201,13 @@ def test_targets_fit_fingers_and_tables_are_cards(pages, opened) -> None:
 
 
 def test_text_has_16_px_at_least(pages, opened) -> None:
-    """Axes of charts, of the instrument and of the picture of the record have smaller numbers."""
+    """Axes of charts and of the picture of the record have smaller numbers."""
     small = """() => {
       const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT), found = [];
       while (walker.nextNode()) {
         const { parentElement: box, textContent: text } = walker.currentNode;
         if (!text.trim() || !box.checkVisibility()) continue;
-        if (box.closest("svg, #heard, .ticks, .only-spoken")) continue;
+        if (box.closest("svg, #heard, .only-spoken")) continue;
         if (parseFloat(getComputedStyle(box).fontSize) < 16) found.push(box.outerHTML.slice(0, 80));
       }
       return found;

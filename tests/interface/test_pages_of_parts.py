@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import math
 import re
 from collections.abc import Callable
@@ -34,21 +35,24 @@ from rolling.recordings import agreement
 from rolling.recordings.recording_comparison import compare
 from rolling.report import recording_page
 from rolling.report.charts import chart_of
+from rolling.report.gallery import gallery_page
 from rolling.report.level_bars import Row, bars_around_zero, bars_over_decades
 from rolling.report.report_page import page as page_of
 from rolling.report.report_page import quantity_chart
 
 MOST_WORDS = 150  # of a first view
-# Words in sight when a page opens, without numbers, units, and letters on the axes of charts.
+# All words in sight when a page opens, numbers and units among them, but not the axes of charts.
 WORDS_IN_SIGHT = """() => {
   const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   let words = 0;
   while (walker.nextNode()) {
     const { parentElement: box, textContent: text } = walker.currentNode;
-    if (!text.trim() || !box.checkVisibility() || box.closest('svg, script, .only-spoken'))
-      continue;
-    const { top, bottom } = box.getBoundingClientRect();
-    if (bottom > 0 && top < innerHeight) words += (text.match(/\\p{L}{3,}/gu) ?? []).length;
+    const isUnseen = box.closest('script, style, noscript, title, desc, .only-spoken');
+    if (!text.trim() || !box.checkVisibility() || isUnseen || box.closest('.plot, .ticks')) continue;
+    const range = document.createRange();
+    range.selectNodeContents(walker.currentNode);
+    const { top, bottom, width } = range.getBoundingClientRect();
+    if (width && bottom > 0 && top < innerHeight) words += text.trim().split(/\\s+/).length;
   }
   return words;
 }"""
@@ -90,6 +94,10 @@ def comparison_page(folder: Path) -> bytes:
     return recording_page.page(run, compare(run, folder / "own.wav"))
 
 
+def gallery_page_of(folder: Path) -> bytes:
+    return gallery_page(iter([*runs_of("smooth"), turning()]), 2, folder)
+
+
 def search_page(folder: Path) -> bytes:
     scatter = np.linspace(-1, 1, 8)
     points = [Point(ra, 28 + 20 * math.log10(ra) + scatter) for ra in (1.0, 4.0, 2.0)]
@@ -105,6 +113,7 @@ def search_page(folder: Path) -> bytes:
         noun="surfaces",
         notes=[],
         folder=folder,
+        scene=read_scene("vibrating-ball", ["sweep="]),
     )
     return limit_page(found)
 
@@ -123,6 +132,7 @@ def advice_page(folder: Path) -> bytes:
         within_db=0.2,
         limit="",
         folder=folder,
+        scene=read_scene("bearing-6204"),
     )
     return sensitivities_page(found)
 
@@ -146,9 +156,11 @@ PAGES: dict[str, Callable[[Path], bytes]] = {
     "comparison": comparison_page,
     "search": search_page,
     "advice": advice_page,
+    "gallery": gallery_page_of,
+    "ball": lambda folder: page_of(runs_of("filmed")),
     "balls": lambda folder: page_of(runs_of("three")),
 }
-LONG = ("bearings", "balls", "comparison")  # to make
+LONG = ("ball", "bearings", "balls", "comparison", "gallery")  # to make
 each_page = pytest.mark.parametrize(
     "kind",
     [pytest.param(kind, marks=pytest.mark.slow) if kind in LONG else kind for kind in PAGES],
@@ -175,7 +187,7 @@ def page_file(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]
 @each_page
 def test_no_chart_is_a_bitmap(kind: str, page_file: Callable[[str], Path]) -> None:
     """Images of charts are fields of pixels alone; axes, letters, lines and bars are SVG."""
-    content = page_file(kind).read_text()
+    content = re.sub('<img class="field"[^>]*>', "", page_file(kind).read_text())
     assert "<img" not in content and "image/svg+xml;base64" not in content
     for chart in data_of(page_file(kind))["charts"]:
         kinds = {part["kind"] for part in chart["parts"]}
@@ -209,15 +221,33 @@ def test_the_answer_needs_no_scripts(kind: str, page_file: Callable[[str], Path]
     page = context.new_page()
     page.goto(page_file(kind).as_uri())
     charts = page.locator("figure[data-chart] >> visible=true")
-    assert page.locator("figure[data-chart] .still path >> visible=true").count() >= charts.count()
+    assert page.locator("figure[data-chart] .drawn path >> visible=true").count() >= charts.count()
     for chart in charts.all():
-        box = chart.locator(".still").bounding_box()
+        box = chart.locator(".drawn").bounding_box()
         assert box["width"] > 200 and box["height"] > 100
     assert page.locator(".bars .value b >> visible=true").count()
     assert page.locator(".bars svg rect").count()
     if kind != "advice":
         assert page.locator("audio >> visible=true").count()
     context.close()
+
+
+@pytest.mark.parametrize(
+    ("kind", "title"),
+    [
+        (
+            "search",
+            "Which Ra stays below 38 dB(A)? Steel ball of 10 mm on a steel plate",
+        ),
+        ("advice", "What would make it quieter? A 6204 bearing at 1,800 rpm"),
+    ],
+)
+def test_advice_draws_the_machine_and_names_it(
+    kind: str, title: str, page_file: Callable[[str], Path]
+) -> None:
+    content = page_file(kind).read_text()
+    assert content.count('<svg class="machine"') == 1
+    assert html.unescape(re.search("<h1>(.*?)</h1>", content)[1]).startswith(title)
 
 
 # ---- charts

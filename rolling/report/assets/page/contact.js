@@ -4,8 +4,7 @@ import { $, $$, data, motionUnwanted, runs, seconds, solvedTime, state } from ".
 
 const OF_CONTACT = ["load", "pressure", "area", "plastic"]; // readings that belong to a map
 const HOLD_MS = 400; // of a map while it plays: at most 2.5 changes a second, which is 1.25 flashes
-const MAP_WORDS = "The contact from above: the pressure on the asperities.";
-const FILM_WORDS = "The contact from above: the surface (grey), the pressure on its asperities (warm), and the energy that they release (blue).";
+const STILL_WORDS = "The contact from above.";
 const FALL_WORDS = "The ball falls and bounces: no picture of a contact under its load is shown.";
 
 /** Draw the layers of a map about the sphere's centre at (x, y); call `again` when more are loaded. */
@@ -58,7 +57,7 @@ export function showStill() {
   if (!canvas) return;
   const { film, maps, falls, label } = runs[state.run];
   canvas.parentElement.hidden = falls || (!film && !maps);
-  $("#still-note").textContent = falls ? FALL_WORDS : film ? FILM_WORDS : maps ? MAP_WORDS : "No map of the contact is kept.";
+  $("#still-note").textContent = falls ? FALL_WORDS : film || maps ? STILL_WORDS : "No map of the contact is kept.";
   showKeys();
   if (falls) return;
   canvas.setAttribute("aria-label", `The contact of ${label} seen from above`);
