@@ -48,7 +48,8 @@ WORDS_IN_SIGHT = """() => {
   while (walker.nextNode()) {
     const { parentElement: box, textContent: text } = walker.currentNode;
     const isUnseen = box.closest('script, style, noscript, title, desc, .only-spoken');
-    if (!text.trim() || !box.checkVisibility() || isUnseen || box.closest('.plot, .ticks')) continue;
+    const isAxis = box.closest('.plot, .ticks');
+    if (!text.trim() || !box.checkVisibility() || isUnseen || isAxis) continue;
     const range = document.createRange();
     range.selectNodeContents(walker.currentNode);
     const { top, bottom, width } = range.getBoundingClientRect();

@@ -110,7 +110,7 @@ export function drawChart(svg, chart, view, width) {
 function drawNames({ named }, { box, x }) {
   const taken = [], inOrder = [...(named ?? [])].sort((one, other) => one.last - other.last || one.at - other.at);
   return inOrder.flatMap(({ at, text, high, up, begins }) => {
-    const pixel = x.pixel(at), top = box.bottom - high * (box.bottom - box.top), half = (LETTER * text.length) / 2;
+    const pixel = x.pixel(at), top = box.bottom - high * (box.bottom - box.top), half = (LETTER * text.length) / 2 + 3;
     const [from, to] = up ? [pixel - ROW + 4, pixel] : begins ? [pixel, pixel + 2 * half + 4] : [pixel - half, pixel + half];
     if (from < box.left || to > box.right + 1 || taken.some((other) => other.high === high && from < other.to && to > other.from)) return [];
     taken.push({ high, from, to });
