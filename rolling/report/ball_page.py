@@ -226,6 +226,11 @@ class RunView:
         return SILENT if level_db is None else f"{level_db:.1f}"
 
     @property
+    def special(self) -> str:
+        """What is special about the sound, in a sentence; empty where nothing is."""
+        return description.special(self.run.scene, self.run.numbers)
+
+    @property
     def all_records(self) -> list[page_sounds.PageRecord]:
         """Records of what plays, and of the released power beside it."""
         released = [] if self.released is None else self.released.records

@@ -69,8 +69,9 @@ def heard(
     else:
         sound = "the released power, as if all of it became sound"
     level = stated.level.words
-    is_known = is_beside_levels and level == _level_words(run.vibration)
-    sentence = f"You hear {sound}." if is_known else f"You hear {sound}: {level}."
+    if is_beside_levels:
+        level = level.removeprefix(_level_words(run.vibration)).removeprefix("; ")
+    sentence = f"You hear {sound}: {level}." if level else f"You hear {sound}."
     reason = run.numbers.vibration.reason
     if stated.source == "release" and reason:
         sentence += f" No vibration plays: {reason}."

@@ -54,11 +54,11 @@ export function drawLensMap(canvas, maps, at, again) {
 /** Show the chosen run where its contact presses hardest, or in the middle of its maps. */
 export function showStill() {
   const canvas = $("#still");
+  showKeys();
   if (!canvas) return;
   const { film, maps, falls, label } = runs[state.run];
   canvas.parentElement.hidden = falls || (!film && !maps);
   $("#still-note").textContent = falls ? FALL_WORDS : film || maps ? STILL_WORDS : "No map of the contact is kept.";
-  showKeys();
   if (falls) return;
   canvas.setAttribute("aria-label", `The contact of ${label} seen from above`);
   if (film) drawContact(canvas, film, film.loudest, showStill);
