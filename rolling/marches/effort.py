@@ -14,13 +14,14 @@ COMPILATION = "compilation"  # of kernels, and loading of compiled ones
 SURFACE = "surface"  # its making, in each process that marches it
 MARCH = "march"  # of the track, or of the rough contacts of a bearing at their middle load
 LOAD_MARCHES = "load_marches"  # at other loads
+MOVING_RELEASE = "moving_release"  # of the release under the moving load
 FAULT_STRETCHES = "fault_stretches"  # of a bearing, with a single fault and without
 SOUND = "sound"  # motions, sound, numbers and files of a run
 PAGE = "page"  # share of a run in figures and page of its folder
 # Parts that a run of a sphere and a run of a bearing state, but for the last two.
 OF_SPHERE = (
     *(COMPILATION, SURFACE, MARCH, LOAD_MARCHES),
-    *("error_stretches", "moving_release", "slow_motion"),
+    *("error_stretches", MOVING_RELEASE, "slow_motion"),
 )
 OF_BEARING = (COMPILATION, SURFACE, MARCH, LOAD_MARCHES, FAULT_STRETCHES)
 # Part of the marches of each kind of piece.
@@ -30,7 +31,7 @@ PARTS_OF_MARCHES = {
     "error": "error_stretches",
     "load": LOAD_MARCHES,
     "judge": LOAD_MARCHES,
-    "moving": "moving_release",
+    "moving": MOVING_RELEASE,
     "film": "slow_motion",
 }
 
