@@ -1,67 +1,34 @@
-"""March and public solvers over the same sequences, judged by the same check, for speed.py."""
+"""March and public solvers over the same problems, judged by the same check."""
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent / "peers"))
 import sequences
+from problem import Answers, Failed, Problem, Solved
 from sequences import SEQUENCES, SPACING, N
 
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
+from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact, Window
+
+__all__ = ["SEQUENCES", "Failed", "Problem", "Solved", "sequences"]
 
 PEERS = Path(__file__).parent / "peers"
 TOLERANCES = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7)
-
-
-@dataclass(frozen=True)
-class Solved:
-    """The performance of a solver over a sequence.
-
-    Medians and means leave the first position out. Gap errors [m] are of all positions, and the
-    load error is of the last.
-    """
-
-    tolerance: float
-    ms: float
-    gap_error: float
-    largest_gap_error: float
-    last_gap_error: float
-    last_load_error: float
-    convolutions: float
-    iterations: float | None = None
-
-
-def judged(name: str, tolerance: float, answers: dict[str, Any]) -> Solved:
-    """Check the answers of every position.
-
-    They are `seconds` (CPU), `convolutions`, `pressures` (N, N) and perhaps `iterations`.
-    """
-    errors = [
-        sequences.violation(name, k, pressure) for k, pressure in enumerate(answers["pressures"])
-    ]
-    return Solved(
-        tolerance,
-        ms=float(1e3 * np.median(answers["seconds"][1:])),
-        gap_error=float(np.median(errors[1:])),
-        largest_gap_error=max(errors),
-        last_gap_error=errors[-1],
-        last_load_error=sequences.load_error(name, answers["pressures"][-1]),
-        convolutions=float(np.mean(answers["convolutions"][1:])),
-        iterations=float(np.mean(answers["iterations"][1:])) if "iterations" in answers else None,
-    )
+UNLIMITED = 1e9  # [s]
 
 
 def sequence_track(name: str, tolerance: float) -> RollingContact:
@@ -85,18 +52,62 @@ def on_full_grid(state: ContactState) -> np.ndarray:
     return state.window.moved(state.pressure, Window(state.position, 0, N, N))
 
 
-def ours(name: str, tolerance: float, steps: int) -> Solved:
-    track = sequence_track(name, tolerance)
-    states = []
+@dataclass(frozen=True)
+class SharedProblem:
+    """A problem, and the march that solves it here.
+
+    track : RollingContact. The same gaps, seen from the plate.
+    first : int. First position of the march.
+    windows : tuple of Window. The grid of the problem on the plate, at each position.
+    problem : Problem.
+    """
+
+    track: RollingContact
+    first: int
+    windows: tuple[Window, ...]
+    problem: Problem
+
+
+def sequence_problem(name: str, steps: int) -> SharedProblem:
+    """Return a sequence of so many steps."""
+    windows = tuple(Window(k, 0, N, N) for k in range(steps + 1))
+    track = sequence_track(name, TOLERANCES[0])
+    return SharedProblem(track, 0, windows, sequences.problem(name, steps))
+
+
+def marched(shared: SharedProblem, tolerance: float) -> Solved:
+    """March over the positions of a problem, and judge the pressures."""
+    track = replace(shared.track, tolerance=tolerance)
+    answers = Answers(shared.problem, tolerance)
+    half_space = HalfSpace(track.spacing, track.contact_modulus)
+    last = shared.first + len(shared.windows) - 1
     clock = [time.process_time()]
-    for state in march(track, 0, steps, HalfSpace(track.spacing, track.contact_modulus)):
+    states = []
+    for state in march(track, shared.first, last, half_space):
         clock.append(time.process_time())
         states.append(state)
-    answers = {
-        name: [getattr(state, name) for state in states] for name in ("iterations", "convolutions")
-    }
-    answers |= {"seconds": np.diff(clock), "pressures": [on_full_grid(state) for state in states]}
-    return judged(name, tolerance, answers)
+    answers.seconds.extend(np.diff(clock))
+    for state, window in zip(states, shared.windows, strict=True):
+        answers.convolutions.append(state.convolutions)
+        answers.iterations.append(state.iterations)
+        answers.pressures.append(state.window.moved(state.pressure, window))
+    return answers.solved()
+
+
+def our_curve(shared: SharedProblem, tolerances: Sequence[float]) -> list[Solved | Failed]:
+    """March over a problem at several tolerances."""
+    points: list[Solved | Failed] = []
+    for tolerance in tolerances:
+        try:
+            points.append(marched(shared, tolerance))
+        except ContactError as error:
+            points.append(Failed.because(tolerance, error))
+    return points
+
+
+def ours(name: str, tolerance: float, steps: int) -> Solved:
+    """March over a sequence."""
+    return marched(sequence_problem(name, steps), tolerance)
 
 
 def loosest(name: str, gap_error: float, steps: int) -> float:
@@ -106,16 +117,46 @@ def loosest(name: str, gap_error: float, steps: int) -> float:
     )
 
 
-def theirs(name: str, peer: str, python: str, tolerance: float, steps: int) -> Solved:
-    """Return the answers of a public solver from its own interpreter, with one thread."""
+def curves_of_peer(
+    peer: str,
+    python: str,
+    problems: Mapping[str, Problem],
+    tolerances: Sequence[float],
+    seconds: float,
+) -> dict[str, list[Solved | Failed]]:
+    """Return the answers of a public solver to problems, by their names.
+
+    It has its own interpreter, one thread, and these seconds of processor time for a problem.
+    """
     # it leads to our packages
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "answers.npz"
-        command = [python, PEERS / f"{peer}_sequence.py", name, str(tolerance), str(steps), out]
+        out = Path(folder) / "answers.json"
+        files = []
+        for number, problem in enumerate(problems.values()):
+            files.append(Path(folder) / f"{number}.npz")
+            problem.write(files[-1])
+        told = ",".join(f"{tolerance:g}" for tolerance in tolerances)
+        command = [python, PEERS / f"{peer}_solver.py", out, f"{seconds:g}", told, *files]
         subprocess.run(command, check=True, env=environment, stdout=sys.stderr)
-        with np.load(out) as answers:
-            return judged(name, tolerance, dict(answers))
+        stored = json.loads(out.read_text())
+    curves = zip(problems, stored.values(), strict=True)
+    return {name: [_point(point) for point in points] for name, points in curves}
+
+
+def _point(stored: Mapping[str, object]) -> Solved | Failed:
+    """Return a point of a curve as it is stored."""
+    make = Failed if "failure" in stored else Solved
+    return make(**stored)  # type: ignore[arg-type]
+
+
+def theirs(name: str, peer: str, python: str, tolerance: float, steps: int) -> Solved:
+    """Return the answer of a public solver to a sequence."""
+    problems = {name: sequences.problem(name, steps)}
+    (point,) = curves_of_peer(peer, python, problems, [tolerance], UNLIMITED)[name]
+    if isinstance(point, Failed):
+        raise SystemExit(f"{peer} at tolerance {tolerance:g} of sequence {name}: {point.failure}")
+    return point
 
 
 def quickest(runs: Iterable[Solved]) -> Solved:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -10,11 +11,16 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
-from against_peers import on_full_grid, ours, sequence_track, sequences
+from against_peers import marched, on_full_grid, ours, sequence_track, sequences
+from hard_cases.named_cases import CASES
+from hard_problems import hard_problem
 from helpers import roll
+from problem import Failed, Problem, Solve, Solved, curve
 from speed import RIVALS, counts, measure_rival, table, timed_march
 from whole_run import scene_20_n
 
+from rolling.contact.half_space import HalfSpace
+from rolling.contact.single_contact import solve_contact
 from rolling.contact.state import Window
 from rolling.in_si.contact_of_scene import rolling_contact
 
@@ -66,14 +72,29 @@ def test_counts_of_the_sequences(name: str) -> None:
     got = ours(name, TOLERANCES[name], 5)
     assert got.iterations is not None
     assert_guarded(name, got.iterations, got.convolutions)
-    assert abs(got.last_load_error) < 1e-12
+    assert got.load_error < 1e-12
 
 
 def test_peers_are_given_the_gaps_we_solve() -> None:
     track = sequence_track("C", 1e-6)
     k = 3
     on_plate = track.gap(k, Window(k, 0, sequences.N, sequences.N))
-    assert np.abs(on_plate - sequences.gap("C", k)).max() < 1e-18  # of gaps up to 26 um
+    given = sequences.problem("C", k).gaps[k]
+    assert np.abs(on_plate - given).max() < 1e-18  # of gaps up to 26 um
+
+
+def test_peers_are_given_the_gaps_of_hard_scenes() -> None:
+    """Solving the stored arrays afresh finds the pressures that the march found on the plate."""
+    case = next(case for case in CASES if case.name == "cliff along, elastic")
+    shared = hard_problem(case.build(), case.first, 2)
+    solved = marched(shared, 1e-8)
+    assert solved.largest_gap_error < 1e-7 * solved.deflection
+    problem = shared.problem
+    half_space = HalfSpace(problem.spacing, problem.contact_modulus)
+    contact = solve_contact(half_space, problem.gaps[2], problem.load, tolerance=1e-8)
+    judged = problem.judge(2, contact.pressure)
+    assert judged.gap_error < 1e-7 * judged.deflection
+    assert judged.deflection == pytest.approx(solved.deflection, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", ["A", "B"])
@@ -83,7 +104,8 @@ def test_check_sees_a_wrong_pressure(name: str) -> None:
     tolerance = 1e-6
     state = roll(sequence_track(name, tolerance), 0, k)[k]
     right = on_full_grid(state)
-    error = sequences.violation(name, k, right)
+    problem = sequences.problem(name, k)
+    error = problem.judge(k, right).gap_error
     assert error < 2 * tolerance * state.deflection.max()
     # One node aside, one too far along, 0.1 % too much everywhere (in B above the hardness), a
     # loaded node forgotten, tension.
@@ -92,8 +114,31 @@ def test_check_sees_a_wrong_pressure(name: str) -> None:
     forgotten[np.unravel_index(right.argmax(), right.shape)] = 0.0
     pulled[0, 0] = -1e-3 * right.max()
     wrong = [np.roll(right, 1, axis=1), np.roll(right, 1, axis=0), 1.001 * right, forgotten, pulled]
-    assert all(sequences.violation(name, k, pressure) > 20 * error for pressure in wrong)
-    assert sequences.load_error(name, 1.001 * right) == pytest.approx(1e-3, rel=1e-6)
+    assert all(problem.judge(k, pressure).gap_error > 20 * error for pressure in wrong)
+    assert problem.judge(k, 1.001 * right).load_error == pytest.approx(1e-3, rel=1e-6)
+
+
+def test_a_solver_that_hangs_or_breaks_leaves_its_other_points() -> None:
+    """A curve has the tolerances that are reached, and says why the others are not."""
+    problem = sequences.problem("A", 1)
+    right = [on_full_grid(state) for state in roll(sequence_track("A", 1e-5), 0, 1)]
+
+    def solver(problem: Problem, tolerance: float) -> Solve:
+        answers = iter(right)
+
+        def solve(gap: np.ndarray, start: np.ndarray | None) -> tuple[np.ndarray, None]:
+            if tolerance < 1e-4:
+                raise ValueError("stalled\nfor ever")
+            while tolerance < 1e-3:
+                math.factorial(500)
+            return next(answers), None
+
+        return solve
+
+    solved, stalled, hung = curve(problem, [1e-3, 1e-5, 1e-4], 0.3, solver)
+    assert isinstance(solved, Solved) and solved.gap_error < 2e-5 * solved.deflection
+    assert stalled == Failed(1e-5, "ValueError: stalled")
+    assert hung == Failed(1e-4, "Unsolved: took too long")
 
 
 def test_table_says_which_peer_is_absent() -> None:

@@ -69,22 +69,26 @@ def gap_and_deflection(
         u = subcell_deflection.deflection(p, track.subcells, love_coefficients)
     else:
         u = fftconvolve(p, _kernel(m, n))[m - 1 : 2 * m - 1, n - 1 : 2 * n - 1]
-    return _gap(track, state, rows, columns), u * track.spacing / (np.pi * track.contact_modulus), p
+    return (
+        gap_at(track, state.position, rows, columns),
+        u * track.spacing / (np.pi * track.contact_modulus),
+        p,
+    )
 
 
-def _gap(track: RollingContact, state: ContactState, rows: Nodes, columns: Nodes) -> Array:
-    """Compute the undeformed gap [m] at rows and columns."""
+def gap_at(track: RollingContact, position: int, rows: Nodes, columns: Nodes) -> Array:
+    """Compute the undeformed gap [m] at rows and columns of the plate and a position."""
     along, across = track.heights.shape
     heights = track.heights[np.ix_(rows % along, columns % across)]
-    gap: Array = _sphere(track, state, rows, columns) - heights
+    gap: Array = _sphere(track, position, rows, columns) - heights
     return gap
 
 
-def _sphere(track: RollingContact, state: ContactState, rows: Nodes, columns: Nodes) -> Array:
+def _sphere(track: RollingContact, position: int, rows: Nodes, columns: Nodes) -> Array:
     """Compute the undeformed gap of a flat plate [m] at rows and columns."""
     # position 0 is the centre of a cell
     x = (rows - (track.subcells - 1) / 2) * track.spacing
-    x = x - (track.start + state.position * track.step)
+    x = x - (track.start + position * track.step)
     y = (columns - (track.heights.shape[1] - 1) / 2) * track.spacing
     along, across = track.radii
     rise: Array = x[:, None] ** 2 / (2 * along) + y[None, :] ** 2 / (2 * across)
@@ -112,7 +116,7 @@ def edges(track: RollingContact, state: ContactState, gap: Array, u: Array, arou
         w = state.window
         rows = np.arange(-around, w.rows + around) + w.row
         columns = np.arange(-around, w.columns + around) + w.column
-        shape = _sphere(track, state, rows, columns)
+        shape = _sphere(track, state.position, rows, columns)
     return _edge(track, state, np.hypot(*np.gradient(shape + u)) / 2)
 
 
@@ -198,13 +202,13 @@ def contact_outside(track: RollingContact, state: ContactState) -> float:
     beside = ~((columns >= w.column) & (columns < w.column + w.columns))
     for piece in np.array_split(rows, 1 + rows.size * columns.size // BLOCK):
         before_or_after = ~((piece >= w.row) & (piece < w.row + w.rows))
-        room = state.approach - _gap(track, state, piece, columns)
+        room = state.approach - gap_at(track, state.position, piece, columns)
         wide = np.zeros_like(room)
         if blended:
-            shape = _gap if track.slopes else _sphere
+            shape = gap_at if track.slopes else _sphere
             along, across = (
-                shape(track, state, piece + a, columns + b)
-                - shape(track, state, piece - a, columns - b)
+                shape(track, state.position, piece + a, columns + b)
+                - shape(track, state.position, piece - a, columns - b)
                 for a, b in ((1, 0), (0, 1))
             )
             wide = np.hypot(along, across) / 4

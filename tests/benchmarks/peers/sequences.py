@@ -1,19 +1,17 @@
 """Rolling sequences on identical gaps for the program and the public solvers.
 
-The module also checks the answers, and needs numpy only. Numbers are SI, and arrays are (along the
-track, across) on N x N nodes. The sphere's apex is on node N / 2 along and half way across, between
-two nodes. At position k the sphere has rolled on by k nodes; seen from the sphere, the plate has
-moved back under it.
+The module needs numpy only. Numbers are SI, and arrays are (along the track, across) on N x N
+nodes. The sphere's apex is on node N / 2 along and half way across, between two nodes. At position
+k the sphere has rolled on by k nodes; seen from the sphere, the plate has moved back under it.
 """
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
+from problem import Problem
 
 N = 256
 SPACING = 2e-6
@@ -21,8 +19,6 @@ RADIUS = 5e-3
 YOUNGS_MODULUS = 210e9
 POISSONS_RATIO = 0.3
 CONTACT_MODULUS = YOUNGS_MODULUS / (1 - POISSONS_RATIO**2)
-# pressure over the highest (or off the hardness, over the hardness) that counts as none
-NEGLIGIBLE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -80,57 +76,15 @@ def gap(name: str, k: int) -> np.ndarray:
     return (along[:, None] ** 2 + across**2) / (2 * RADIUS) - np.roll(heights(name), -k, axis=0)
 
 
-def moved_on(pressure: np.ndarray) -> np.ndarray:
-    """Return a warm start for the next position: pressures (N, N) that stay with the plate."""
-    return np.roll(pressure, -1, axis=0)
-
-
-@lru_cache(maxsize=1)
-def _influence() -> np.ndarray:
-    """Return the transform of Love's coefficients [m/Pa] on the doubled grid."""
-    corner = np.arange(-N, N + 1) - 0.5  # of squares around nodes -N ... N - 1
-    s = corner[:, None]
-    t = corner[None, :]
-    potential = s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t))
-    love = np.diff(np.diff(potential, axis=0), axis=1) * SPACING / (np.pi * CONTACT_MODULUS)
-    return np.fft.rfft2(np.fft.ifftshift(love))
-
-
-def deflection(pressure: np.ndarray) -> np.ndarray:
-    """Return the deflection [m] of the half-space under pressures (N, N)."""
-    double = (2 * N, 2 * N)
-    return np.fft.irfft2(np.fft.rfft2(pressure, s=double) * _influence(), s=double)[:N, :N]
-
-
-def violation(name: str, k: int, pressure: np.ndarray) -> float:
-    """Return the gap error [m] of pressures (N, N), the maximum violation of contact conditions.
-
-    The approach is the mean over the nodes that are neither unloaded nor capped, where the gap
-    must be closed. Unloaded nodes must not interpenetrate, and capped nodes must not stand
-    apart.
-    """
-    hardness = SEQUENCES[name].hardness
-    unloaded = pressure <= NEGLIGIBLE * pressure.max()
-    capped = pressure >= hardness * (1 - NEGLIGIBLE)
-    between = ~unloaded & ~capped
-    open_by = gap(name, k) + deflection(pressure)
-    approach = (
-        open_by[between].mean()
-        if between.any()
-        else (open_by[unloaded].min() + open_by[capped].max()) / 2
+@lru_cache(maxsize=2)
+def problem(name: str, steps: int) -> Problem:
+    """Return a sequence of so many steps as a problem."""
+    return Problem(
+        gaps=np.array([gap(name, k) for k in range(steps + 1)]),
+        moves=np.array([0, *[1] * steps]),
+        spacing=SPACING,
+        radius=RADIUS,
+        contact_modulus=CONTACT_MODULUS,
+        hardness=SEQUENCES[name].hardness,
+        load=SEQUENCES[name].load,
     )
-    open_by -= approach
-    wrong = np.where(unloaded, -open_by, np.where(capped, open_by, np.abs(open_by)))
-    beyond = max(-pressure.min(), pressure.max() - hardness)
-    return np.inf if beyond > NEGLIGIBLE * pressure.max() else float(wrong.max())
-
-
-def load_error(name: str, pressure: np.ndarray) -> float:
-    """Return the relative error of the load that pressures carry."""
-    return float(pressure.sum() * SPACING**2 / SEQUENCES[name].load - 1)
-
-
-def arguments() -> tuple[str, float, int, Path]:
-    """Return sequence, tolerance, number of steps and output file of the command line."""
-    name, tolerance, steps, out = sys.argv[1:]
-    return name, float(tolerance), int(steps), Path(out)
