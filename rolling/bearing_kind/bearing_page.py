@@ -18,7 +18,7 @@ from rolling.bearing import lines
 from rolling.bearing.contact_lines import line_curvature
 from rolling.bearing.ring_record import NOTHING_UM_S, RADIAL, UM_S
 from rolling.bearing.tracks import BodyTrack
-from rolling.bearing_kind import bearing_sentences, stored_run
+from rolling.bearing_kind import bearing_sentences, bearing_work, stored_run
 from rolling.figures.catalogue import figures_of, picture_of
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.page_parts import PageParts, Part
@@ -72,7 +72,7 @@ def bearing_parts(runs: Sequence[BearingRun]) -> PageParts:
             Part("bearing_charts.html", {"compared": bars if curve else []}),
             Part("bearing_instrument.html"),
         ],
-        doubted=[Part("bearing_doubted.html")],
+        doubted=[Part("bearing_doubted.html"), bearing_work.work_of(runs)],
         styles=("bearing.css",),
         script="bearing/begin.js",
         engine="bearing/worker.js",

@@ -29,12 +29,11 @@ from rolling.kinds.page_parts import PageParts, Part
 from rolling.numbers.doubt import Doubt
 from rolling.report import (
     assumed,
+    ball_work,
     film,
     leading_numbers,
-    left_out,
     live,
     maps,
-    more_work,
     number_table,
     page_sounds,
     text,
@@ -102,7 +101,7 @@ def ball_parts(runs: Sequence[Run]) -> PageParts:
         first=[Part("hero.html", _first(runs, players, over_sweep))],
         beside=[Part("player.html"), Part("contents.html")] if views else [],
         charts=_charts(runs, shown, views, players, curves),
-        doubted=[Part("ball_doubted.html", _doubted(runs))],
+        doubted=[ball_work.work_of(runs)],
         more=[Part("details.html", _details(runs, shown, views))] if views else [],
         has_number_table=False,
         styles=("heard.css", "play.css"),
@@ -154,29 +153,6 @@ def _charts(
         Part("play.html", {"band_names": BAND_NAMES}),
         Part("spectra.html", spectra),
         Part("moving.html", moving),
-    ]
-
-
-def _doubted(runs: Sequence[Run]) -> dict[str, Any]:
-    """Return the values of what more work would buy, and of what runs left out."""
-    worked = [[work.sentence for work in more_work.more_work(run)] for run in runs]
-    spared = [[omission.sentence for omission in left_out.omissions(run)] for run in runs]
-    return {
-        "worked": _grouped(runs, worked),
-        "spared": _grouped(runs, spared),
-        "never": left_out.NEVER,
-    }
-
-
-def _grouped(runs: Sequence[Run], lists: Sequence[list[str]]) -> list[dict[str, Any]]:
-    """Return lists of sentences with the labels of the runs that have them; none if all have."""
-    labels: dict[tuple[str, ...], list[str]] = {}
-    for run, sentences in zip(runs, lists, strict=True):
-        labels.setdefault(tuple(sentences), []).append(printable(run.label))
-    alone = len(labels) == 1
-    return [
-        {"label": "" if alone else "; ".join(names), "sentences": sentences}
-        for sentences, names in labels.items()
     ]
 
 

@@ -8,12 +8,14 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from bearing_runs import turning
 from report_runs import runs_of
 
+from rolling.bearing_kind import bearing_work
 from rolling.numbers.doubt import sized
 from rolling.numbers.quantity import Quantity, joined
-from rolling.report import left_out
-from rolling.report.more_work import leading, more_work
+from rolling.report import ball_work
+from rolling.report.ball_work import leading, more_work
 from rolling.report.report_page import page
 from rolling.results.run_result import Run
 
@@ -85,7 +87,7 @@ def test_the_number_that_leads_is_the_one_with_an_uncertainty() -> None:
 
 def whats(run: Run) -> set[str]:
     """Return what a run left out."""
-    return {omission.what for omission in left_out.omissions(run)}
+    return {omission.what for omission in ball_work.omissions(run)}
 
 
 def test_a_run_names_what_its_scene_did_not_need() -> None:
@@ -107,7 +109,9 @@ def test_a_run_names_what_its_scene_did_not_need() -> None:
 def test_the_nodes_that_are_left_out_are_those_of_the_run() -> None:
     (run,) = runs_of("lap")
     (text,) = (
-        omission.reason for omission in left_out.omissions(run) if omission.what.startswith("Nodes")
+        omission.reason
+        for omission in ball_work.omissions(run)
+        if omission.what.startswith("Nodes")
     )
     nodes, touching = (int(number.replace(",", "")) for number in re.findall(r"[\d,]+\d", text))
     assert nodes == run.scene.track.n_along * run.scene.track.n_across
@@ -124,4 +128,31 @@ def test_both_lists_are_folded_below_the_doubts_and_out_of_the_first_view() -> N
     for place, title in (("more-work", "What more work would buy"), ("left-out", "What was left")):
         begin = content.index(f'<details class="fold" id="{place}">')
         assert doubts < begin < again and title in content[begin : begin + 200]
-    assert f"No run computes {left_out.NEVER}." in content
+    assert f"No run computes {ball_work.NEVER}." in content
+
+
+def test_a_bearing_gains_by_longer_tracks_what_its_window_leaves_uncertain() -> None:
+    """The most uncertain band leads; a bearing without a part for the window says so."""
+    run = turning()
+    radial = run.numbers.below_bending.radial
+    parts = {"window": 0.9, "record": 0.3}
+    medium = replace(radial.medium, uncertainty=joined(parts), parts=parts)
+    below = replace(run.numbers.below_bending, radial=replace(radial, medium=medium))
+    uncertain = replace(run, numbers=replace(run.numbers, below_bending=below))
+    longer, finer = bearing_work.more_work(uncertain)
+    assert longer.number == finer.number == "radial medium band"
+    assert longer.new_part_db == pytest.approx(0.9 / math.sqrt(10))
+    assert longer.new_uncertainty_db == pytest.approx(math.hypot(0.9 / math.sqrt(10), 0.3))
+    assert "has no part for the stretch of track" in bearing_work.more_work(run)[0].reason
+    assert "has no part for the grid" in finer.reason
+
+
+def test_a_bearing_names_what_its_scene_did_not_need() -> None:
+    run = turning()
+    left = {omission.what for omission in bearing_work.omissions(run)}
+    assert "A housing and its sound" in left and "Inertia of the balls" in left
+    moved = run.scene.with_({"bearing.ball_inertia": True})
+    again = {omission.what for omission in bearing_work.omissions(replace(run, scene=moved))}
+    assert left - again == {"Inertia of the balls"}
+    content = page([run]).decode()
+    assert f"No run computes {bearing_work.NEVER}." in content
