@@ -206,7 +206,7 @@ def _lines(lap: HeardLap, linear: Array, strengths: Array | None) -> Array:
     `linear` (lines,) are those of the heights that the contact averages; without `strengths` they
     are known. The lines of the asperities are random.
     """
-    waves = 2 * math.pi / lap.length_m * np.arange(1, len(linear) + 1)
+    waves: Array = 2 * math.pi / lap.length_m * np.arange(1.0, len(linear) + 1)
     tail = linear.sum() * asperity_density(waves, lap.axes_m[0]) * (2 * math.pi / lap.length_m)
     if strengths is None:
         return np.asarray(np.maximum(linear, tail * _strengths(len(linear))))
