@@ -40,6 +40,7 @@ from rolling.report import (
 )
 from rolling.report.charts import Chart
 from rolling.report.page_of_parts import ChartList, exhibit
+from rolling.report.page_room import page_room
 from rolling.report.templates import joined_script
 from rolling.results import answer, description, run_lines, verdict
 from rolling.results.level_words import SILENT
@@ -82,7 +83,9 @@ def ball_parts(runs: Sequence[Run]) -> PageParts:
     over_sweep = next((curve for curve in curves if curve["name"] == OVER_SWEEP), None)
     if over_sweep is not None:
         over_sweep["high"] = FIRST_HIGH
+    room = page_room(shown) if shown else None
     shared = {
+        "room": room,
         "views": views,
         "film": film,
         "analyst": Markup(joined_script("engine/analyst.js")) if views else "",
@@ -109,7 +112,12 @@ def ball_parts(runs: Sequence[Run]) -> PageParts:
         script="page/begin.js" if views else "page/plain.js",
         engine="engine/worklet.js" if any(view.live for view in views) else "",
         shared=shared,
-        data={"runs": players, "view": scale, "bands": BAND_NAMES},
+        data={
+            "runs": players,
+            "view": scale,
+            "bands": BAND_NAMES,
+            "room": None if room is None else {"gains": room.gains},
+        },
         charted=charts,
         cited=[ARTICLE],
     )

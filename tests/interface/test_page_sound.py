@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,8 @@ from report_browser import (
 )
 from report_runs import runs_of
 
-from acoustics import level
+from acoustics import level, room
+from rolling.report.page_room import REVERBERATION_S, page_room
 
 
 def test_the_records_of_the_page_times_their_scale_are_the_records_of_the_runs(pages) -> None:
@@ -337,3 +339,50 @@ def test_a_browser_that_starts_no_sound_is_not_waited_for_in_silence(pages, open
         page.evaluate("tap.later.forEach((work) => work())")  # two seconds later
         assert page.locator("#no-sound").is_visible()
         assert "sound device" in page.text_content("#no-sound")
+
+
+@pytest.mark.parametrize("distance_m", [0.3, 1.0, 5.0])
+def test_a_room_is_as_loud_as_none_and_has_the_response_of_the_program(distance_m: float) -> None:
+    """Direct and diffuse sound together have the power of the direct sound alone."""
+    run = runs_of("three")[0]
+    scene = run.scene.with_({"sound.distance_m": distance_m})
+    shown = page_room([run, replace(run, scene=scene)])
+    first, other = shown.gains
+    own = room.diffuse_response(REVERBERATION_S, distance_m, RATE, seed=0)
+    energy = np.square(own).sum(axis=0).mean()
+    assert other["direct"] ** 2 * (1 + energy) == pytest.approx(1, abs=1e-4)
+    ratio = other["diffuse"] / other["direct"] * first["direct"] / first["diffuse"]
+    assert ratio == pytest.approx(distance_m / run.scene.listener_distance_m, rel=1e-4)
+
+
+def test_a_room_is_heard_only_when_it_is_asked_for(pages, opened) -> None:
+    """It lets a sound ring on, changes no level that is stated, and is dry again when it is off."""
+    path = pages("three")
+    (direct, diffuse) = data_of(path)["room"]["gains"][0].values()
+    with opened(path) as page:
+        assert not page.is_checked("#room")
+        words = page.inner_text("#room-words")
+        assert words.startswith("For listening only: ") and words.endswith("no level includes.")
+        before = page.inner_text("table.players")
+        decoded = page.evaluate("""async () => {
+          const { src } = document.querySelector('#room-response');
+          const letters = atob(src.slice(src.indexOf(',') + 1));
+          const bytes = Uint8Array.from(letters, (letter) => letter.charCodeAt(0));
+          const offline = new OfflineAudioContext(2, 1, 48000);
+          const sound = await offline.decodeAudioData(bytes.buffer);
+          const energy = (c) => sound.getChannelData(c).reduce((sum, x) => sum + x * x, 0);
+          return [sound.duration, energy(0), energy(1)];
+        }""")
+        whole = room.diffuse_response(REVERBERATION_S, 1.0, RATE, seed=0)
+        assert decoded[0] == pytest.approx(len(whole) / RATE, abs=1 / RATE)
+        own = np.sqrt(1 / direct**2 - 1) * direct / diffuse  # rms of the response on the page
+        assert np.sqrt(np.mean(decoded[1:])) == pytest.approx(own, rel=0.05)
+        page.check("#room")
+        play(page)
+        until(page, "tap.rooms.length === 1")
+        hear(page)
+        assert page.evaluate("tap.rooms[0].gain.value") == pytest.approx(diffuse, rel=0.02)
+        page.uncheck("#room")
+        hear(page)
+        assert page.evaluate("tap.rooms[0].gain.value") < 0.01 * diffuse
+        assert page.inner_text("table.players") == before

@@ -43,7 +43,7 @@ RATE = wav.SAMPLE_RATE_HZ
 # Counts what the page starts, keeps its gains, pictures and last look at the clock, and listens at
 # its way out. Work that the page puts off by a second or more waits in `later` for the test.
 TAP = """
-  window.tap = { starts: 0, gains: [], sources: [], images: [], later: [], now: 0 };
+  window.tap = { starts: 0, gains: [], sources: [], images: [], rooms: [], later: [], now: 0 };
   Object.assign(tap, { whens: [], offsets: [] });
   const now = performance.now.bind(performance);
   performance.now = () => (tap.now = now());
@@ -62,6 +62,8 @@ TAP = """
   };
   const connect = AudioNode.prototype.connect;
   AudioNode.prototype.connect = function (to, ...rest) {
+    const ears = this instanceof ConvolverNode && this.buffer.numberOfChannels;
+    if (ears === 2) tap.rooms.push(to); // that of a plate has one for a listener
     if (this instanceof AudioBufferSourceNode) { tap.gains.push(to); tap.sources.push(this); }
     if (to instanceof AudioDestinationNode) {
       tap.context = this.context;

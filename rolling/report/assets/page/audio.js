@@ -8,11 +8,17 @@ export const RESTING_MS = 200; // after a sound, which has faded out by then
 // Sounds of the page: `stop` silences one, `isHeard` tells whether it needs the audio context, and `rest` is called when the context is suspended.
 export const sounds = [];
 
+// What has to be done once there is an audio context.
+export const onContext = [];
+
 export function audioContext() {
   if (!state.context) {
     state.context = new AudioContext({ sampleRate: RATE });
     state.master = new GainNode(state.context, { gain: Number($("#volume").value) });
-    state.master.connect(state.context.destination);
+    state.direct = new GainNode(state.context);
+    state.ear = new GainNode(state.context);
+    state.master.connect(state.direct).connect(state.ear).connect(state.context.destination);
+    for (const act of onContext) act();
   }
   return state.context;
 }

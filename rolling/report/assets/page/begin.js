@@ -5,6 +5,7 @@ import { glide, soundAlone } from "./audio.js";
 import { hear, mix, pause, play, render, seek } from "./player.js";
 import { listenToHeard, showHeard, showLoudness } from "./heard.js";
 import { roundOf, saveRecord } from "./records.js";
+import { showRoom } from "./room.js";
 import { listenToCopying } from "./copy.js";
 import { showStill, timeOfMap } from "./contact.js";
 import { playFilm, realTime, seekFilm, seekFilmTo, showFilm, showRate, stopFilm } from "./film.js";
@@ -89,6 +90,7 @@ function listen() {
   on("#volume", "input", (slider) => state.master && glide(state.master, Number(slider.value)));
   on("#choose, input[name=run], input[name=play-run]", "change", (choice) => choose(Number(choice.value)));
   on("#equal", "change", () => { mix(); showLoudness(); });
+  on("#room", "change", showRoom);
   listenToHeard(seek);
   on("audio", "play", soundAlone);
   on("#compare-a, #compare-b", "change", endTest);

@@ -17,8 +17,8 @@ export function say(text) {
   $("#said").textContent = text;
 }
 
-// The playhead of all runs rests at `at`, or moves with the audio clock from zero at `origin` as long as there are `voices`. `wanted`: Play is pressed. `blind`: the run of a blind test. `starting`: number of sounds that are about to start. `released`: the released power is heard in place of what plays first.
-export const state = { run: 0, released: false, blind: null, wanted: false, at: 0, origin: 0, voices: null, context: null, master: null, starting: 0 };
+// The playhead of all runs rests at `at`, or moves with the audio clock from zero at `origin` as long as there are `voices`. `wanted`: Play is pressed. `blind`: the run of a blind test. `starting`: number of sounds that are about to start. `master` goes through `direct`, and through the `room` that is asked for, to the `ear`. `released`: the released power is heard in place of what plays first.
+export const state = { run: 0, released: false, blind: null, wanted: false, at: 0, origin: 0, voices: null, context: null, master: null, direct: null, room: null, ear: null, starting: 0 };
 
 /** Return the time of the audio clock that is heard now. */
 export const heardNow = () => state.context.currentTime - (state.context.outputLatency || 0);

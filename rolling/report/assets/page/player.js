@@ -4,6 +4,7 @@ import { $, $$, lengthOf, ownTime, position, runs, seconds, solvedTime, soundOf,
 import { RATE } from "../engine/rate.js";
 import { RESTING_MS, audioContext, glide, restContext, soundAlone, sounds, starting, stopVoice } from "./audio.js";
 import { roundOf } from "./records.js";
+import { mixRoom } from "./room.js";
 import { showMap } from "./contact.js";
 import { setPlayhead } from "./chart_touch.js";
 import { showHeard } from "./heard.js";
@@ -20,6 +21,7 @@ const hasEnded = (number) => soundOf(number).ends && ownTime(number) >= lengthOf
 /** Make one run audible; only gains change. */
 export function mix() {
   state.voices?.forEach((voice, number) => voice && glide(voice.gain, gainOf(number)));
+  mixRoom();
 }
 
 /** Start the records of all runs in step, each as soon as it is decoded. */
