@@ -23,11 +23,15 @@ from rolling.terminal import progress  # noqa: E402
 LONGEST = (
     "test_docs",
     "test_tutorials",
+    "test_examples",
     "test_every_write",
     "test_validate",
     "test_audibility",
     "test_estimate_study",
     "test_wheel_rail",
+    "test_choose",
+    "test_sound_by_place",
+    "test_mutated_bearings",
 )
 
 

@@ -215,6 +215,7 @@ def test_site_builds_without_warnings(tmp_path: Path):
     _no_link_is_broken(tmp_path / "site")
     _a_thicker_plate_is_two_clicks_away(tmp_path / "site")
     _each_scene_of_the_gallery_plays(tmp_path / "site")
+    _runs_of_a_picture_play_beside_it(tmp_path / "site")
 
 
 def _content(page: Path) -> str:
@@ -275,6 +276,18 @@ def _each_scene_of_the_gallery_plays(site: Path) -> None:
         samples, rate = soundfile.read(sound)
         assert 0.9 < len(samples) / rate < 11, sound  # 1 s here, 6 to 10 s in the real site
         assert 0.2 < np.abs(samples).max() < 1 and np.sqrt(np.mean(samples**2)) > 0.005, sound
+
+
+def _runs_of_a_picture_play_beside_it(site: Path) -> None:
+    """The short site plays the runs of one picture, with their level and at one gain."""
+    content = _content(site / "for-noise-engineers.html")
+    players = re.findall(
+        r'<audio controls preload="none" aria-label="([^"]+)" src="([^"]+)"', content
+    )
+    assert [words.partition(":")[0] for words, _ in players] == ["5 N", "20 N", "100 N"]
+    assert all("dB(A)" in words for words, _ in players)
+    highest = [np.abs(soundfile.read(site / source)[0]).max() for _, source in players]
+    assert 0.2 < max(highest) < 1 and max(highest) > 1.05 * min(highest)
 
 
 def test_the_first_table_of_the_readme_has_both_levels_of_the_same_runs():

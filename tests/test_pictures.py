@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ import pytest
 import rolling
 from acoustics.numbers import rounded
 from rolling import __version__
+from rolling.kinds.heard_sound import FileGain
 
 ROOT = next(folder for folder in Path(__file__).parents if (folder / "pyproject.toml").exists())
 sys.path.append(str(ROOT / "docs" / "_hooks"))
@@ -21,6 +23,7 @@ sys.path.append(str(ROOT / "docs" / "_hooks"))
 import drawn_pictures  # noqa: E402
 import picture_list  # noqa: E402
 import picture_parts  # noqa: E402
+import picture_sounds  # noqa: E402
 import pictures  # noqa: E402
 
 TIMES = "step-cost.png"  # of a machine, whatever the version; a benchmark draws it
@@ -113,6 +116,63 @@ def test_a_march_gives_the_numbers_of_its_picture_again(tmp_path: Path) -> None:
     run = rolling.simulate(picture.scenes["ball"].read(), workers=1, progress=False)
     ratio = rounded(100 * run.numbers.contact.plastic_ratio, 2)
     assert stored(picture)["numbers"]["yielding"] == f"{ratio} %"
+
+
+# Their pictures show the output of a command, or the keys, of which the text before tells.
+AFTER_THEIR_TEXT = {"index", "key-effects", "what-would-help", "which-finish-is-quieter"}
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs").glob("*.md")), ids=lambda page: page.stem)
+def test_a_page_with_pictures_begins_with_one(page: Path) -> None:
+    """The question of the page comes first, and the picture before headings, code and tables."""
+    blocks = page.read_text(encoding="utf-8").split("\n\n")
+    if page.stem not in AFTER_THEIR_TEXT and any(block.startswith("![") for block in blocks):
+        assert blocks[2].startswith("![")
+
+
+def test_pictures_of_runs_have_players_on_the_site(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(picture_sounds, "IS_SHORT", False)
+    played = [*picture_sounds.played_runs()]
+    assert len({run.picture for run in played}) > 8 and len(played) > 20
+    for run in played:
+        stems = picture_sounds.PICTURE.findall((ROOT / run.page).read_text(encoding="utf-8"))
+        assert run.picture in stems
+        assert not run.scene.read().sweep  # of which no player would tell the run
+
+
+def test_players_stand_below_their_picture() -> None:
+    markdown = "![A](../scenarios/pictures/loads.svg)\n\n*What it shows.*\n"
+    cards = {
+        "loads": [
+            {"file": "loads-1.mp3", "words": '5 N: "vibration", LAeq 15.2 dB(A)'},
+            {"file": "loads-2.mp3", "words": "20 N: vibration, LAeq 10.6 dB(A)"},
+        ]
+    }
+    shown = picture_sounds.with_players(markdown, cards, "for-noise-engineers.html")
+    picture, players, caption = shown.strip().split("\n\n")
+    assert picture == "![A](../scenarios/pictures/loads.svg)" and caption == "*What it shows.*"
+    assert re.findall('src="([^"]+)"', players) == [
+        "picture-sounds/loads-1.mp3",
+        "picture-sounds/loads-2.mp3",
+    ]
+    assert "&quot;vibration&quot;, LAeq 15.2 dB(A)</p>" in players
+    assert picture_sounds.ONE_GAIN in players
+    assert picture_sounds.with_players(markdown, {}, "for-noise-engineers.html") == markdown
+
+
+def test_sounds_of_a_page_have_one_gain() -> None:
+    """Records that measure another quantity, and those of another page, have gains of their own."""
+
+    def file(group: str, own: float) -> FileGain:
+        return FileGain(f"{group}.wav", group, own, used=None, words=str)
+
+    heard = [
+        ("a", file("listen", 20.0)),
+        ("a", file("listen", 5.0)),
+        ("a", file("housing", 9.0)),
+        ("b", file("listen", 40.0)),
+    ]
+    assert picture_sounds.page_gains(heard) == [5.0, 5.0, 9.0, 40.0]
 
 
 def test_a_dark_page_has_light_ink_dark_paper_and_the_hues_of_a_light_one() -> None:
