@@ -30,6 +30,7 @@ from rolling.choice.difference import Difference
 from rolling.choice.drawing import ChangedValue, LeftOut
 from rolling.choice.heard_specimen import HeardQuantity
 from rolling.contact.solver import ContactError
+from rolling.results.description import listed
 from rolling.run.budget import Budget, Clock
 from rolling.scene.messages import SceneError, quoted
 from rolling.scene.models import full_key
@@ -487,7 +488,7 @@ def _sentences(result: Sensitivities) -> Iterator[str]:
             )
     wide = [row for row in result.rows if (row.uncertainty_db or 0.0) > result.within_db]
     if wide:
-        names = " and ".join(dict.fromkeys(row.change.name for row in wide))
+        names = listed(dict.fromkeys(row.change.name for row in wide))
         text = f"The ± stays above {result.within_db:g} dB for {names}"
         if result.limit:
             text += f", because {result.limit}"
