@@ -25,6 +25,7 @@ import picture_list  # noqa: E402
 import picture_parts  # noqa: E402
 import picture_sounds  # noqa: E402
 import pictures  # noqa: E402
+import speed_pictures  # noqa: E402
 
 TIMES = "step-cost.png"  # of a machine, whatever the version; a benchmark draws it
 LARGEST = {".png": 300_000, ".svg": 60_000}  # bytes
@@ -89,7 +90,7 @@ def test_a_number_that_a_page_does_not_state_is_missed() -> None:
 @pytest.mark.parametrize("picture", CAPTIONED, ids=lambda picture: picture.stem)
 def test_a_page_shows_a_picture_above_its_caption(picture: picture_parts.Picture) -> None:
     content = stored(picture)
-    (page,) = content["pages"]
+    page = next(iter(content["pages"]))
     text = (ROOT / page).read_text(encoding="utf-8")
     link = f"](../scenarios/pictures/{picture.path.name})\n\n{content['caption']}\n"
     assert link in text, f"{page} lacks {link}"
@@ -200,6 +201,16 @@ def test_the_site_shows_the_twin_of_a_picture_on_a_dark_page() -> None:
         ("[A](../scenarios/pictures/model.svg)", "[A](pictures/model.svg)"),
     ):
         assert site_hook.on_page_markdown(markdown, None, None, None) == shown
+
+
+def test_the_time_at_an_error_lies_between_two_tolerances() -> None:
+    """Half way in the logarithm of the error is half way in that of the time."""
+    curve = [[1e-3, 1.0, 1e-10, 0.0], [1e-4, 10.0, 1e-12, 0.0]]
+    assert speed_pictures.ms_at(curve, 1e-11) == pytest.approx(10**0.5)
+    assert speed_pictures.ms_at(curve, 1e-12) == pytest.approx(10.0)
+    assert speed_pictures.ms_at(curve, 1e-9) == 1.0
+    assert speed_pictures.ms_at(curve, 1e-13) is None
+    assert speed_pictures.ms_at([], 1e-9) is None
 
 
 def _levels(colour: str) -> tuple[int, ...]:

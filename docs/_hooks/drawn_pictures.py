@@ -180,7 +180,10 @@ def make(path: Path, *, draw: Draw, entry: Mapping[str, Any], scenes: Mapping[st
         write_svg(drawn, path, entry["title"])
     caption = filled(entry["caption"], drawn.numbers)
     stated = [filled(text, drawn.numbers) for text in entry.get("texts", ())]
-    return Shown(drawn.numbers, {entry["page"]: [caption, *stated]}, caption)
+    pages = {entry["page"]: [caption, *stated]}
+    for page, texts in entry.get("elsewhere", {}).items():
+        pages[page] = [filled(text, drawn.numbers) for text in texts]
+    return Shown(drawn.numbers, pages, caption)
 
 
 def filled(text: str, numbers: Mapping[str, str]) -> str:

@@ -15,6 +15,7 @@ import instrument_picture
 import machine_drawings
 import measured_pictures
 import sound_pictures
+import speed_pictures
 import surface_pictures
 from page_pictures import PAGE_PICTURES
 from picture_parts import Picture, PictureScene
@@ -41,7 +42,8 @@ DRAW: dict[str, drawn_pictures.Draw] = {
     "finishes": answer_pictures.finishes,
     "improve": answer_pictures.improve,
     "bench": answer_pictures.bench,
-    "speed": measured_pictures.speed,
+    "speed": speed_pictures.easy,
+    "speed-hard": speed_pictures.hard,
     "growth": measured_pictures.growth,
 }
 

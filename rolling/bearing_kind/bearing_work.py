@@ -23,7 +23,7 @@ from rolling.sound.error_estimate import DEFAULT_ORDER
 if TYPE_CHECKING:
     from rolling.bearing_kind.bearing_run import BearingRun
 
-NEVER = "oil, friction, the tilt of rings, the mass of the cage, and the room"
+NEVER = "oil, friction, the tilt of rings, the mass of the cage, or the room"
 WINDOW = "window"
 
 

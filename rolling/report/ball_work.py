@@ -29,7 +29,7 @@ from rolling.sound.error_estimate import DEFAULT_ORDER
 # Parts of the processor time that grow with the track.
 ALONG_TRACK = (effort.MARCH, effort.LOAD_MARCHES, effort.MOVING_RELEASE)
 # What no run of a ball computes, whatever its scene.
-NEVER = "oil, friction, adhesion, yielding below the surface, and the room"
+NEVER = "oil, friction, adhesion, yielding below the surface, or the room"
 
 
 def work_of(runs: Sequence[Run]) -> Part:
