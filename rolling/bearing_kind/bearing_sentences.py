@@ -271,9 +271,9 @@ def _fault_sentence(numbers: BearingNumbers, body: str, line: EnvelopeLine) -> s
     if numbers.without_faults is not None:
         before = numbers.without_faults.heights.get(line.name, 0.0)
         if before is None:
-            size += f", and {not_resolved_by(duration_s)} without the fault"
+            size += f" with the fault, {not_resolved_by(duration_s)} without it"
         else:
-            size += f", and {rounded(before)} times without the fault"
+            size += f" with the fault, {rounded(before)} times without it"
             rises = rises and line.height >= RISE * before
     verb = "shows" if rises else "does not show"
     return f"The fault of {ring} {verb} in the envelope at {at}: {size}."

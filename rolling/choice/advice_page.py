@@ -48,7 +48,7 @@ def _bars(result: Sensitivities) -> Bars | None:
     where = "" if result.quantity.is_level else f" from {result.quantity.words}"
     chain = ""
     if any(row.chain_db is not None for row in result.rows):
-        chain = "; the upright mark is the linear chain"
+        chain = "; the line across a bar is the linear chain"
     unit = result.quantity.decibels
     label = f"Louder{where} with a larger value [{unit}]; left is quieter{chain}"
     rows = []

@@ -470,7 +470,7 @@ def _sentences(result: Sensitivities) -> Iterator[str]:
     if helpful:
         best = helpful[0]
         amount = f"{_amount(best)} {result.quantity.decibels} quieter{_in_band(result)}"
-        text = f"{capital(_help(best))} is {amount}, which helps most"
+        text = f"{capital(_help(best))} is {amount}, which helps most{_of_which(best, result)}"
         others = [f"a {_help_words(row)} ({_amount(row)})" for row in helpful[1 : 1 + NEXT]]
         if others:
             text += f"; then come {' and '.join(others)}"
@@ -510,6 +510,17 @@ def _sentences(result: Sensitivities) -> Iterator[str]:
         yield left_out
     for left in result.left_out:
         yield f"Left out: {left.name} ({printable(left.reason)})."
+
+
+def _of_which(best: Sensitivity, result: Sensitivities) -> str:
+    """Say of which changes one helps most, where others have larger numbers."""
+    larger = [row for row in result.rows if abs(row.db) > abs(best.db)]
+    text = ""
+    if any(not _is_sure(row) for row in larger):
+        text += " of the changes whose sign is sure"
+    if any(row.change.key == drawing.DISTANCE for row in larger):
+        text += ", apart from a greater distance"
+    return text
 
 
 def _is_sure(row: Sensitivity) -> bool:

@@ -290,12 +290,13 @@ def _louder(difference: QuantityDifference, than: str, estimated: bool) -> str:
     shared = ""
     if difference.left_out:
         both = listed([PART_WORDS[source] for source in difference.left_out])
-        shared = f", without {both}, which both share"
+        shared = f"an error by {both} would be in both"
     if not estimated:
-        apart_from = f" ({shared.removeprefix(', ')})" if shared else ""
-        return f"{size} {word} than {than}{apart_from}"
+        beside = f" ({shared})" if shared else ""
+        return f"{size} {word} than {than}{beside}"
     spread = math.ceil(10 * difference.uncertainty) / 10
-    return f"about {size} (± {spread:.1f} dB, estimated{shared}) {word} than {than}"
+    doubt = "; ".join(filter(None, [f"± {spread:.1f} dB, estimated", shared]))
+    return f"about {size} ({doubt}) {word} than {than}"
 
 
 def _more_power(released: QuantityDifference) -> str:

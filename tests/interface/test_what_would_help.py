@@ -72,6 +72,9 @@ def test_distance_is_a_closed_form_and_costs_no_march(
     # a thin plate gives way with the square of its thickness, a thicker one is quieter
     assert by_key["plate.thickness_mm"].db < 0
     assert "thicker plate" in " ".join(found.sentences)
+    others = [abs(row.db) for row in found.rows if row.change.key != "sound.distance_m"]
+    distance_is_more = abs(exact) > max(others)
+    assert ("apart from a greater distance" in found.sentences[0]) is distance_is_more
     assert set(found.table().columns) >= {"key", "vibration_db", "chain_db", "specimens"}
 
 
