@@ -108,7 +108,7 @@ def rms_of_statistics(rolling: RollingStatistics) -> float:
         lines = coarse[0] * np.arange(1, math.floor(coarse[-1] / coarse[0]) + 1)
         of_lines = heights(lines)
         ratios = np.linspace(1 - NEAR_SPEEDS, 1 + NEAR_SPEEDS, SPEEDS)
-        typical = np.median([of_lines @ gain(lines, ratio) for ratio in ratios])
+        typical = np.median([np.sum(of_lines * gain(lines, ratio)) for ratio in ratios])
         return float(np.sqrt(coarse[0] * typical))
     fine = np.geomspace(coarse[0], coarse[-1], LINES)
     return float(np.sqrt(np.trapezoid(heights(fine) * gain(fine), fine)))
