@@ -13,10 +13,15 @@ from collections.abc import Iterator
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
+# Libraries run on one thread in all processes of the tests, as by the command line, and read so
+# when they are loaded. Beside another process on each core, threads that wait for each other took
+# 180 s of processor time for a test of 20 s.
+for _name in ("OMP", "OPENBLAS", "MKL", "NUMBA"):
+    os.environ.setdefault(f"{_name}_NUM_THREADS", "1")
+
 import numpy as np  # noqa: E402
 import pytest  # noqa: E402
 
-from rolling.run.worker import ENVIRONMENT  # noqa: E402
 from rolling.terminal import progress  # noqa: E402
 
 # Files with tests of a minute. A process that begins one at the end leaves the other one idle.
@@ -33,17 +38,6 @@ LONGEST = (
     "test_sound_by_place",
     "test_mutated_bearings",
 )
-
-
-def pytest_configure() -> None:
-    """Run libraries on one thread in all processes of the tests, as the command line does.
-
-    Beside another process on each core, threads that wait for each other took 180 s of processor
-    time for a test of 20 s.
-    """
-    for name, value in ENVIRONMENT.items():
-        if name.endswith("_NUM_THREADS"):
-            os.environ.setdefault(name, value)
 
 
 @pytest.fixture(autouse=True)

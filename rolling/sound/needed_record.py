@@ -69,8 +69,8 @@ class ExpectedVibration:
 
     @property
     def is_silent(self) -> bool:
-        """Whether nothing is heard."""
-        return not float(self.density.max()) > 0
+        """Whether nothing is heard, such as what is far below hearing."""
+        return not float(self.density.max()) > 0 or len(self.loud_bands) == 0
 
     @property
     def resonance_share(self) -> float:

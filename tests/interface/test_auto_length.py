@@ -70,6 +70,15 @@ def test_the_length_is_that_of_the_lines_that_are_needed() -> None:
     assert wide.seconds * (891.3 - 707.9) == pytest.approx(4.343**2, rel=0.1)
 
 
+def test_what_is_far_below_hearing_needs_no_record() -> None:
+    """At 1e-10 m/s the spectrum ends at 25 uHz, where the A-weighting leaves nothing."""
+    slow = ExpectedVibration(
+        np.geomspace(1.25e-5, 2.5e-5, 4000), np.full(4000, 1e-42), resonance_hz=1e4, quality=10.0
+    )
+    need = needed_record(slow, within_db=0.3, most_s=100)
+    assert (need.seconds, need.reason) == (0.0, "nothing is heard")
+
+
 def test_a_resonance_needs_three_lines_or_leaves_its_comb_in_the_uncertainty() -> None:
     frequency = np.sort(
         np.concatenate((np.geomspace(20, 20e3, 2000), np.linspace(9e3, 11e3, 9000)))
