@@ -26,7 +26,7 @@ from rolling.sound.contact_sound import ContactSound, fade_length
 from rolling.sound.long_listening import Listening
 
 _FULL = 2**23  # steps of full scale
-# Compression of a variable rate. Files are a sixth smaller than at 0; at 0.2 bands change by 0.14 dB.
+# Compression at a variable rate: a sixth less than at 0, and bands would change by 0.14 dB at 0.2.
 MP3 = 0.1
 
 
