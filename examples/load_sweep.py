@@ -4,7 +4,7 @@ import matplotlib.pyplot as plt
 
 import rolling as rc
 
-scene = rc.read_scene("vibrating-ball").with_(duration_s=0.02)  # 2 mm of track; it sweeps the load
+scene = rc.read_scene("vibrating-ball").with_(duration_s=0.01)  # 1 mm of track; it sweeps the load
 runs = rc.simulate_sweep(scene, progress=False)
 for load, run in runs.items():
     print(

@@ -45,7 +45,7 @@ SHORTER = {
         ),
     },
     "bearing-ball": {
-        "distance_mm=3": "distance_mm=1",
+        "distance_mm=3": "distance_mm=0.5",
         "listen_s=5": "listen_s=1",
         "[1, 2, 3]": "[1, 2]",
         "rc.simulate_sweep(scene)": "rc.simulate_sweep(scene, workers=1)",
@@ -60,11 +60,11 @@ SHORTER = {
         "rc.simulate(scene)": "rc.simulate(scene, workers=1)",
         "scene.with_(thickness_mm=4))": "scene.with_(thickness_mm=4), workers=1)",
     },
-    "my-scan": {"(2700, 800)": "(600, 800)"},
+    "my-scan": {"(2700, 800)": "(300, 600)"},
     "which-one": {
-        "distance_mm=3": "distance_mm=1",
-        "fine], progress=False": "fine], pairs=3, progress=False",
-        "thick], progress=False": "thick], pairs=3, progress=False",
+        "distance_mm=3": "distance_mm=0.5",
+        "fine], progress=False": "fine], pairs=2, progress=False",
+        "thick], progress=False": "thick], pairs=2, progress=False",
         "progress=False": "progress=False, workers=1",
     },
 }
