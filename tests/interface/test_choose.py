@@ -42,7 +42,8 @@ def chosen(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("chosen")
     scenes = [write(folder, "ground", ra=0.2), write(folder, "lapped", ra=0.05)]
     out = folder / "out"
-    assert cli.main(["choose", *scenes, "--pairs", "2", "--out", str(out), "-q"]) == 0
+    words = ["--pairs", "2", "--out", str(out), "-q", "--workers", "1"]
+    assert cli.main(["choose", *scenes, *words]) == 0
     return out
 
 
