@@ -79,8 +79,9 @@ def wait_for(condition: Callable[[], object]) -> None:
 
 
 def pieces(out: Path) -> list[Path]:
-    """Return the files of solved pieces in a run folder."""
-    return [*out.glob("pieces/*/*.npz")]
+    """Return the files of solved pieces in a run folder, whose folders may vanish meanwhile."""
+    found = (Path(folder, name) for folder, _, names in os.walk(out / "pieces") for name in names)
+    return [path for path in found if path.suffix == ".npz"]
 
 
 def contents(out: Path) -> dict[str, Any]:
