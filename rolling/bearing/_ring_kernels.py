@@ -11,14 +11,17 @@ both raceways in series, and no b. A ball with mass has one contact with the inn
 with the outer. The elongation e and the direction n of a line follow from the displacement u of the
 ring, and n is the derivative of e by u (`contact_lines`). At a fixed angle e = n . u.
 
+The displacement u has x, y and z, the cosine and the sine part of each bending mode
+(`ring_bending`), and two turns if the ring is free to tilt, with masses M and the springs B of the
+ring itself.
 A step drifts to its middle, meets the forces there, and drifts on (leapfrog):
 
-    u += h/2 v,   M (v1 - v0) / h = load - sum Q along n - C v,   u += h/2 v
+    u += h/2 v,   M (v1 - v0) / h = load - sum Q along n - B u - C v,   u += h/2 v
 
-The viscous matrix is C = S (sum k n n^T + Q c t t^T) S with the stiffness k of each ball, its load
-Q, and the turn c of its line for a way along t across it, which is 0 at a fixed angle. S is made so
-that the mean of C gives each resonance its loss factor. A ball with mass has a viscous force
-against its motion beside the place to which the ring would lead it without mass.
+The viscous matrix is C = S^T (sum k n n^T + Q c t t^T) S with the stiffness k of each ball, its
+load Q, and the turn c of its line for a way along t across it, which is 0 at a fixed angle. S is
+made so that the mean of C gives each resonance its loss factor. A ball with mass has a viscous
+force against its motion beside the place to which the ring would lead it without mass.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -53,11 +56,14 @@ class RingBodies(NamedTuple):
     """Ring, balls and contacts as a time step moves them."""
 
     step: float  # [s]
-    ring_mass: float  # [kg]
+    masses: Array  # (m,) [kg], [kg m2] of tilts
+    springs: Array  # (m,) [N/m] of the ring itself against its bending
     ball_mass: float  # [kg]
-    load: Array  # (3,) [N] on the ring
+    load: Array  # (m,) [N] on the ring
     centrifugal: float  # [N] on a ball, along its contact line
     direction: float  # 1 if displacements press balls outwards, -1 if inwards
+    tilt_radius: float  # [m] of the circle of the centres of the groove; 0 for a ring held in plane
+    orders: Array  # (k,) ascending numbers of waves around the ring of its bending modes
     cosine: float  # of the contact angle without displacement
     sine: float
     curvature: float  # [1/m] of lines that turn (`contact_lines`), 0 at a fixed angle
@@ -65,7 +71,7 @@ class RingBodies(NamedTuple):
     beside: Array  # (contacts,)
     gaps: Array  # (contacts,) [m]
     compliances: Array  # (contacts,) [m/N^(2/3)]
-    spread: Array  # S, (3, 3) [s^(1/2)]
+    spread: Array  # S, (m, m) [s^(1/2)]
     ball_time: float  # [s] viscosity over stiffness of a ball with mass
     cage_hz: float
     inner_hz: float
@@ -78,14 +84,14 @@ class RingBodies(NamedTuple):
 class RingState(NamedTuple):
     """State between two steps, and the middle of the last step; kernels change the arrays."""
 
-    ring: Array  # (3,) [m]
-    ring_velocity: Array  # (3,) [m/s]
+    ring: Array  # (m,) [m]
+    ring_velocity: Array  # (m,) [m/s]
     balls: Array  # (balls,) [m] outwards along the contact lines
     ball_velocity: Array  # (balls,) [m/s]
-    last_ring: Array  # (3,) [m]
+    last_ring: Array  # (m,) [m]
     last_balls: Array  # (balls,) [m]
-    around: Array  # (balls, 2) radial directions in which the ring presses the balls
-    last_around: Array
+    ways: Array  # (balls, m) of the groove at a ball, outwards or along the axis
+    last_ways: Array
     laws: Array  # (balls, contacts, 1 + k) approach [m] at the nodes
     last_laws: Array
 
@@ -161,15 +167,43 @@ def contact_at(approach, compliance, nodes, law):
 
 
 @inlined()
-def set_laws(time, share, bodies, tables, around, laws):
-    """Set the places of all balls, and the approaches of their contacts at the nodes."""
-    count = around.shape[0]
+def set_ways(cage, bodies, ways):
+    """Set the ways that the groove at a ball makes for a unit of each displacement.
+
+    Those of x, y and bending lead outwards, and those of z and of turns along the axis. A bending
+    mode of order n moves the groove by cos(n phi) and sin(n phi).
+    """
+    cosine = cos(2.0 * pi * cage)
+    sine = sin(2.0 * pi * cage)
+    ways[0] = bodies.direction * cosine
+    ways[1] = bodies.direction * sine
+    ways[2] = 1.0
+    bent = 3 + 2 * bodies.orders.shape[0]
+    order = 1
+    of_cosine = bodies.direction * cosine
+    of_sine = bodies.direction * sine
+    for x in range(3, bent, 2):
+        while order < bodies.orders[(x - 3) // 2]:
+            turned = of_cosine * cosine - of_sine * sine
+            of_sine = of_sine * cosine + of_cosine * sine
+            of_cosine = turned
+            order += 1
+        ways[x] = of_cosine
+        ways[x + 1] = of_sine
+    if bodies.tilt_radius > 0.0:
+        ways[bent] = bodies.tilt_radius * sine
+        ways[bent + 1] = -bodies.tilt_radius * cosine
+
+
+@inlined()
+def set_laws(time, share, bodies, tables, ways, laws):
+    """Set the ways of the groove at all balls, and the approaches of contacts at the nodes."""
+    count = ways.shape[0]
     outer_contact = laws.shape[1] - 1  # the only one of a ball without mass
     spin = bodies.spin_hz * time
     for j in range(count):
         cage = bodies.cage_hz * time + j / count
-        around[j, 0] = bodies.direction * cos(2.0 * pi * cage)
-        around[j, 1] = bodies.direction * sin(2.0 * pi * cage)
+        set_ways(cage, bodies, ways[j])
         laws[j] = 0.0
         add_track(cage - bodies.inner_hz * time, share, tables.inner, laws[j, 0])
         add_track(spin, share, tables.balls_on_inner[j], laws[j, 0])
@@ -180,16 +214,22 @@ def set_laws(time, share, bodies, tables, around, laws):
 
 
 @inlined()
-def line_at(around, ring, bodies):
+def line_at(ways, ring, bodies):
     """Return the elongation [m] of a contact line, its direction, and its turn across it [1/m].
 
-    The direction is its part along `around` and its part along the axis (`contact_lines`).
+    The direction is its part outwards and its part along the axis (`contact_lines`).
     """
-    radial = around[0] * ring[0] + around[1] * ring[1]
-    along = bodies.cosine * radial + bodies.sine * ring[2]
+    bent = 3 + 2 * bodies.orders.shape[0]
+    radial = ways[0] * ring[0] + ways[1] * ring[1]
+    for x in range(3, bent):
+        radial += ways[x] * ring[x]
+    forth = ring[2]
+    for x in range(bent, ring.shape[0]):
+        forth += ways[x] * ring[x]
+    along = bodies.cosine * radial + bodies.sine * forth
     if bodies.curvature == 0.0:
         return along, bodies.cosine, bodies.sine, 0.0
-    across = bodies.cosine * ring[2] - bodies.sine * radial
+    across = bodies.cosine * forth - bodies.sine * radial
     stretched = 1.0 + bodies.curvature * along
     turned = bodies.curvature * across
     length = sqrt(stretched * stretched + turned * turned)
@@ -201,17 +241,30 @@ def line_at(around, ring, bodies):
 
 
 @inlined()
+def set_line(outwards, axial, ways, bodies, line):
+    """Set the derivative of a way by all displacements from its parts outwards and axially."""
+    bent = 3 + 2 * bodies.orders.shape[0]
+    line[0] = outwards * ways[0]
+    line[1] = outwards * ways[1]
+    line[2] = axial
+    for x in range(3, bent):
+        line[x] = outwards * ways[x]
+    for x in range(bent, line.shape[0]):
+        line[x] = axial * ways[x]
+
+
+@inlined()
 def approach_of(elongation, ball, c, bodies):
     """Return the approach [m] of contact c of a ball."""
     return bodies.along[c] * elongation + bodies.beside[c] * ball - bodies.gaps[c]
 
 
 @inlined()
-def energy_of(ring, balls, around, laws, bodies, tables):
+def energy_of(ring, balls, ways, laws, bodies, tables):
     """Return the energy [J] of all contacts."""
     total = 0.0
-    for j in range(around.shape[0]):
-        elongation, _, _, _ = line_at(around[j], ring, bodies)
+    for j in range(ways.shape[0]):
+        elongation, _, _, _ = line_at(ways[j], ring, bodies)
         for c in range(laws.shape[1]):
             approach = approach_of(elongation, balls[j], c, bodies)
             total += contact_at(approach, bodies.compliances[c], tables.nodes, laws[j, c])[2]
@@ -232,7 +285,7 @@ def share_at(time, bodies):
 @inlined()
 def drift(time, state):
     """Move ring and balls at their velocities for a time [s]."""
-    for x in range(3):
+    for x in range(state.ring.shape[0]):
         state.ring[x] += time * state.ring_velocity[x]
     for j in range(state.balls.shape[0]):
         state.balls[j] += time * state.ball_velocity[j]
@@ -272,27 +325,31 @@ def press_ball(j, elongation, bodies, tables, state):
 
 
 @inlined()
-def add_stiffness(stiffness, way, tangent):
-    """Add k n n^T of a direction n to the stiffness of all balls."""
-    for x in range(3):
-        for y in range(3):
-            tangent[x, y] += stiffness * way[x] * way[y]
+def multiply(matrix, vector, product):
+    """Set a product to a matrix times a vector."""
+    for x in range(vector.shape[0]):
+        total = 0.0
+        for y in range(vector.shape[0]):
+            total += matrix[x, y] * vector[y]
+        product[x] = total
 
 
 @inlined()
-def add_drag(tangent, bodies, velocity, drag):
-    """Add S K S v to the viscous force on the ring, with the stiffness K of all balls."""
-    spread = bodies.spread
-    for x in range(3):
-        for y in range(3):
-            rate = 0.0
-            for z in range(3):
-                rate += tangent[y, z] * (
-                    spread[z, 0] * velocity[0]
-                    + spread[z, 1] * velocity[1]
-                    + spread[z, 2] * velocity[2]
-                )
-            drag[x] += spread[x, y] * rate
+def add_reaction(stiffness, way, velocity, reaction):
+    """Add the force k n (n . v) of a spring along n to the reaction of all balls to a velocity."""
+    rate = 0.0
+    for x in range(way.shape[0]):
+        rate += way[x] * velocity[x]
+    for x in range(way.shape[0]):
+        reaction[x] += stiffness * rate * way[x]
+
+
+@inlined()
+def add_drag(reaction, bodies, drag):
+    """Add S^T K S v to the viscous force on the ring, with the reaction K S v of all balls."""
+    for x in range(drag.shape[0]):
+        for y in range(drag.shape[0]):
+            drag[x] += bodies.spread[y, x] * reaction[y]
 
 
 @inlined()
@@ -305,11 +362,11 @@ def kick_ball(j, line, force, held, coupling, bodies, state, drag):
     against = 0.0
     if held > 0.0:
         closing = 0.0
-        for x in range(3):
+        for x in range(line.shape[0]):
             closing += line[x] * state.ring_velocity[x]
         slip = state.ball_velocity[j] + coupling / held * closing
         against = bodies.ball_time * held * slip
-        for x in range(3):
+        for x in range(line.shape[0]):
             drag[x] += against * coupling / held * line[x]
     gain = bodies.step * (force - against) / bodies.ball_mass
     mean = state.ball_velocity[j] + 0.5 * gain
@@ -319,19 +376,24 @@ def kick_ball(j, line, force, held, coupling, bodies, state, drag):
 
 @inlined()
 def kick_ring(bodies, state, drag, row):
-    """Change the velocity of the ring, and record it; return its kinetic energy and loss [J]."""
-    kinetic = 0.0
+    """Change the velocity of the ring, and record it; return its own energy and loss [J].
+
+    Its own energy is that of its motion and of its bending.
+    """
+    count = state.ring.shape[0]
+    own = 0.0
     loss = 0.0
-    for x in range(3):
-        row[6 + x] -= drag[x]
-        gain = bodies.step * (bodies.load[x] + row[6 + x]) / bodies.ring_mass
+    for x in range(count):
+        bent = bodies.springs[x] * state.ring[x]
+        row[2 * count + x] -= drag[x] + bent
+        gain = bodies.step * (bodies.load[x] + row[2 * count + x]) / bodies.masses[x]
         mean = state.ring_velocity[x] + 0.5 * gain
         row[x] = state.ring[x]
-        row[3 + x] = mean
-        kinetic += 0.5 * bodies.ring_mass * mean * mean
+        row[count + x] = mean
+        own += 0.5 * bodies.masses[x] * mean * mean + 0.5 * bent * state.ring[x]
         loss += bodies.step * drag[x] * mean
         state.ring_velocity[x] += gain
-    return kinetic, loss
+    return own, loss
 
 
 @inlined()
@@ -341,15 +403,15 @@ def add_works(energy, share, bodies, tables, state, sums):
     The tracks' work is the change of the contacts' energy from the last laws to the new ones, half
     of it at the last place of ring and balls and half at the new one.
     """
-    for x in range(3):
+    for x in range(state.ring.shape[0]):
         sums.load_work[0] += bodies.load[x] * (state.ring[x] - state.last_ring[x])
     for j in range(state.balls.shape[0]):
         moved = state.balls[j] - state.last_balls[j]
         sums.load_work[0] += share * bodies.centrifugal * moved
     here = energy - energy_of(
-        state.ring, state.balls, state.last_around, state.last_laws, bodies, tables
+        state.ring, state.balls, state.last_ways, state.last_laws, bodies, tables
     )
-    there = energy_of(state.last_ring, state.last_balls, state.around, state.laws, bodies, tables)
+    there = energy_of(state.last_ring, state.last_balls, state.ways, state.laws, bodies, tables)
     sums.track_work[0] += 0.5 * (here + there - sums.contact_energy[0])
 
 
@@ -358,67 +420,66 @@ def take_steps(first, bodies, tables, state, sums, record):
     """Take a step for each row of `record`, and set it to what the middle of the step has.
 
     `first` [s] is the time of the first middle. A row has the displacement of the ring, its
-    velocity, the force of balls and viscosity on it, three numbers each, and the load of each ball
-    on it.
+    velocity, and the force of balls, bending and viscosity on it, m numbers each, and the load of
+    each ball on it.
     """
-    balls = state.around.shape[0]
-    drag = np.empty(3)
-    line = np.empty(3)
-    tangent = np.empty((3, 3))
+    balls = state.ways.shape[0]
+    count = state.ring.shape[0]
+    drag = np.empty(count)
+    line = np.empty(count)
+    spread_velocity = np.empty(count)
+    reaction = np.empty(count)
     for i in range(record.shape[0]):
         time = first + i * bodies.step
         share = share_at(time, bodies)
         drift(0.5 * bodies.step, state)
         for j in range(balls):
-            state.last_around[j] = state.around[j]
+            state.last_ways[j] = state.ways[j]
             state.last_laws[j] = state.laws[j]
-        set_laws(time, share, bodies, tables, state.around, state.laws)
+        set_laws(time, share, bodies, tables, state.ways, state.laws)
 
         row = record[i]
         row[:] = 0.0
         drag[:] = 0.0
-        tangent[:] = 0.0
+        reaction[:] = 0.0
+        multiply(bodies.spread, state.ring_velocity, spread_velocity)
         energy = 0.0
-        kinetic = 0.0
+        own = 0.0
         loaded = 0
         for j in range(balls):
-            around = state.around[j]
-            elongation, outwards, axial, turning = line_at(around, state.ring, bodies)
-            line[0] = outwards * around[0]
-            line[1] = outwards * around[1]
-            line[2] = axial
+            ways = state.ways[j]
+            elongation, outwards, axial, turning = line_at(ways, state.ring, bodies)
             stored, load, pull, series, held, coupling = press_ball(
                 j, elongation, bodies, tables, state
             )
             energy += stored
-            row[9 + j] = load
+            row[3 * count + j] = load
             if load > 0.0:
                 loaded += 1
-            for x in range(3):
-                row[6 + x] -= load * line[x]
-            add_stiffness(series, line, tangent)
+            set_line(outwards, axial, ways, bodies, line)
+            for x in range(count):
+                row[2 * count + x] -= load * line[x]
+            add_reaction(series, line, spread_velocity, reaction)
             if bodies.ball_mass > 0.0:
                 force = pull + share * bodies.centrifugal
                 moving, lost = kick_ball(j, line, force, held, coupling, bodies, state, drag)
-                kinetic += moving
+                own += moving
                 sums.loss[0] += lost
             if turning > 0.0:
-                line[0] = -axial * around[0]  # across the contact line
-                line[1] = -axial * around[1]
-                line[2] = outwards
-                add_stiffness(load * turning, line, tangent)
-        add_drag(tangent, bodies, state.ring_velocity, drag)
+                set_line(-axial, outwards, ways, bodies, line)  # across the contact line
+                add_reaction(load * turning, line, spread_velocity, reaction)
+        add_drag(reaction, bodies, drag)
         moving, lost = kick_ring(bodies, state, drag, row)
-        kinetic += moving
+        own += moving
         sums.loss[0] += lost
 
         if sums.steps[0] > 0.0:
             add_works(energy, share, bodies, tables, state, sums)
         else:
-            sums.first_energy[0] = energy + kinetic
+            sums.first_energy[0] = energy + own
             sums.lowest[0] = energy
         sums.steps[0] += 1.0
-        sums.last_energy[0] = energy + kinetic
+        sums.last_energy[0] = energy + own
         sums.contact_energy[0] = energy
         sums.lowest[0] = min(sums.lowest[0], energy)
         sums.highest[0] = max(sums.highest[0], energy)

@@ -17,7 +17,7 @@ from acoustics.arrays import Array
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
-from rolling.bearing.ring_record import AXIAL, RADIAL, RingRecord
+from rolling.bearing.ring_record import AXIAL, AXIS, RADIAL, RingRecord
 
 # Loss factors that lubricated bearings may have; all are as likely over their logarithm.
 LEAST_LOSS_FACTOR = 0.02
@@ -45,13 +45,15 @@ def band_change_db(
     bands_hz : dict, Hz
         Edges of the bands by their names. Default: the three bands of ISO 15242-1.
     """
+    count = record.velocity_m_s.shape[1]
+    radial = record.radial_columns
     segment = min(len(record.velocity_m_s), round(_SEGMENT_S * record.rate_hz))
     frequency_hz = np.asarray(np.fft.rfftfreq(segment, 1 / record.rate_hz), dtype=float)
     highest_hz = VELOCITY_BANDS_HZ["high"][1]
     shown = np.flatnonzero((frequency_hz > 0) & (frequency_hz < highest_hz))
     transfer = _transfer(model, loss_factor, frequency_hz[shown])
-    before = np.zeros((len(shown), 3))
-    after = np.zeros((len(shown), 3))
+    before = np.zeros((len(shown), count))
+    after = np.zeros((len(shown), count))
     window = np.hanning(segment)[:, None]
     for first in range(0, len(record.velocity_m_s) - segment + 1, segment):
         part = record.velocity_m_s[first : first + segment]
@@ -60,8 +62,8 @@ def band_change_db(
         before += np.square(np.abs(lines))
         after += np.square(np.abs(changed))
     return {
-        RADIAL: _changes(frequency_hz[shown], before[:, :2], after[:, :2], bands_hz),
-        AXIAL: _changes(frequency_hz[shown], before[:, 2:], after[:, 2:], bands_hz),
+        RADIAL: _changes(frequency_hz[shown], before[:, radial], after[:, radial], bands_hz),
+        AXIAL: _changes(frequency_hz[shown], before[:, AXIS], after[:, AXIS], bands_hz),
     }
 
 

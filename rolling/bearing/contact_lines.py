@@ -30,6 +30,8 @@ from rolling.bearing.geometry import BearingGeometry, Ring
 
 Angle = Literal["fixed", "moving"]
 """Whether the contact angle stays as it is without load, or turns with the displacement."""
+# Displacements of a rigid ring, before those of bending: x, y, z, and turns about x and y.
+RIGID = 5
 
 
 class PressedLines(NamedTuple):
@@ -40,6 +42,10 @@ class PressedLines(NamedTuple):
     across: Array  # (n, m) the same of a way across the line
     turning: Array  # (n,) [1/m] turn of a line for a way across it, 0 at a fixed angle
     angles: Array  # (n,) [rad] contact angle of each line
+
+    def of(self, columns: list[int]) -> "PressedLines":
+        """Return the lines for some of the displacements alone."""
+        return self._replace(lines=self.lines[:, columns], across=self.across[:, columns])
 
 
 @dataclass(frozen=True)
@@ -52,6 +58,7 @@ class ContactLines:
     curvature : float, 1/m. 1/(A - gap), or 0 at a fixed angle.
     moving : "inner" or "outer". Ring that moves.
     tilt_radius_m : float, m. Radius of the circle of the centres of its groove.
+    orders : tuple of int. Waves around the ring of its bending modes.
     """
 
     __repr__ = short_repr
@@ -62,18 +69,22 @@ class ContactLines:
     curvature: float
     moving: Ring
     tilt_radius_m: float
+    orders: tuple[int, ...] = ()
 
     @cached_property
     def _ways(self) -> tuple[Array, Array]:
-        """Ways p along the lines and q across them for a unit of each displacement, (n, 5) each."""
+        """Ways p along the lines and q across them for a unit of each displacement, (n, m) each."""
         sign = 1.0 if self.moving == "inner" else -1.0
-        radial = np.zeros((len(self.places), 5))
-        axial = np.zeros((len(self.places), 5))
+        radial = np.zeros((len(self.places), RIGID + 2 * len(self.orders)))
+        axial = np.zeros_like(radial)
         radial[:, 0] = sign * np.cos(self.places)
         radial[:, 1] = sign * np.sin(self.places)
         axial[:, 2] = 1.0
         axial[:, 3] = self.tilt_radius_m * np.sin(self.places)
         axial[:, 4] = -self.tilt_radius_m * np.cos(self.places)
+        for number, order in enumerate(self.orders):
+            radial[:, RIGID + 2 * number] = sign * np.cos(order * self.places)
+            radial[:, RIGID + 2 * number + 1] = sign * np.sin(order * self.places)
         cosine, sine = cos(self.contact_angle), sin(self.contact_angle)
         return cosine * radial + sine * axial, cosine * axial - sine * radial
 
@@ -82,9 +93,10 @@ class ContactLines:
 
         Parameters
         ----------
-        displacement : array (3,) or (5,)
-            x, y radial and z axial [m], and the turns [rad] of the ring about x and y if it tilts.
-            A positive z presses the balls, whichever ring moves.
+        displacement : array (3,), (5,) or (5 + 2 k,)
+            x, y radial and z axial [m], the turns [rad] of the ring about x and y, and the cosine
+            and the sine part [m] of each of k bending modes. A positive z presses the balls,
+            whichever ring moves.
         """
         count = len(displacement)
         along, across = (way[:, :count] for way in self._ways)
@@ -112,6 +124,7 @@ def contact_lines(
     gap_m: float = 0.0,
     moving: Ring = "outer",
     angle: Angle = "fixed",
+    orders: tuple[int, ...] = (),
 ) -> ContactLines:
     """Return the lines of balls at some places of a bearing.
 
@@ -128,6 +141,8 @@ def contact_lines(
         Ring that moves.
     angle : "fixed" or "moving"
         Whether displacements turn the lines.
+    orders : tuple of int
+        Waves around the ring of its bending modes. Default: it is rigid.
     """
     return ContactLines(
         places=np.asarray(places, dtype=float),
@@ -136,7 +151,24 @@ def contact_lines(
         curvature=line_curvature(geometry, gap_m, angle),
         moving=moving,
         tilt_radius_m=geometry.groove_circle_m(moving),
+        orders=orders,
     )
+
+
+def free_columns(tilts: bool, modes: int) -> list[int]:
+    """Return which displacements of a ring are free, of those that its lines have.
+
+    They are x, y and z, then its bending, then its turns.
+
+    Parameters
+    ----------
+    tilts : bool
+        Whether it turns about x and y.
+    modes : int
+        Number of its bending modes, with two displacements each.
+    """
+    turns = range(3, RIGID) if tilts else ()
+    return [0, 1, 2, *range(RIGID, RIGID + 2 * modes), *turns]
 
 
 def line_curvature(geometry: BearingGeometry, gap_m: float, angle: Angle) -> float:

@@ -152,15 +152,3 @@ def _contact(
         radius_across_m=across,
         stiffness_n_m15=4 / 3 * contact_modulus * sqrt(equivalent),
     )
-
-
-def ring_bending_hz(
-    *, youngs_modulus: float, density: float, radius_m: float, thickness_m: float
-) -> float:
-    """Return the lowest bending resonance [Hz] of a free thin ring, which has two waves around it.
-
-    omega^2 = 36/5 E I / (m' R^4) for a rectangular section, whose width cancels (A. E. H. Love,
-    Mathematical Theory of Elasticity, section 293). `radius_m` is the mean radius of the ring.
-    """
-    section = thickness_m**2 / 12  # I over the area
-    return sqrt(36 / 5 * youngs_modulus * section / (density * radius_m**4)) / (2 * pi)

@@ -11,7 +11,10 @@ from rolling.bearing.linear_ring import LinearRing, linear_ring
 from rolling.bearing.model import BearingModel
 from rolling.bearing.static_load import StaticBalance
 
-PER_PERIOD = 40  # minimum number of steps in a period of the fastest resonance
+PER_PERIOD = 40  # minimum number of steps in a period of the fastest resonance of a rigid ring
+# Minimum number of steps in a period of the fastest bending mode, which lies above the bands of a
+# usual bearing. They raise its frequency by 0.7 %.
+_PER_BENDING_PERIOD = 15
 TRACK_HZ = 384e3  # rate of steps up to which they follow a track from point to point
 FASTEST_HZ = 1.25e6  # resonance that can be moved, with 50 million steps a second
 DECAYS = 7  # decay times of the slowest resonance in the run-in, during which the tracks grow
@@ -54,7 +57,22 @@ def steps_hz(
     fastest = ring_hz(bearing, balances)
     if bearing.ball_inertia:
         fastest = max(fastest, bounce_hz(bearing, balances))
-    return max(per_period * fastest, min(points_hz, TRACK_HZ))
+    resonances = max(per_period * fastest, _PER_BENDING_PERIOD * _bending_hz(bearing, balances))
+    return max(resonances, min(points_hz, TRACK_HZ))
+
+
+def _bending_hz(bearing: BearingModel, balances: Sequence[StaticBalance]) -> float:
+    """Return the highest resonance [Hz] of a ring that bends, on its balls; 0 for a rigid one."""
+    if not bearing.bending:
+        return 0.0
+    scale = 1 / np.sqrt(bearing.masses)
+    springs = np.diag(bearing.springs)
+    columns = np.ix_(bearing.columns, bearing.columns)
+    squares = [
+        np.linalg.norm(np.outer(scale, scale) * (state.stiffness[columns] + springs), 2)
+        for state in balances
+    ]
+    return sqrt(float(max(squares))) / (2 * pi)
 
 
 def run_in_s(ring: LinearRing) -> float:

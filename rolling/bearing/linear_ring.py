@@ -19,28 +19,45 @@ Complexes = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class LinearRing:
-    """Rigid ring on the mean stiffness of its balls.
+    """Ring on the mean stiffness of its balls.
 
-    Directions x and y are radial, z is axial. At each resonance the contacts' loss factor is given:
-    the viscous matrix has the modes of the stiffness, and the damping loss factor M omega_n each.
+    Displacements x and y are radial and z is axial; the cosine and the sine part of each bending
+    mode follow, and turns about x and y if the ring is free to tilt.
+
+    The contacts lose energy, and the ring itself does not. At each resonance the loss factor is
+    that of the contacts times their share of the stiffness, which is 1 for a rigid ring: the
+    viscous matrix is S^T K S with the stiffness K of the contacts, and S is made of the modes.
+
+    masses : array (m,), kg. Of each displacement; of turns in kg m2.
+    stiffness_n_m : array (m, m), N/m. Of the contacts.
+    springs_n_m : array (m,), N/m. Of the ring itself against each displacement.
+    loss_factor : float. Of the contacts.
     """
 
     __repr__ = short_repr
 
-    mass_kg: float
-    stiffness_n_m: Array  # (3, 3)
+    masses: Array
+    stiffness_n_m: Array
+    springs_n_m: Array
     loss_factor: float
+
+    @property
+    def mass_kg(self) -> float:
+        """Mass of the ring [kg]."""
+        return float(self.masses[0])
 
     @cached_property
     def _modes(self) -> tuple[Array, Array]:
-        """Squares of the angular frequencies (3,), and directions (3, 3) in columns."""
-        squares, directions = np.linalg.eigh(self.stiffness_n_m / self.mass_kg)
+        """Squares of the angular frequencies (m,), and modes (m, m) over roots of the masses."""
+        scale = 1 / np.sqrt(self.masses)
+        whole = self.stiffness_n_m + np.diag(self.springs_n_m)
+        squares, modes = np.linalg.eigh(np.outer(scale, scale) * whole)
         held = squares > _SOFT * squares[-1]
-        return np.where(held, squares, 0.0), directions
+        return np.where(held, squares, 0.0), modes
 
     @property
     def resonances_hz(self) -> Array:
-        """Resonances [Hz], (3,) ascending; zero in a direction in which nothing holds the ring."""
+        """Resonances [Hz], (m,) ascending; zero in a direction in which nothing holds the ring."""
         return np.asarray(np.sqrt(self._modes[0]) / (2 * pi))
 
     @property
@@ -56,48 +73,57 @@ class LinearRing:
     @property
     def slowest_decay_s(self) -> float:
         """Longest time [s] in which a free vibration falls to 1/e; infinite without losses."""
-        held = self._modes[0][self._modes[0] > 0]
-        if self.loss_factor <= 0:
+        squares, modes = self._modes
+        scale = 1 / np.sqrt(self.masses)
+        viscous = np.outer(scale, scale) * self.damping_n_s_m
+        rates = np.einsum("xk,xy,yk->k", modes, viscous, modes)[squares > 0] / 2
+        if not np.all(rates > 0):
             return np.inf
-        return float(2 / (self.loss_factor * np.sqrt(held[0])))
+        return float(1 / rates.min())
 
     @property
     def damping_n_s_m(self) -> Array:
-        """Viscous matrix [N s/m], (3, 3)."""
-        squares, directions = self._modes
-        return np.asarray(
-            self.mass_kg * self.loss_factor * (directions * np.sqrt(squares)) @ directions.T
-        )
+        """Viscous matrix [N s/m], (m, m)."""
+        return np.asarray(self.spread.T @ self.stiffness_n_m @ self.spread)
 
     @property
     def spread(self) -> Array:
-        """Matrix S [s^(1/2)], (3, 3): the viscous matrix is S times the stiffness times S."""
-        squares, directions = self._modes
-        factors = np.zeros(3)
+        """Matrix S [s^(1/2)], (m, m): the viscous matrix is S^T K S."""
+        squares, modes = self._modes
+        factors = np.zeros_like(squares)
         held = squares > 0
         factors[held] = np.sqrt(self.loss_factor) * squares[held] ** (-1 / 4)
-        return np.asarray((directions * factors) @ directions.T)
+        root = np.sqrt(self.masses)
+        return np.asarray((modes * factors) @ modes.T * np.outer(1 / root, root))
 
     def dynamic_stiffness(self, frequency_hz: Array) -> Complexes:
-        """Return force over displacement [N/m] at frequencies, (n, 3, 3)."""
+        """Return force over displacement [N/m] at frequencies, (n, m, m)."""
         omega = 2 * pi * np.asarray(frequency_hz, dtype=float)[:, None, None]
-        inertia = self.mass_kg * omega**2 * np.eye(3)
-        return np.asarray(self.stiffness_n_m - inertia + 1j * omega * self.damping_n_s_m)
+        inertia = omega**2 * np.diag(self.masses)
+        whole = self.stiffness_n_m + np.diag(self.springs_n_m)
+        return np.asarray(whole - inertia + 1j * omega * self.damping_n_s_m)
 
     def mobility(self, frequency_hz: Array) -> Complexes:
-        """Return velocity over force [m/s/N] at frequencies above zero, (n, 3, 3)."""
+        """Return velocity over force [m/s/N] at frequencies above zero, (n, m, m)."""
         omega = 2 * pi * np.asarray(frequency_hz, dtype=float)[:, None, None]
         return np.asarray(1j * omega * np.linalg.inv(self.dynamic_stiffness(frequency_hz)))
 
 
 def linear_ring(bearing: BearingModel) -> LinearRing:
     """Return the linear ring of a bearing, with the mean stiffness over places of the cage."""
-    stiffness = np.mean([state.stiffness_n_m for state in bearing.balances()], axis=0)
+    whole = np.mean([state.stiffness for state in bearing.balances()], axis=0)
+    stiffness = whole[np.ix_(bearing.columns, bearing.columns)]
     return LinearRing(
-        mass_kg=bearing.ring_mass_kg,
+        masses=bearing.masses,
         stiffness_n_m=(stiffness + stiffness.T) / 2,
+        springs_n_m=bearing.springs,
         loss_factor=bearing.contact_loss_factor,
     )
+
+
+def gyration_squared(radius_m: float, width_m: float) -> float:
+    """Return the square of the radius of gyration [m2] of a thin ring about a diameter."""
+    return radius_m**2 / 2 + width_m**2 / 12
 
 
 def free_tilt_db(
@@ -112,6 +138,6 @@ def free_tilt_db(
     the loads, `radius_m` and `width_m` are the mean radius and the width of the ring.
     """
     along = cos(contact_angle) ** 2
-    gyration = radius_m**2 / 2 + width_m**2 / 12  # squared, about a diameter
-    tilting = (geometry.pitch_radius_m * sin(contact_angle)) ** 2 / gyration
+    tilting = (geometry.pitch_radius_m * sin(contact_angle)) ** 2
+    tilting /= gyration_squared(radius_m, width_m)
     return 20 * log10(1 + tilting / along)

@@ -2,10 +2,13 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from acoustics.arrays import Array
-from rolling.bearing.contact_lines import Angle, ContactLines, contact_lines
+from rolling.bearing.contact_lines import Angle, ContactLines, contact_lines, free_columns
 from rolling.bearing.geometry import BearingGeometry
 from rolling.bearing.kinematics import Kinematics, centrifugal_force
+from rolling.bearing.ring_bending import BendingMode
 from rolling.bearing.static_load import (
     StaticBalance,
     balances_around,
@@ -17,7 +20,11 @@ from rolling.bearing.static_load import (
 
 @dataclass(frozen=True)
 class BearingModel:
-    """Bearing of which the ring that does not turn moves as a rigid body, in SI."""
+    """Bearing of which the ring that does not turn moves, in SI.
+
+    Its displacements are x and y radial and z axial, the cosine and the sine part of each bending
+    mode, and its turns about x and y where it is free to tilt.
+    """
 
     geometry: BearingGeometry
     kinematics: Kinematics
@@ -29,11 +36,51 @@ class BearingModel:
     contact_loss_factor: float = 0.02  # of the contact stiffness, at each resonance of the ring
     ball_inertia: bool = False  # whether balls have mass
     angle: Angle = "fixed"  # whether loads turn the contact angle
+    bending: tuple[BendingMode, ...] = ()  # modes of a ring that bends
+    tilt_inertia_kg_m2: float | None = None  # of a ring that is free to tilt, about a diameter
+
+    @property
+    def tilts(self) -> bool:
+        """Whether the ring is free to tilt."""
+        return self.tilt_inertia_kg_m2 is not None
+
+    @property
+    def orders(self) -> tuple[int, ...]:
+        """Waves around the ring of its bending modes."""
+        return tuple(mode.order for mode in self.bending)
+
+    @property
+    def columns(self) -> list[int]:
+        """Displacements of the ring that are free, of those that contact lines have, (m,)."""
+        return free_columns(self.tilts, len(self.bending))
+
+    @property
+    def masses(self) -> Array:
+        """Mass of each displacement [kg], of turns [kg m2], (m,)."""
+        masses = [self.ring_mass_kg] * 3
+        masses += [mode.mass_kg for mode in self.bending for _ in range(2)]
+        if self.tilt_inertia_kg_m2 is not None:
+            masses += [self.tilt_inertia_kg_m2] * 2
+        return np.array(masses)
+
+    @property
+    def springs(self) -> Array:
+        """Stiffness [N/m] of the ring itself against each displacement, (m,)."""
+        springs = np.zeros(len(self.columns))
+        for number, mode in enumerate(self.bending):
+            springs[3 + 2 * number : 5 + 2 * number] = mode.stiffness_n_m
+        return springs
+
+    @property
+    def radial(self) -> list[int]:
+        """Displacements that move a place of the ring along its radius: x, y and bending."""
+        return [0, 1, *range(3, 3 + 2 * len(self.bending))]
 
     @property
     def load(self) -> Array:
-        """Load on the ring that moves [N], (3,)."""
-        return load_vector(self.axial_load_n, self.radial_load_n, self.kinematics.moving)
+        """Load on each displacement of the ring [N], (m,)."""
+        rigid = load_vector(self.axial_load_n, self.radial_load_n, self.kinematics.moving)
+        return np.append(rigid, np.zeros(len(self.columns) - len(rigid)))
 
     @property
     def centrifugal_n(self) -> float:
@@ -55,6 +102,8 @@ class BearingModel:
             gap_m=self.gap_m,
             moving=self.kinematics.moving,
             angle=self.angle,
+            moments_n_m=(0.0, 0.0) if self.tilts else None,
+            bending=self.bending,
         )
 
     def lines(self, places: Array) -> ContactLines:
@@ -65,6 +114,7 @@ class BearingModel:
             gap_m=self.gap_m,
             moving=self.kinematics.moving,
             angle=self.angle,
+            orders=self.orders,
         )
 
     def balances(self) -> tuple[StaticBalance, ...]:
@@ -76,4 +126,6 @@ class BearingModel:
             gap_m=self.gap_m,
             moving=self.kinematics.moving,
             angle=self.angle,
+            tilts=self.tilts,
+            bending=self.bending,
         )

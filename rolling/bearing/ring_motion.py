@@ -1,6 +1,7 @@
 """Motion in time of the ring that does not turn, on the nonlinear contacts of all balls.
 
-The ring is rigid and does not tilt. Balls without mass serve up to a third of the frequency at
+The ring is rigid, or bends with two and three waves around it (`ring_bending`), and it is held in
+its plane or free to tilt. Balls without mass serve up to a third of the frequency at
 which a ball bounces between its raceways, sqrt((k_i + k_o) / m) / (2 pi), some 30 kHz in small
 bearings at their loads. With mass, a ball moves along its contact line, and the part along that
 line of its centrifugal force acts on it.
@@ -26,11 +27,6 @@ FINER = 4  # points of a slow track for each given one, so that cubics between t
 MIN_POINTS = 4  # of a track, for a cubic
 _ROUNDING = 1e-11  # of the contacts' energy
 _LARGEST_RECORD = 2**22  # numbers of steps times columns at once
-# Columns of a record: displacement, velocity and force of the ring, then the loads of the balls.
-_PLACE = slice(0, 3)
-_VELOCITY = slice(3, 6)
-_FORCE = slice(6, 9)
-_RING_COLUMNS = 9
 
 
 @dataclass(frozen=True)
@@ -40,19 +36,20 @@ class RingMotion:
     __repr__ = short_repr
 
     time_s: Array  # (n,)
-    displacement_m: Array  # (n, 3) x, y radial and z axial, about the mean
-    velocity_m_s: Array  # (n, 3)
-    acceleration_m_s2: Array  # (n, 3)
+    displacement_m: Array  # (n, m) about the mean: x, y radial and z axial, bending, turns
+    velocity_m_s: Array  # (n, m)
+    acceleration_m_s2: Array  # (n, m)
     ball_load_n: Array  # (n, balls) of each ball on the ring
     ball_angle: Array  # (n,) [rad] of ball 0, from the middle of the load zone
-    ring_force_n: Array  # (n, 3) of all balls on the ring
-    mean_displacement_m: Array  # (3,)
+    ring_force_n: Array  # (n, m) of balls and bending on the ring
+    mean_displacement_m: Array  # (m,)
     rate_hz: int
     step_s: float
     run_in_s: float
     energy_error: float  # over the energy that moves: losses plus range of the contacts' energy
     lost_contact_share: float  # share of time in which a ball has no load, mean over the balls
     free_share: float  # share of time in which no ball has a load
+    tilts: bool = False  # whether the last two displacements are turns of the ring
 
 
 def move_ring(
@@ -102,19 +99,22 @@ def move_ring(
     ring = linear_ring(bearing)
     run_in = ceil(limits.run_in_s(ring) * rate_hz) / rate_hz
     bodies = _bodies(bearing, balances, ring.spread, step, run_in)
-    run = _Run(bodies=bodies, tables=_tables(bearing, tracks, step))
+    tables = _tables(bearing, tracks, step)
+    run = _Run(bodies=bodies, tables=tables, balls=bearing.geometry.balls)
     state = _start(bearing, bodies, run.tables)
     record = _record(run, state, factor, round(run_in * rate_hz), samples, progress)
     time = np.arange(samples) / rate_hz
-    mean = record[:, _PLACE].mean(axis=0)
+    count = len(bodies.masses)
+    place, velocity, force, loads = np.split(record, [count, 2 * count, 3 * count], axis=1)
+    mean = place.mean(axis=0)
     return RingMotion(
         time_s=time,
-        displacement_m=record[:, _PLACE] - mean,
-        velocity_m_s=record[:, _VELOCITY],
-        acceleration_m_s2=(bearing.load + record[:, _FORCE]) / bearing.ring_mass_kg,
-        ball_load_n=record[:, _RING_COLUMNS:],
+        displacement_m=place - mean,
+        velocity_m_s=velocity,
+        acceleration_m_s2=(bodies.load + force) / bodies.masses,
+        ball_load_n=loads,
         ball_angle=2 * pi * bearing.kinematics.cage_hz * time,
-        ring_force_n=record[:, _FORCE],
+        ring_force_n=force,
         mean_displacement_m=mean,
         rate_hz=rate_hz,
         step_s=step,
@@ -122,6 +122,7 @@ def move_ring(
         energy_error=run.energy_error(),
         lost_contact_share=float(run.sums.apart[0] / run.sums.steps[0]) / bearing.geometry.balls,
         free_share=float(run.sums.free[0] / run.sums.steps[0]),
+        tilts=bearing.tilts,
     )
 
 
@@ -131,6 +132,12 @@ class _Run:
 
     bodies: RingBodies
     tables: TrackTables
+    balls: int
+
+    @property
+    def columns(self) -> int:
+        """Numbers of a step: displacement, velocity and force of the ring, and loads of balls."""
+        return 3 * len(self.bodies.masses) + self.balls
 
     def __post_init__(self) -> None:
         self.begin_balance()
@@ -141,7 +148,7 @@ class _Run:
 
     def advance(self, state: RingState, first: int, steps: int) -> Array:
         """Take steps, of which the first has its middle at `first` steps; return their rows."""
-        record = np.empty((steps, _RING_COLUMNS + len(state.balls)))
+        record = np.empty((steps, self.columns))
         _ring_kernels.take_steps(
             first * self.bodies.step,
             self.bodies,
@@ -175,7 +182,7 @@ def _record(
 
     A sample has `factor` steps, and a filter leads from one to the other.
     """
-    columns = _RING_COLUMNS + len(state.balls)
+    columns = run.columns
     longest = max(1, _LARGEST_RECORD // (factor * columns))
     reach = resampling.DECIMATOR_REACH
     decimator = resampling.Decimator(factor)
@@ -281,11 +288,14 @@ def _bodies(
     outer = geometry.outer.stiffness_n_m15 ** (-2 / 3)
     bodies = RingBodies(
         step=step,
-        ring_mass=bearing.ring_mass_kg,
+        masses=bearing.masses,
+        springs=bearing.springs,
         ball_mass=0.0,
         load=bearing.load,
         centrifugal=0.0,
         direction=direction,
+        tilt_radius=geometry.groove_circle_m(speeds.moving) if bearing.tilts else 0.0,
+        orders=np.array(bearing.orders, dtype=float),
         cosine=float(np.cos(geometry.contact_angle)),
         sine=float(np.sin(geometry.contact_angle)),
         curvature=line_curvature(geometry, bearing.gap_m, bearing.angle),
@@ -322,24 +332,24 @@ def _start(bearing: BearingModel, bodies: RingBodies, tables: TrackTables) -> Ri
     count = bearing.geometry.balls
     cage_angle = 2 * pi * bearing.kinematics.cage_hz * bodies.fade_start
     balance = bearing.balance(cage_angle)
-    ring = balance.displacement_m.copy()
+    ring = balance.displacements[bearing.columns]
     balls = np.zeros(count)
     if bodies.ball_mass > 0:
         lines = bearing.lines(bearing.geometry.ball_angles(cage_angle))
-        elongation = lines.at(ring).approach_m + bearing.gap_m
+        elongation = lines.at(balance.displacements).approach_m + bearing.gap_m
         on_outer = bodies.compliances[1] * balance.ball_load_n ** (2 / 3)
         balls = on_outer - bodies.along[1] * elongation
     contacts = len(bodies.along)
     nodes = len(tables.nodes)
     return RingState(
         ring=ring,
-        ring_velocity=np.zeros(3),
+        ring_velocity=np.zeros(len(ring)),
         balls=balls,
         ball_velocity=np.zeros(count),
         last_ring=ring.copy(),
         last_balls=balls.copy(),
-        around=np.zeros((count, 2)),
-        last_around=np.zeros((count, 2)),
+        ways=np.zeros((count, len(ring))),
+        last_ways=np.zeros((count, len(ring))),
         laws=np.zeros((count, contacts, nodes)),
         last_laws=np.zeros((count, contacts, nodes)),
     )

@@ -17,6 +17,8 @@ from acoustics.ring_velocity import (
     squared_envelope_spectrum,
     velocity_bands,
 )
+from rolling.bearing.kinematics import Kinematics
+from rolling.bearing.ring_motion import RingMotion
 
 RADIAL = "radial"
 AXIAL = "axial"
@@ -24,19 +26,22 @@ DIRECTIONS = (RADIAL, AXIAL)
 PLACES = 72  # around the bearing at which mean loads are stated
 UM_S = 1e6  # micrometres per second in a metre per second
 NOTHING_UM_S = 1e-3  # velocity below which nothing moves
+AXIS = 2  # column of the motion along the axis
 
 
 @dataclass(frozen=True, eq=False)
 class RingRecord:
     """Motion of the ring that vibrates, at equal times, and the loads of the balls.
 
-    Axes x and y are radial, z is axial; the middle of the load zone is at angle 0, on x.
+    Axes x and y are radial, z is axial; the middle of the load zone is at angle 0, on x. The cosine
+    and the sine part of bending with two and with three waves around the ring may follow, and then
+    its turns about x and y.
 
     Parameters
     ----------
     rate_hz : float, Hz
         Samples per second.
-    velocity_m_s, acceleration_m_s2 : array (n, 3), m/s, m/s2
+    velocity_m_s, acceleration_m_s2 : array (n, m), m/s, m/s2
         Motion of the ring.
     ball_load_n : array (n, balls), N
         Load of each ball.
@@ -46,6 +51,11 @@ class RingRecord:
         Energy that the balance lacks, over the energy that was exchanged [-].
     lost_contact_share : float
         Share of the time that a ball bears nothing, over all balls [-].
+    sensor : float, rad, optional
+        Angle of the place at which the radial motion is seen. Default: bands and spectra are means
+        over all places by power, and signals are seen at angle 0.
+    tilts : bool
+        Whether the last two numbers of the motion are turns [rad/s, rad/s2].
     """
 
     __repr__ = short_repr
@@ -57,6 +67,8 @@ class RingRecord:
     cage_hz: float
     energy_error: float
     lost_contact_share: float
+    sensor: float | None = None
+    tilts: bool = False
 
     @property
     def duration_s(self) -> float:
@@ -67,34 +79,78 @@ class RingRecord:
     def bands(self) -> dict[str, VelocityBands]:
         """Velocity in the three bands, radial and axial.
 
-        The radial one is the mean over all radial directions, by power.
+        The radial one is that at the sensor, or the mean over all places by power.
         """
-        x, y, axial = (velocity_bands(row, self.rate_hz) for row in self.velocity_m_s.T)
+        parts = [velocity_bands(row, self.rate_hz) for row in self._radial_parts]
+        axial = velocity_bands(self.velocity_m_s[:, AXIS], self.rate_hz)
         rms = {}
         uncertainty_db = {}
         for name in VELOCITY_BANDS_HZ:
-            squares = np.square([x.rms_m_s[name], y.rms_m_s[name]])
-            rms[name] = math.sqrt(float(squares.mean()))
-            # Both directions feel the same balls, so their mean is no more certain than one.
+            squares = np.square([part.rms_m_s[name] for part in parts])
+            rms[name] = math.sqrt(float(squares.sum()))
+            # All parts feel the same balls, so their sum is no more certain than one.
             weights = squares / max(float(squares.sum()), np.finfo(float).tiny)
-            both_db = np.array([x.uncertainty_db[name], y.uncertainty_db[name]])
-            uncertainty_db[name] = float(weights @ both_db)
+            each_db = np.array([part.uncertainty_db[name] for part in parts])
+            uncertainty_db[name] = float(weights @ each_db)
         return {RADIAL: VelocityBands(rms, uncertainty_db), AXIAL: axial}
+
+    @property
+    def _radial_parts(self) -> list[Array]:
+        """Velocities [m/s] whose mean squares add to that along the radius.
+
+        The mean square over all places has half of that of x and y, and of each part of bending.
+        """
+        if self.sensor is not None:
+            return [self.seen_velocity_m_s[:, 0]]
+        return [self.velocity_m_s[:, column] / math.sqrt(2) for column in self.radial_columns]
+
+    @property
+    def radial_columns(self) -> list[int]:
+        """Columns of the motion that move a place of the ring along its radius."""
+        turns = 2 if self.tilts else 0
+        return [0, 1, *range(AXIS + 1, self.velocity_m_s.shape[1] - turns)]
+
+    @cached_property
+    def seen_velocity_m_s(self) -> Array:
+        """Velocity [m/s] at the sensor, a quarter of a turn beside it, and along the axis, (n, 3).
+
+        For a sensor at angle 0 they are those along x, y and z.
+        """
+        return self._seen(self.velocity_m_s)
+
+    @cached_property
+    def seen_acceleration_m_s2(self) -> Array:
+        """Acceleration [m/s2] at the same places, (n, 3)."""
+        return self._seen(self.acceleration_m_s2)
+
+    def _seen(self, motion: Array) -> Array:
+        """Return what two places of the ring have of a motion along the radius, and the axis."""
+        first = self.sensor or 0.0
+        radial = motion[:, self.radial_columns]
+        if not first and radial.shape[1] == 2:
+            return motion[:, : AXIS + 1]
+        orders = range(1, 1 + radial.shape[1] // 2)
+        seen = []
+        for place in (first, first + math.pi / 2):
+            shapes = [(math.cos(order * place), math.sin(order * place)) for order in orders]
+            seen.append(radial @ np.ravel(shapes))
+        return np.stack([*seen, motion[:, AXIS]], axis=1)
 
     @cached_property
     def spectra(self) -> dict[str, NarrowSpectrum]:
         """Narrow spectra of the velocity [m/s], radial and axial."""
-        x, y, axial = (narrow_spectrum(row, self.rate_hz) for row in self.velocity_m_s.T)
-        radial = np.sqrt((np.square(x.rms) + np.square(y.rms)) / 2)
-        return {RADIAL: NarrowSpectrum(x.frequency_hz, radial), AXIAL: axial}
+        parts = [narrow_spectrum(row, self.rate_hz) for row in self._radial_parts]
+        axial = narrow_spectrum(self.velocity_m_s[:, AXIS], self.rate_hz)
+        radial = np.sqrt(np.sum([np.square(part.rms) for part in parts], axis=0))
+        return {RADIAL: NarrowSpectrum(axial.frequency_hz, radial), AXIAL: axial}
 
     @cached_property
     def envelope(self) -> NarrowSpectrum:
-        """Spectrum of the squared envelope of the velocity along x, from 1,800 to 10,000 Hz.
+        """Spectrum of the squared envelope of the velocity at the sensor, from 1,800 to 10,000 Hz.
 
-        A vibration pick-up stands at one place, so this is one direction: that of the load.
+        A vibration pick-up stands at one place: by default at x, in the middle of the load zone.
         """
-        return squared_envelope_spectrum(self.velocity_m_s[:, 0], self.rate_hz)
+        return squared_envelope_spectrum(self.seen_velocity_m_s[:, 0], self.rate_hz)
 
     def loads_around(self, places: int) -> Array:
         """Return the mean load of a ball at each angle [N], (places,); NaN where none has been."""
@@ -107,3 +163,23 @@ class RingRecord:
         means = np.full(places, np.nan)
         np.divide(sums, counts, out=means, where=counts > 0)
         return means
+
+
+def record_of(
+    motion: RingMotion, kinematics: Kinematics, sensor: float | None = None
+) -> RingRecord:
+    """Return what a run keeps of the motion of its ring, and where it is seen [rad].
+
+    The filter of the motion undershoots where a ball lifts off; no ball bears less than nothing.
+    """
+    return RingRecord(
+        rate_hz=motion.rate_hz,
+        velocity_m_s=motion.velocity_m_s,
+        acceleration_m_s2=motion.acceleration_m_s2,
+        ball_load_n=np.maximum(motion.ball_load_n, 0.0),
+        cage_hz=kinematics.cage_hz,
+        energy_error=motion.energy_error,
+        lost_contact_share=motion.lost_contact_share,
+        sensor=sensor,
+        tilts=motion.tilts,
+    )

@@ -1,8 +1,9 @@
 """Static balance of the ring that moves: displacement, tilt, loads and angles of the balls.
 
-The ring is rigid, and pressed by the loads against balls whose contacts are Hertz springs in
-series, along lines that are fixed or turn (`contact_lines`). The energy of all contacts is convex,
-so Newton's method finds the balance. Lifted balls, clearance and tilts need no case of their own.
+The ring is pressed by the loads against balls whose contacts are Hertz springs in series, along
+lines that are fixed or turn (`contact_lines`). It is rigid, or bends (`ring_bending`). The energy
+of all contacts and of the bending is convex, so Newton's method finds the balance. Lifted balls,
+clearance and tilts need no case of their own.
 """
 
 from collections.abc import Sequence
@@ -13,8 +14,16 @@ from math import acos, ceil, cos, log, pi, tan
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
-from rolling.bearing.contact_lines import Angle, ContactLines, PressedLines, contact_lines
+from rolling.bearing.contact_lines import (
+    RIGID,
+    Angle,
+    ContactLines,
+    PressedLines,
+    contact_lines,
+    free_columns,
+)
 from rolling.bearing.geometry import BearingGeometry, Ring
+from rolling.bearing.ring_bending import BendingMode
 
 CAGE_PLACES = 8  # of the cage from one ball to the next, at which balances stand for all of them
 _MAX_ITERATIONS = 60  # of Newton's method; 5 to 15 are usual
@@ -34,27 +43,41 @@ class StaticBalance:
 
     displacement_m : array (3,), m. x, y radial and z axial, of the ring.
     tilt : array (2,), rad. Turns of the ring about x and y; zeros where it is held.
+    bending_m : array (2 k,), m. Cosine and sine part of each of k bending modes of the ring.
     ball_load_n : array (balls,), N.
     angles : array (balls,), rad. Contact angle of each ball.
-    lines : array (balls, 3). Directions in which displacements of the ring press the balls.
+    ways : array (balls, m). Derivatives of the approach by displacements, turns and bending of the
+        ring, m = 5 + 2 k.
     moment_n_m : array (2,), N m. Moments about x and y with which the ring presses the balls.
-    stiffness : array (5, 5). Tangent stiffness of displacements and turns [N/m, N, N m].
+    stiffness : array (m, m). Tangent stiffness of the balls against displacements, turns and
+        bending [N/m, N, N m].
     """
 
     __repr__ = short_repr
 
     displacement_m: Array
     tilt: Array
+    bending_m: Array
     ball_load_n: Array
     angles: Array
-    lines: Array
+    ways: Array
     moment_n_m: Array
     stiffness: Array
 
     @property
+    def lines(self) -> Array:
+        """Directions in which displacements of the ring press the balls, (balls, 3)."""
+        return self.ways[:, :3]
+
+    @property
     def stiffness_n_m(self) -> Array:
-        """Tangent stiffness [N/m] of a ring that does not tilt, (3, 3)."""
+        """Tangent stiffness [N/m] of a rigid ring that does not tilt, (3, 3)."""
         return self.stiffness[:3, :3]
+
+    @property
+    def displacements(self) -> Array:
+        """Displacements, turns and bending of the ring together, (m,)."""
+        return np.concatenate((self.displacement_m, self.tilt, self.bending_m))
 
 
 def load_vector(axial_load_n: float, radial_load_n: float, moving: Ring) -> Array:
@@ -85,6 +108,7 @@ def static_balance(
     moving: Ring = "outer",
     angle: Angle = "fixed",
     moments_n_m: tuple[float, float] | None = None,
+    bending: tuple[BendingMode, ...] = (),
 ) -> StaticBalance:
     """Return the static balance of the ring that moves.
 
@@ -105,6 +129,8 @@ def static_balance(
     moments_n_m : pair of float, N m, optional
         Moments on the ring about x and y, under which it tilts at a moving angle. Default: it is
         held from tilting.
+    bending : tuple of BendingMode
+        Bending modes of the ring. Default: it is rigid.
 
     Returns
     -------
@@ -123,22 +149,34 @@ def static_balance(
             " as a radial displacement does, and nothing tells them apart"
         )
     lines = contact_lines(
-        geometry, geometry.ball_angles(cage_angle), gap_m=gap_m, moving=moving, angle=angle
+        geometry,
+        geometry.ball_angles(cage_angle),
+        gap_m=gap_m,
+        moving=moving,
+        angle=angle,
+        orders=tuple(mode.order for mode in bending),
     )
+    moments = np.array(moments_n_m or ())
+    bent = np.repeat([mode.stiffness_n_m for mode in bending], 2)
     load = load_vector(axial_load_n, radial_load_n, moving)
-    if moments_n_m is not None:
-        load = np.append(load, moments_n_m)
-    balanced = _balanced(lines, geometry.series_stiffness, load)
-    whole = np.append(balanced, np.zeros(5 - len(balanced)))
+    balls = _Balls(
+        lines=lines,
+        stiffness=geometry.series_stiffness,
+        columns=tuple(free_columns(len(moments) > 0, len(bending))),
+        springs=np.concatenate((0 * load, bent, 0 * moments)),
+    )
+    whole = np.zeros(RIGID + len(bent))
+    whole[list(balls.columns)] = _balanced(balls, np.concatenate((load, 0 * bent, moments)))
     pressed = lines.at(whole)
     forces = ball_loads(pressed.approach_m, geometry.series_stiffness)
     return StaticBalance(
         displacement_m=whole[:3],
-        tilt=whole[3:],
+        tilt=whole[3:RIGID],
+        bending_m=whole[RIGID:],
         ball_load_n=forces,
         angles=pressed.angles,
-        lines=pressed.lines[:, :3],
-        moment_n_m=forces @ pressed.lines[:, 3:],
+        ways=pressed.lines,
+        moment_n_m=forces @ pressed.lines[:, 3:RIGID],
         stiffness=tangent_stiffness(pressed, geometry.series_stiffness),
     )
 
@@ -182,12 +220,12 @@ def tangent_stiffness(pressed: PressedLines, stiffness: float) -> Array:
     return np.asarray(by_approach + (pressed.across.T * across) @ pressed.across)
 
 
-def _balanced(lines: ContactLines, stiffness: float, load: Array) -> Array:
-    """Return the displacement at which the balls bear a load.
+def _balanced(balls: "_Balls", load: Array) -> Array:
+    """Return the free displacements at which balls and bending bear a load.
 
-    Raise ValueError if it is not found.
+    Raise ValueError if they are not found.
     """
-    balls = _Balls(lines, stiffness, dimension=len(load))
+    lines = balls.lines
     wanted = load / balls.units
     size = float(np.linalg.norm(wanted))
     start = (lines.gap_m + balls.approach_m(size)) * wanted / size
@@ -195,7 +233,7 @@ def _balanced(lines: ContactLines, stiffness: float, load: Array) -> Array:
     if place is None:
         # A light load leads along a bent and narrow valley of the energy, which a heavy one widens.
         reach = _WIDE / lines.curvature if lines.curvature > 0 else lines.gap_m
-        heaviest = max(stiffness * reach**1.5 / size, 1.0)
+        heaviest = max(balls.stiffness * reach**1.5 / size, 1.0)
         times = ceil(log(heaviest, _LIGHTER)) + 1
         place = reach * wanted / size
         for heavier in np.geomspace(heaviest, 1.0, times):
@@ -214,16 +252,22 @@ class _Balls:
 
     A place counts turns of the ring as the way that they move its groove, so that all of its
     numbers are lengths and all of a load are forces.
+
+    columns : tuple of int. Displacements that are free.
+    springs : array (columns,), N/m. Stiffness of the ring itself against them.
     """
 
     lines: ContactLines
     stiffness: float
-    dimension: int
+    columns: tuple[int, ...]
+    springs: Array
 
     @cached_property
     def units(self) -> Array:
-        """Lengths of a unit of each displacement, (dimension,)."""
-        return np.array([1.0, 1.0, 1.0, *[self.lines.tilt_radius_m] * 2])[: self.dimension]
+        """Lengths of a unit of each free displacement, (columns,)."""
+        units = np.ones(RIGID + 2 * len(self.lines.orders))
+        units[3:RIGID] = self.lines.tilt_radius_m
+        return units[list(self.columns)]
 
     def approach_m(self, load_n: float) -> float:
         """Return the approach [m] of a ball under a load."""
@@ -243,6 +287,7 @@ class _Balls:
             if np.all(np.abs(missing) <= allowed):
                 return place
             tangent = tangent_stiffness(pressed, self.stiffness) / self._unit_products
+            tangent += np.diag(self.springs)
             step = _newton_step(tangent, missing, typical)
             # Along a step, the slope of a convex energy rises from below zero. At the end of the
             # share of it that is taken, the forces act little against it.
@@ -259,17 +304,20 @@ class _Balls:
 
     @cached_property
     def _unit_products(self) -> Array:
-        """Products of the units, (dimension, dimension)."""
+        """Products of the units, (columns, columns)."""
         return np.outer(self.units, self.units)
 
     def _at(self, place: Array, wanted: Array) -> tuple[PressedLines, Array]:
-        """Return the lines at a place, and the forces [N] that balls lack there, (dimension,)."""
-        pressed = self.lines.at(place / self.units)
+        """Return the lines at a place, and the forces [N] that balls lack there, (columns,)."""
+        whole = np.zeros(RIGID + 2 * len(self.lines.orders))
+        whole[list(self.columns)] = place / self.units
+        pressed = self.lines.at(whole).of(list(self.columns))
         loads = ball_loads(pressed.approach_m, self.stiffness)
-        return pressed, wanted - loads @ pressed.lines / self.units
+        missing = wanted - loads @ pressed.lines / self.units - self.springs * place
+        return pressed, missing
 
     def _rounding_n(self, pressed: PressedLines, place: Array) -> Array:
-        """Return the forces [N] by which rounding changes those of the balls, (dimension,)."""
+        """Return the forces [N] by which rounding changes those of the balls, (columns,)."""
         eps = _GRAINS * float(np.finfo(float).eps)
         ways = np.abs(pressed.lines) / self.units
         grain = eps * (self.lines.gap_m + ways @ np.abs(place))
@@ -302,10 +350,13 @@ def balances_around(
     gap_m: float = 0.0,
     moving: Ring = "outer",
     angle: Angle = "fixed",
+    tilts: bool = False,
+    bending: tuple[BendingMode, ...] = (),
 ) -> tuple[StaticBalance, ...]:
     """Return the balances at places of the cage from one ball to the next.
 
-    Parameters are those of `static_balance`. The arrays are shared: they are not to be changed.
+    Parameters are those of `static_balance`, and whether the ring tilts under no moments. The
+    arrays are shared: they are not to be changed.
     """
     spacing = 2 * pi / (CAGE_PLACES * geometry.balls)
     return tuple(
@@ -317,6 +368,8 @@ def balances_around(
             gap_m=gap_m,
             moving=moving,
             angle=angle,
+            moments_n_m=(0.0, 0.0) if tilts else None,
+            bending=bending,
         )
         for place in range(CAGE_PLACES)
     )

@@ -67,11 +67,11 @@ class WaveMotion:
 
     @cached_property
     def forces(self) -> Complexes:
-        """Parts F_p of the force for a unit of approach [N/m], (p, 3), p counted as of an FFT."""
+        """Parts F_p of the force for a unit of approach [N/m], (p, m), p counted as of an FFT."""
         model = self.model
         angles = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
-        ring = np.mean([balance.displacement_m for balance in model.balances()], axis=0)
-        pressed = model.lines(angles).at(ring)
+        ring = np.mean([balance.displacements for balance in model.balances()], axis=0)
+        pressed = model.lines(angles).at(ring).of(model.columns)
         stiffness = ball_stiffness(pressed.approach_m, model.geometry.series_stiffness)
         return np.asarray(np.fft.fft(stiffness[:, None] * pressed.lines, axis=0) / _ANGLES)
 
@@ -118,11 +118,11 @@ class WaveMotion:
         if not hz > 0:
             return WaveLine(part, 0.0, {RADIAL: 0.0, AXIAL: 0.0})
         velocity = np.abs(self._mobility(hz) @ (balls * force))
-        radial = float(np.sqrt(np.square(velocity[:2]).mean()))
+        radial = float(np.sqrt(np.square(velocity[self.model.radial]).sum() / 2))
         return WaveLine(part, hz, {RADIAL: radial, AXIAL: float(velocity[2])})
 
     def _mobility(self, frequency_hz: float) -> Complexes:
-        """Return velocity over force [m/s/N] at a frequency, (3, 3)."""
+        """Return velocity over force [m/s/N] at a frequency, (m, m)."""
         frequencies: Array = np.array([frequency_hz])
         return np.asarray(self._ring.mobility(frequencies)[0])
 

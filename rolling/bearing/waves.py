@@ -61,9 +61,14 @@ def wave_pressure(contact: RacewayContact, heights_m: Array, radius_m: float) ->
     """
     waves = 2 * np.abs(np.fft.rfft(heights_m))[1:] / len(heights_m)
     wave_number = np.arange(1, len(waves) + 1) / radius_m
-    equivalent, _, _ = closed_forms.hertz_ellipse(contact.radius_along_m, contact.radius_across_m)
-    modulus = 3 / 4 * contact.stiffness_n_m15 / np.sqrt(equivalent)
+    modulus = contact_modulus(contact)
     return float(modulus / 2 * np.sqrt(np.sum((waves * wave_number) ** 2)))
+
+
+def contact_modulus(contact: RacewayContact) -> float:
+    """Return the contact modulus E* [Pa] of ball and raceway, from K = 4/3 E* sqrt(R)."""
+    equivalent, _, _ = closed_forms.hertz_ellipse(contact.radius_along_m, contact.radius_across_m)
+    return float(3 / 4 * contact.stiffness_n_m15 / np.sqrt(equivalent))
 
 
 def response(phase: Array) -> Array:

@@ -12,7 +12,8 @@ import numpy as np
 from acoustics import wav
 from acoustics.arrays import Array
 from acoustics.pairs import MOST_PAIRS
-from rolling.bearing_kind import bearing_drawing, bearing_heard, bearing_simulation, stored_run
+from rolling.bearing.ring_record import record_of
+from rolling.bearing_kind import bearing_drawing, bearing_heard, stored_run
 from rolling.bearing_kind.band_gain import gain_uncertainty_db
 from rolling.bearing_kind.bearing_heard import BANDS, HOUSING, UM_S, HeardRing, RingSolver
 from rolling.bearing_kind.contact_marches import march_contacts
@@ -172,6 +173,6 @@ def _first_bearing(choice: ChoiceNumbers, contender: Contender) -> SolvedBearing
         scene=scene,
         folder=specimen.folder,
         label=contender.label,
-        record=bearing_simulation.record_of(motion, scene.kinematics),
+        record=record_of(motion, scene.kinematics, scene.sensor),
         tracks=tracks,
     )

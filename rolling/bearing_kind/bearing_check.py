@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from acoustics.arrays import Array
 from acoustics.numbers import rounded, si
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.traps import ignoring_underflow
@@ -14,6 +15,7 @@ from rolling.bearing import iso_15242
 from rolling.bearing.kinematics import lines_of
 from rolling.bearing.limits import bounce_hz
 from rolling.bearing.linear_ring import free_tilt_db, linear_ring
+from rolling.bearing.ring_bending import ORDERS
 from rolling.bearing.static_load import angles_under_loads
 from rolling.bearing.waves import hertz_pressure, semi_axes
 from rolling.bearing_kind import needs
@@ -100,6 +102,7 @@ def scene_rules(scene: BearingScene) -> Iterator[Finding | Doubt]:
     yield from _speeds(scene)
     yield from _loads(scene)
     yield from _ring(scene)
+    yield from _balls(scene)
     yield from _standard(scene)
     yield from _surfaces(scene)
     yield from _assumed(scene)
@@ -274,15 +277,9 @@ def _ring(scene: BearingScene) -> Iterator[Finding | Doubt]:
     if ring.axial_hz > 0:
         text += f", {si(ring.axial_hz, 'Hz')} axial"
     yield Finding("ring_resonances", "resonances of the ring", text)
-    bending = scene.ring_bending_hz
-    yield Finding("ring_bending", "first bending mode of the ring", f"{si(bending, 'Hz')}, free")
-    if bending < HIGHEST_HZ:
-        yield Doubt(
-            "ring_bending",
-            f"the ring bends from {si(bending, 'Hz')} on, and is rigid here",
-            Severity.INDICATIVE,
-            advice="velocities above are those of a rigid ring",
-        )
+    yield from _bending(scene, ring.resonances_hz)
+    if scene.bearing.tilt == "free":
+        return
     section = scene.ring_section
     tilt_db = free_tilt_db(scene.geometry, scene.model.rolling_angle, section.radius, section.width)
     if tilt_db > TRUSTED_DB:
@@ -291,8 +288,32 @@ def _ring(scene: BearingScene) -> Iterator[Finding | Doubt]:
             f"the ring cannot tilt here; one without guidance would move {tilt_db:.1f} dB less"
             " along its radius, well above its rocking mode",
             tilt_db,
+            advice="bearing.tilt: free lets it tilt, at a moving angle",
         )
-    yield from _balls(scene)
+
+
+def _bending(scene: BearingScene, resonances_hz: Array) -> Iterator[Finding | Doubt]:
+    """Yield the bending modes of the ring, those that are left out, and the doubt about them."""
+    bending = scene.ring_bending
+    modes = ", ".join(si(bending.in_plane_hz(order), "Hz") for order in ORDERS)
+    yield Finding("ring_bending", "bending modes of the ring in its plane", f"{modes}, free")
+    if scene.model.bending:
+        resonances = ", ".join(dict.fromkeys(si(hz, "Hz") for hz in resonances_hz))
+        yield Finding("elastic_resonances", "resonances of the elastic ring", resonances)
+    first = si(bending.out_of_plane_hz(ORDERS[0]), "Hz")
+    text = f"{first}, bending and twist out of the plane, free"
+    yield Finding("ring_left_out", "lowest mode of the ring that is left out", text)
+    holds_hz = scene.ring_holds_hz
+    if holds_hz >= HIGHEST_HZ:
+        return
+    text = f"the ring bends from {si(holds_hz, 'Hz')} on, and is rigid here"
+    advice = "velocities above are those of a rigid ring"
+    if scene.plate is None:
+        advice += "; bearing.ring: elastic bends it in its plane"
+    if scene.model.bending:
+        text = f"modes of the ring from {si(holds_hz, 'Hz')} on are left out"
+        advice = "velocities above lack them"
+    yield Doubt("ring_bending", text, Severity.INDICATIVE, advice=advice)
 
 
 def _balls(scene: BearingScene) -> Iterator[Finding | Doubt]:

@@ -110,19 +110,25 @@ def spectrum(run: BearingRun, ax: Axes | None = None) -> Axes:
             fontsize=10,
         )
     _draw_lines(ax, run.lines)
-    if run.scene.ring_bending_hz < _SHOWN_HZ[1]:
+    if run.scene.ring_holds_hz < _SHOWN_HZ[1]:
         ax.axvspan(
-            run.scene.ring_bending_hz,
+            run.scene.ring_holds_hz,
             _SHOWN_HZ[1],
             fill=False,
             hatch="//",
             alpha=0.25,
-            label="the ring bends",
+            label=_beyond(run),
         )
-        ax.text(run.scene.ring_bending_hz, 0.02, " rings bend", transform=ax.get_xaxis_transform())
+        text = f" {_beyond(run)}"
+        ax.text(run.scene.ring_holds_hz, 0.02, text, transform=ax.get_xaxis_transform())
     ax.set(xlabel="frequency [Hz]", ylabel="rms velocity of a line [µm/s]")
     ax.xaxis.set_major_formatter("{x:g}")
     return finish(ax, f"Velocity of the {run.moving} ring: {run_title(run)}", _facts(run))
+
+
+def _beyond(run: BearingRun) -> str:
+    """Say what lies above the frequency up to which the ring is as a real one."""
+    return "modes that are left out" if run.model.bending else "the ring bends"
 
 
 def envelope(run: BearingRun, ax: Axes | None = None) -> Axes:
@@ -296,7 +302,7 @@ def mean_loads_n(run: BearingRun) -> Array:
 
 def static_loads(model: BearingModel, angle: Array) -> Array:
     """Return the load of a ball [N] at angles [rad] in the static balance with ball 0 below."""
-    pressed = model.lines(angle).at(model.balance().displacement_m)
+    pressed = model.lines(angle).at(model.balance().displacements)
     return ball_loads(pressed.approach_m, model.geometry.series_stiffness)
 
 

@@ -18,8 +18,9 @@ from typing import Any
 import numpy as np
 
 from acoustics.level import a_weighted
-from acoustics.ring_velocity import VELOCITY_BANDS_HZ, velocity_bands
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing.linear_ring import linear_ring
+from rolling.bearing.ring_record import RADIAL, record_of
 from rolling.bearing_kind.band_gain import RoughBand, rough_bands
 from rolling.bearing_kind.contact_marches import march_contacts
 from rolling.bearing_kind.contact_plan import ContactPlan, contact_plan
@@ -133,11 +134,10 @@ def heard_specimen(
     # The marched one, 0, is left out: its stretch has fewer waves than a turn, so it scatters more.
     tracks = bearing_tracks(plan, marches, draw=number + 1)
     motion = moved_ring(model, tracks, scene.duration)
-    x = velocity_bands(motion.velocity_m_s[:, 0], motion.rate_hz)
-    y = velocity_bands(motion.velocity_m_s[:, 1], motion.rate_hz)
+    record = record_of(motion, scene.kinematics, scene.sensor)
     rms: dict[str, float | None] = {}
-    for name in VELOCITY_BANDS_HZ:
-        velocity = UM_S * math.sqrt((x.rms_m_s[name] ** 2 + y.rms_m_s[name] ** 2) / 2)
+    for name, radial in record.bands[RADIAL].rms_m_s.items():
+        velocity = UM_S * radial
         rms[name] = velocity if velocity > ROUNDING_UM_S else 0.0
     sound = housing_of_scene(scene, linear_ring(model), motion.velocity_m_s[:, 0])
     rms[HOUSING.name] = None

@@ -38,7 +38,7 @@ def band_table(done: Sequence[RunFolder]) -> str:
     rows = [["run, radial um/s", *heads, f"{words['high']}, rigid"]]
     for place, label in zip(done, labels(done), strict=True):
         numbers = _numbers_of(place)
-        shown = bearing_sentences.band_words(numbers.ring.bending_hz)
+        shown = bearing_sentences.band_words(numbers.ring)
         velocities = [
             bearing_sentences.velocity(um_s) if band in shown else bearing_sentences.NO_VELOCITY
             for band, um_s in numbers.below_bending.radial.um_s.items()

@@ -22,7 +22,12 @@ from rolling.bearing_kind import bearing_sentences, bearing_work, stored_run
 from rolling.figures.catalogue import figures_of, picture_of
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.page_parts import PageParts, Part
-from rolling.numbers.bearing_numbers import AngleNumbers, BearingNumbers, VelocityLine
+from rolling.numbers.bearing_numbers import (
+    AngleNumbers,
+    BearingNumbers,
+    RingNumbers,
+    VelocityLine,
+)
 from rolling.numbers.quantity import Quantity
 from rolling.report.charts import Chart
 from rolling.report.level_bars import Bars, Row, bars_over_decades
@@ -146,7 +151,7 @@ def _without_condition(note: str, run: BearingRun) -> str:
 
 def _bars(numbers: BearingNumbers) -> list[Row]:
     """Return the radial velocity of each band below the bending as a row of bars."""
-    words = bearing_sentences.band_words(numbers.ring.bending_hz)
+    words = bearing_sentences.band_words(numbers.ring)
     radial = numbers.below_bending.radial.by_band
     return [_bar(f"{name}", radial[band]) for band, name in words.items()]
 
@@ -158,7 +163,7 @@ def _compared_bands(runs: Sequence[BearingRun]) -> list[Bars]:
         rows = []
         for run in runs:
             label = printable(run.label or run.scene.name)
-            if band in bearing_sentences.band_words(run.numbers.ring.bending_hz):
+            if band in bearing_sentences.band_words(run.numbers.ring):
                 rows.append(_bar(label, run.numbers.below_bending.radial.by_band[band]))
             else:  # all of the band lies above the bending
                 rows.append(_no_bar(label))
@@ -190,17 +195,20 @@ def _band_rows(numbers: BearingNumbers) -> list[tuple[str, list[tuple[str, str]]
 
     Bands end where the ring bends. What they have with a rigid ring above follows.
     """
-    bending_hz = numbers.ring.bending_hz
+    holds_hz = numbers.ring.holds_hz
+    ring = (
+        "of a ring that stays rigid" if numbers.ring.left_out_hz is None else "with what is above"
+    )
     below = numbers.below_bending.by_direction.values()
     rigid = numbers.velocities.by_direction.values()
     rows = []
-    for band, words in bearing_sentences.band_words(bending_hz).items():
+    for band, words in bearing_sentences.band_words(numbers.ring).items():
         rows.append((words, [_cell(velocities.by_band[band]) for velocities in below]))
     for band, (_, high) in VELOCITY_BANDS_HZ.items():
-        if bending_hz >= high:
+        if holds_hz >= high:
             continue
         cells = [_cell(velocities.by_band[band]) for velocities in rigid]
-        rows.append((f"{bearing_sentences.BAND_WORDS[band]}, of a ring that stays rigid", cells))
+        rows.append((f"{bearing_sentences.BAND_WORDS[band]}, {ring}", cells))
     return rows
 
 
@@ -273,7 +281,7 @@ def _facts(run: BearingRun) -> list[tuple[str, str]]:
         ("Resonances of the rigid ring", ", ".join(resonances)),
         (
             "First bending mode",
-            f"above {numbers.ring.bending_hz:.0f} Hz the rigid ring does not hold",
+            _bending(numbers.ring),
         ),
         (
             "Load of a ball",
@@ -314,7 +322,7 @@ def data_of(run: BearingRun) -> dict[str, Any]:
         "gain": stored_run.ring_sound(run).own_gain,
         "spectrum": {"hz": _digits(np.exp(log_hz), 6), "um_s": _digits(um_s, 4)},
         "lines": [_mark(line) for line in run.lines],
-        "bendingHz": run.scene.ring_bending_hz,
+        "bendingHz": run.scene.ring_holds_hz,
     }
 
 
@@ -327,6 +335,13 @@ def _bands_m_s(numbers: BearingNumbers) -> list[float | None]:
 def _mark(line: lines.BearingLine) -> dict[str, Any]:
     """Return a line as the charts mark it."""
     return {"name": line.name, "hz": line.frequency_hz, "minor": line.minor}
+
+
+def _bending(ring: RingNumbers) -> str:
+    """Say where the ring bends, and up to which frequency it is as a real one."""
+    if ring.left_out_hz is None:
+        return f"above {ring.bending_hz:.0f} Hz the rigid ring does not hold"
+    return f"{ring.bending_hz:.0f} Hz; modes from {ring.left_out_hz:.0f} Hz on are left out"
 
 
 def _model_of(run: BearingRun) -> dict[str, Any]:

@@ -92,7 +92,7 @@ class BearingRun(SolvedBearing, ShownRun):
         sentences = "".join(f"<p>{html.escape(text)}</p>" for text in numbers.sentences)
         directions = numbers.below_bending.by_direction
         rows = ""
-        for band, words in bearing_sentences.band_words(numbers.ring.bending_hz).items():
+        for band, words in bearing_sentences.band_words(numbers.ring).items():
             cells = ""
             for direction, bands in directions.items():
                 text = bearing_sentences.velocity(bands.um_s[band])

@@ -71,6 +71,7 @@ def bearing_numbers(bearing: SolvedBearing, findings: MarchFindings) -> BearingN
             mass_kg=bearing.model.ring_mass_kg,
             resonances_hz=tuple(linear_ring(bearing.model).resonances_hz.tolist()),
             bending_hz=scene.ring_bending_hz,
+            left_out_hz=scene.ring_holds_hz if scene.model.bending else None,
         ),
         motion=MotionOfRing(
             duration_s=bearing.record.duration_s,

@@ -17,6 +17,7 @@ from rolling.numbers.bearing_numbers import (
     BearingNumbers,
     EnvelopeLine,
     FaultlessNumbers,
+    RingNumbers,
     VelocityLine,
 )
 from rolling.numbers.quantity import Quantity, spread_text, uncertain
@@ -66,15 +67,23 @@ def condition(scene: BearingScene) -> str:
     return f"{name} at {rounded(bearing.speed_rpm, 4)} rpm under {' and '.join(loads)}"
 
 
-def band_words(bending_hz: float) -> dict[str, str]:
-    """Return the bands in words, each up to the first bending mode of the ring; none above it."""
+def band_words(ring: RingNumbers) -> dict[str, str]:
+    """Return the bands in words, each up to the first mode that the ring lacks; none above it."""
+    ending = "begins to bend"
+    if ring.left_out_hz is not None:
+        ending = "bends in modes that are left out"
     words = {}
-    for band, (low, high) in bands_below_hz(bending_hz).items():
+    for band, (low, high) in bands_below_hz(ring.holds_hz).items():
         if high >= VELOCITY_BANDS_HZ[band][1]:
             words[band] = BAND_WORDS[band]
         elif high > low:
-            words[band] = f"{low:,.0f} to {high:,.0f} Hz, where it begins to bend"
+            words[band] = f"{low:,.0f} to {high:,.0f} Hz, where it {ending}"
     return words
+
+
+def above(ring: RingNumbers) -> str:
+    """Say what a band is whose end lies above the modes of the ring."""
+    return "of a ring that stays rigid" if ring.left_out_hz is None else "with what is above"
 
 
 def velocity(um_s: float | None) -> str:
@@ -130,8 +139,7 @@ def answer(scene: BearingScene, numbers: BearingNumbers) -> str:
     moving = numbers.ring.moving
     um_s = numbers.below_bending.radial.um_s
     bands = [
-        f"{velocity(um_s[band])} um/s ({words})"
-        for band, words in band_words(numbers.ring.bending_hz).items()
+        f"{velocity(um_s[band])} um/s ({words})" for band, words in band_words(numbers.ring).items()
     ]
     if not bands:
         return f"{opening}: the {moving} ring bends below all three bands."
@@ -141,7 +149,7 @@ def answer(scene: BearingScene, numbers: BearingNumbers) -> str:
 def axial_sentence(numbers: BearingNumbers) -> str:
     """Say how fast the ring vibrates along its axis, and whether that is to be quoted."""
     um_s = numbers.below_bending.axial.um_s
-    velocities = [velocity(um_s[band]) for band in band_words(numbers.ring.bending_hz)]
+    velocities = [velocity(um_s[band]) for band in band_words(numbers.ring)]
     if not velocities:
         return "Axially, all three bands are above the bending as well."
     text = f"Axially it vibrates at {_listed(velocities)} um/s in the same bands"
@@ -154,11 +162,11 @@ def axial_sentence(numbers: BearingNumbers) -> str:
 
 
 def rigid_sentence(numbers: BearingNumbers) -> str:
-    """Say what the bands have with what a rigid ring does above its bending; empty for nothing."""
-    bending_hz = numbers.ring.bending_hz
+    """Say what the bands have with what the ring does above its modes; empty for nothing."""
+    holds_hz = numbers.ring.holds_hz
     radial = numbers.velocities.radial.um_s
     axial = numbers.velocities.axial.um_s
-    cut = [band for band, (_, high) in VELOCITY_BANDS_HZ.items() if bending_hz < high]
+    cut = [band for band, (_, high) in VELOCITY_BANDS_HZ.items() if holds_hz < high]
     if not any(moves(radial[band]) for band in cut):
         return ""
     texts = []
@@ -167,10 +175,10 @@ def rigid_sentence(numbers: BearingNumbers) -> str:
         if numbers.axial_doubt is None:
             velocities += f" and {velocity(axial[band])} um/s axially"
         texts.append(f"{velocities} ({BAND_WORDS[band]})")
-    return (
-        f"A real ring bends from {si(bending_hz, 'Hz')} on. One that stays rigid has"
-        f" {'; '.join(texts)}."
-    )
+    whole = "; ".join(texts)
+    if numbers.ring.left_out_hz is not None:
+        return f"From {si(holds_hz, 'Hz')} on it lacks modes. With what is above it has {whole}."
+    return f"A real ring bends from {si(holds_hz, 'Hz')} on. One that stays rigid has {whole}."
 
 
 def housing_sentence(numbers: BearingNumbers) -> str:

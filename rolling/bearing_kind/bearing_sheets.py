@@ -60,16 +60,16 @@ def vibration_sheet(run: BearingRun) -> Sheet:
 
 def _band_table(run: BearingRun) -> SheetTable:
     """Return the velocities of the bands below the bending, and those of a rigid ring above it."""
-    bending_hz = run.numbers.ring.bending_hz
+    ring = run.numbers.ring
     rows = []
     for direction, velocities in run.numbers.below_bending.by_direction.items():
-        for band, words in bearing_sentences.band_words(bending_hz).items():
+        for band, words in bearing_sentences.band_words(ring).items():
             cells = _velocity_cells(velocities.by_band[band])
             rows.append(SheetRow(symbol=f"{direction}, {band}", meaning=words, cells=cells))
     for direction, velocities in run.numbers.velocities.by_direction.items():
         for band, (_, end_hz) in run.bands_below_bending_hz.items():
             if end_hz < VELOCITY_BANDS_HZ[band][1]:
-                words = f"{bearing_sentences.BAND_WORDS[band]}, of a ring that stays rigid"
+                words = f"{bearing_sentences.BAND_WORDS[band]}, {bearing_sentences.above(ring)}"
                 cells = _velocity_cells(velocities.by_band[band])
                 rows.append(SheetRow(symbol=f"{direction}, {band}", meaning=words, cells=cells))
     title = "Velocity of the ring, rms"
@@ -100,11 +100,11 @@ def _velocity_cells(velocity: Quantity) -> tuple[SheetCell, SheetCell, SheetCell
 def _pulse_table(run: BearingRun) -> SheetTable:
     """Return peak, crest factor and kurtosis of the record of each band and direction."""
     rows = []
-    words = bearing_sentences.band_words(run.numbers.ring.bending_hz)
+    words = bearing_sentences.band_words(run.numbers.ring)
     for direction, column in _COLUMN_OF.items():
         for band in words:
             pulses = band_pulses(
-                run.record.velocity_m_s[:, column],
+                run.record.seen_velocity_m_s[:, column],
                 run.record.rate_hz,
                 run.bands_below_bending_hz[band],
             )
@@ -185,12 +185,16 @@ def _facts(run: BearingRun) -> Iterator[tuple[str, str]]:
         f"the {numbers.ring.moving} ring, which does not turn: rms radially as the mean over all"
         " directions by power, peaks radially along the load, and both axially",
     )
-    yield "Mounting", f"the ring is free and rigid, {rounded(1e3 * numbers.ring.mass_kg, 3)} g"
-    yield (
-        "Bands",
-        f"up to the first bending of the ring at {numbers.ring.bending_hz:,.0f} Hz, above which it"
-        " is not rigid",
-    )
+    mounting = "free and rigid"
+    bands = f"up to the first bending of the ring at {numbers.ring.bending_hz:,.0f} Hz, above which"
+    bands += " it is not rigid"
+    if numbers.ring.left_out_hz is not None:
+        mounting = "free and bends in its plane"
+        bands = (
+            f"up to {numbers.ring.left_out_hz:,.0f} Hz, from where on the ring has further modes"
+        )
+    yield "Mounting", f"the ring is {mounting}, {rounded(1e3 * numbers.ring.mass_kg, 3)} g"
+    yield "Bands", bands
     yield "Record", f"{record_s} s at {run.record.rate_hz:,.0f} Hz"
     yield (
         "Method",

@@ -6,12 +6,8 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
 from acoustics import wav
-from rolling.bearing.kinematics import Kinematics
-from rolling.bearing.ring_motion import RingMotion
-from rolling.bearing.ring_record import RingRecord
+from rolling.bearing.ring_record import record_of
 from rolling.bearing_kind import needs, stored_run
 from rolling.bearing_kind.bearing_run import BearingRun, numbered, with_numbers
 from rolling.bearing_kind.bearing_run_numbers import MarchFindings, with_effort
@@ -151,7 +147,7 @@ def move_bearing(
         scene=scene,
         folder=place.folder,
         label=label,
-        record=record_of(motion, scene.kinematics),
+        record=record_of(motion, scene.kinematics, scene.sensor),
         tracks=tracks,
     )
 
@@ -181,7 +177,7 @@ def _without_faults(
     tracks = bearing_tracks(plan.without_faults(), marches)
     scene = bearing.scene
     motion = moved_ring(scene.model, tracks, scene.moved, wav.SAMPLE_RATE_HZ)
-    record = record_of(motion, scene.kinematics)
+    record = record_of(motion, scene.kinematics, scene.sensor)
     return without_faults_of_record(record, scene.kinematics)
 
 
@@ -190,19 +186,3 @@ def hardness_pa(scene: BearingScene) -> float:
     named = library.named_values("plate", scene.bearing.material)
     hardness_gpa = named.get("hardness_gpa")
     return 1e9 * hardness_gpa if isinstance(hardness_gpa, float | int) else math.inf
-
-
-def record_of(motion: RingMotion, kinematics: Kinematics) -> RingRecord:
-    """Return what a run keeps of the motion of its ring.
-
-    The filter of the motion undershoots where a ball lifts off; no ball bears less than nothing.
-    """
-    return RingRecord(
-        rate_hz=motion.rate_hz,
-        velocity_m_s=motion.velocity_m_s,
-        acceleration_m_s2=motion.acceleration_m_s2,
-        ball_load_n=np.maximum(motion.ball_load_n, 0.0),
-        cage_hz=kinematics.cage_hz,
-        energy_error=motion.energy_error,
-        lost_contact_share=motion.lost_contact_share,
-    )

@@ -41,17 +41,16 @@ def records_of_bearing(run: BearingRun, quantity: MeasuredQuantity) -> ComparedR
     if quantity is PRESSURE:
         return _sound(run)
     of_ring = {
-        "velocity": run.record.velocity_m_s,
-        "acceleration": run.record.acceleration_m_s2,
+        "velocity": run.record.seen_velocity_m_s,
+        "acceleration": run.record.seen_acceleration_m_s2,
     }
     if quantity.name not in of_ring:
         raise FolderError(
             f"{run.folder}: a ring has no channel of {quantity.name}, only {', '.join(of_ring)};"
             " give --quantity one of them"
         )
-    bending_hz = run.numbers.ring.bending_hz
-    highest_hz = min(VELOCITY_BANDS_HZ["high"][1], bending_hz)
-    warnings = [f"the ring of the run is rigid, so it is compared up to {highest_hz:.0f} Hz"]
+    highest_hz = min(VELOCITY_BANDS_HZ["high"][1], run.numbers.ring.holds_hz)
+    warnings = [_compared_up_to(run, highest_hz)]
     if run.numbers.axial_doubt is not None:
         warnings.append(f"along z: {run.numbers.axial_doubt.line}")
     records = []
@@ -63,18 +62,25 @@ def records_of_bearing(run: BearingRun, quantity: MeasuredQuantity) -> ComparedR
     return ComparedRun(records=tuple(records), warnings=tuple(warnings))
 
 
+def _compared_up_to(run: BearingRun, highest_hz: float) -> str:
+    """Say up to which frequency a run is compared, and why."""
+    if run.numbers.ring.left_out_hz is None:
+        return f"the ring of the run is rigid, so it is compared up to {highest_hz:.0f} Hz"
+    return f"the ring of the run has no other modes, so it is compared up to {highest_hz:.0f} Hz"
+
+
 def _sound(run: BearingRun) -> ComparedRun:
     """Return the sound pressure of the housing plate of a run."""
     housing = run.housing
     numbers = run.numbers.housing
     if housing is None or numbers is None:
         raise FolderError(f"{run.folder}: {_NO_PRESSURE}")
-    highest_hz = min(VELOCITY_BANDS_HZ["high"][1], run.numbers.ring.bending_hz)
+    highest_hz = min(VELOCITY_BANDS_HZ["high"][1], run.numbers.ring.holds_hz)
     record = faded_record(
         "sound of the housing", housing.pressure, round(run.record.rate_hz), highest_hz, PRESSURE
     )
     spread = _spread_of_sound(numbers, housing.levels)
-    warnings = [f"the ring of the run is rigid, so it is compared up to {highest_hz:.0f} Hz"]
+    warnings = [_compared_up_to(run, highest_hz)]
     if not numbers.laeq.parts:
         warnings.append(_UNKNOWN_LEVEL)
     return ComparedRun(

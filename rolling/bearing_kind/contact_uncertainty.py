@@ -96,20 +96,20 @@ def velocity_per_approach(model: BearingModel, frequency_hz: Array) -> dict[str,
     mobility = linear_ring(model).mobility(frequency_hz)
     velocity = mobility @ forces @ np.conj(np.swapaxes(mobility, 1, 2))
     squares = np.real(np.diagonal(velocity, axis1=1, axis2=2))
-    return {RADIAL: squares[:, :2].mean(axis=1), AXIAL: squares[:, 2]}
+    return {RADIAL: squares[:, model.radial].sum(axis=1) / 2, AXIAL: squares[:, 2]}
 
 
 def _force_per_approach(model: BearingModel) -> Array:
-    """Return the sum over the balls of their stiffness squared along their lines [N2/m2], (3, 3).
+    """Return the sum over the balls of their stiffness squared along their lines [N2/m2], (m, m).
 
     It is the mean over places of the cage.
     """
     geometry = model.geometry
-    total = np.zeros((3, 3))
+    total = np.zeros((len(model.columns), len(model.columns)))
     balances = model.balances()
     for balance in balances:
         stiffness = 1.5 * geometry.series_stiffness ** (2 / 3) * balance.ball_load_n ** (1 / 3)
-        forces = stiffness[:, None] * balance.lines
+        forces = stiffness[:, None] * balance.ways[:, model.columns]
         total += forces.T @ forces
     return total / len(balances)
 

@@ -21,6 +21,7 @@ from rolling.scene.bearing_scene import BearingScene
 # balls, which is 240 and 39 for each ball.
 SAMPLE = 240.0
 SAMPLE_BALL = 40.0
+SAMPLE_BENDING = 80.0
 # Bytes of each point of a track at each load: as it is given, at up to four times the points for
 # the steps of the motion, and as it is written.
 TRACK_POINT = 52.0
@@ -28,6 +29,7 @@ TRACK_POINT = 52.0
 # each load.
 SAMPLE_FILE = 38.0
 SAMPLE_BALL_FILE = 4.0
+SAMPLE_BENDING_FILE = 8.0
 TRACK_POINT_FILE = 4.0
 SHORTER = "shorten sound.listen_s or sound.duration_s"
 # Advice for the largest part of a memory that does not suffice.
@@ -69,8 +71,9 @@ def excess(
 
 def motion_memory(scene: BearingScene, plan: ContactPlan) -> dict[str, float]:
     """Estimate the memory [bytes] that the motion of a ring takes, by its largest parts."""
+    per_sample = SAMPLE + SAMPLE_BALL * scene.bearing.balls + SAMPLE_BENDING * _bending(scene)
     return {
-        "record": (SAMPLE + SAMPLE_BALL * scene.bearing.balls) * _samples(scene),
+        "record": per_sample * _samples(scene),
         "tracks": TRACK_POINT * _track_points(plan),
         "program": memory_and_disk.ALONE,
     }
@@ -79,6 +82,7 @@ def motion_memory(scene: BearingScene, plan: ContactPlan) -> dict[str, float]:
 def motion_disk(scene: BearingScene, plan: ContactPlan) -> float:
     """Estimate the size [bytes] of the files of a run."""
     per_sample = SAMPLE_FILE + SAMPLE_BALL_FILE * scene.bearing.balls
+    per_sample += SAMPLE_BENDING_FILE * _bending(scene)
     tracks = TRACK_POINT_FILE * _track_points(plan)
     return memory_and_disk.RUN_FILES + per_sample * _samples(scene) + tracks
 
@@ -88,6 +92,11 @@ def _track_points(plan: ContactPlan) -> int:
     points = points_of_turn(plan, "inner") + points_of_turn(plan, "outer")
     points += 2 * plan.geometry.balls * points_of_turn(plan, "balls")
     return len(plan.loads_n) * points
+
+
+def _bending(scene: BearingScene) -> int:
+    """Return the number of displacements of a ring beside x, y and z."""
+    return len(scene.model.columns) - 3
 
 
 def _samples(scene: BearingScene) -> int:

@@ -54,7 +54,7 @@ def acceleration_signal(run: BearingRun, ax: Axes | None = None) -> Axes:
     ax = axes_of(ax)
     shown = shown_samples(run)
     time_ms = np.asarray(1e3 * np.arange(shown) / run.record.rate_hz, dtype=float)
-    x, y = thinned(time_ms, run.record.acceleration_m_s2[:shown, 0])
+    x, y = thinned(time_ms, run.record.seen_acceleration_m_s2[:shown, 0])
     ax.plot(x, y, color=COLOURS[0], linewidth=0.7, label="radially, along the load")
     ax.set_xlim(0, time_ms[-1])
     ax.set(xlabel="time [ms]", ylabel="acceleration of the ring [m/s²]")
@@ -64,7 +64,7 @@ def acceleration_signal(run: BearingRun, ax: Axes | None = None) -> Axes:
 def signal_table(run: BearingRun) -> DataFrame:
     """Tabulate the acceleration of the ring [m/s2] over two turns of the cage."""
     shown = shown_samples(run)
-    columns = dict(zip("xyz", run.record.acceleration_m_s2[:shown].T, strict=True))
+    columns = dict(zip("xyz", run.record.seen_acceleration_m_s2[:shown].T, strict=True))
     table = {"time_s": np.arange(shown) / run.record.rate_hz}
     return DataFrame(table | {f"acceleration_{axis}_m_s2": row for axis, row in columns.items()})
 
@@ -118,7 +118,7 @@ def _spectrogram(run: BearingRun) -> Spectrogram:
     """Return the spectrogram of the radial velocity along the load."""
     speeds = run.kinematics
     passes_hz = max(speeds.ball_pass_outer_hz, speeds.ball_pass_inner_hz, 2 * speeds.ball_spin_hz)
-    velocity: Array = run.record.velocity_m_s[: shown_samples(run), 0]
+    velocity: Array = run.record.seen_velocity_m_s[: shown_samples(run), 0]
     return spectrogram_of(
         np.asarray(velocity, dtype=float),
         run.record.rate_hz,

@@ -74,7 +74,7 @@ class SolvedBearing(RunFolder):
 
         A band above it has two equal edges.
         """
-        return bands_below_hz(self.scene.ring_bending_hz)
+        return bands_below_hz(self.scene.ring_holds_hz)
 
     @cached_property
     def lines(self) -> list[BearingLine]:

@@ -26,7 +26,8 @@ from rolling.archive.definition import (
     Variable,
 )
 from rolling.archive.hdf5_writer import to_xarray
-from rolling.bearing.ring_record import RingRecord
+from rolling.bearing.model import BearingModel
+from rolling.bearing.ring_record import RingRecord, record_of
 from rolling.bearing.tracks import BearingTracks, BodyTrack
 from rolling.bearing_kind import bearing_figures, needs
 from rolling.bearing_kind.contact_plan import contact_plan
@@ -57,7 +58,9 @@ HOUSING = "housing.wav"
 RING = "listen"  # group of the sounds of rings that share a gain
 _TITLE_LETTERS = 400
 FADE_S = 0.05  # at the ends of a sound
-_AXES = ("x", "y", "z")
+_RIGID_AXES = ("x", "y", "z")
+_BENDING_AXES = ("a", "b", "c", "d")
+_TURNS = ("u", "v")
 
 _FACTS: dict[str, type[Attribute]] = {
     "energy_error": float,
@@ -102,7 +105,14 @@ _TRACKS = (
 )
 _COORDINATES = (
     Variable("time", "time", "s", "f8", "time from the start of the record"),
-    Variable("axis", "axis", "1", LETTERS, "x to the middle of the load zone, z along the shaft"),
+    Variable(
+        "axis",
+        "axis",
+        "1",
+        LETTERS,
+        "x to the middle of the load zone, z along the shaft; cosine a and sine b of bending with"
+        " two waves, c and d with three; turns u and v about x and y, in rad",
+    ),
     Variable("ball", "ball", "1", "u4", "number of the ball"),
     Variable("load", "load", "N", "f8", "load of a contact at which the tracks are known"),
     Variable("inner_place", "inner_place", "m", "f8", "length along the inner raceway"),
@@ -150,7 +160,7 @@ def archive_of(run: SolvedBearing) -> Archive:
         "balls_on_inner": of_balls(tracks.balls_on_inner),
         "balls_on_outer": of_balls(tracks.balls_on_outer),
         "time": np.arange(len(run.record.velocity_m_s)) / run.record.rate_hz,
-        "axis": np.array(_AXES),
+        "axis": np.array(_axes(run.model)),
         "ball": np.arange(run.record.ball_load_n.shape[1]),
         "load": loads,
         "inner_place": _places(turns["inner"], tracks.inner.points),
@@ -159,6 +169,12 @@ def archive_of(run: SolvedBearing) -> Archive:
     }
     facts = {name: getattr(run.record, name) for name in _FACTS}
     return {ROOT: ArchiveGroup(arrays, facts)}
+
+
+def _axes(model: BearingModel) -> list[str]:
+    """Return the letters of the displacements of a ring."""
+    turns = _TURNS if model.tilts else ()
+    return [*_RIGID_AXES, *_BENDING_AXES[: 2 * len(model.bending)], *turns]
 
 
 def _places(turn_m: float, points: int) -> Array:
@@ -193,7 +209,7 @@ def read_result(path: Path, scene: BearingScene) -> tuple[RingRecord, BearingTra
         path,
         [DEFINITION, _FORMER],
         lengths={
-            "axis": len(_AXES),
+            "axis": len(_axes(scene.model)),
             "ball": scene.bearing.balls,
             "time": max(1, round(scene.moved * wav.SAMPLE_RATE_HZ)),
         },
@@ -201,10 +217,10 @@ def read_result(path: Path, scene: BearingScene) -> tuple[RingRecord, BearingTra
     )
     with refusing(path, DEFINITION):
         root = archive[ROOT]
-        return _record(root), _tracks(root.arrays)
+        return _record(root, scene), _tracks(root.arrays)
 
 
-def _record(root: ArchiveGroup) -> RingRecord:
+def _record(root: ArchiveGroup, scene: BearingScene) -> RingRecord:
     """Return the motion of a ring from its arrays and facts."""
     facts = {name: root.attributes[name] for name in _FACTS}
     for name, number in facts.items():
@@ -216,6 +232,8 @@ def _record(root: ArchiveGroup) -> RingRecord:
         velocity_m_s=_finite(root.arrays, "velocity"),
         acceleration_m_s2=_finite(root.arrays, "acceleration"),
         ball_load_n=_finite(root.arrays, "ball_load"),
+        sensor=scene.sensor,
+        tilts=scene.model.tilts,
         **facts,
     )
 
@@ -254,7 +272,7 @@ def sounds(run: SolvedBearing) -> list[HeardSound]:
 def ring_sound(run: SolvedBearing) -> PlainSound:
     """Return the acceleration of a run as it is heard: `sound.listen_s` long, with faded ends."""
     rate = wav.SAMPLE_RATE_HZ
-    record = run.record.acceleration_m_s2[:, 0]
+    record = run.record.seen_acceleration_m_s2[:, 0]
     samples = min(len(record), round(run.scene.listened * rate))
     faded = resampling.fade(record[:samples] - record[:samples].mean(), round(FADE_S * rate))
     return PlainSound(
@@ -348,7 +366,9 @@ def write_run(run: BearingRun) -> None:
 def write_long(run: BearingRun, seconds: float) -> Path:
     """Let the ring move for longer, and write long.wav; return its path."""
     motion = moved_ring(run.model, run.tracks, seconds, wav.SAMPLE_RATE_HZ)
-    acceleration = motion.acceleration_m_s2[:, 0] - motion.acceleration_m_s2[:, 0].mean()
+    record = record_of(motion, run.kinematics, run.scene.sensor)
+    acceleration = record.seen_acceleration_m_s2[:, 0]
+    acceleration = acceleration - acceleration.mean()
     faded = resampling.fade(acceleration, round(FADE_S * wav.SAMPLE_RATE_HZ))
     gain = wav.listening_gain(faded)
     comment = f"acceleration of the ring along x; full scale is {1 / gain:.6g} m/s2"

@@ -180,12 +180,12 @@ class TurningBearing(MarchesInFiles):
 
         Their meanings say where the bands end. A ring that hardly moves is at rest, which has no ±.
         """
-        bending_hz = numbers.ring.bending_hz
-        words = bearing_sentences.band_words(bending_hz)
+        holds_hz = numbers.ring.holds_hz
+        words = bearing_sentences.band_words(numbers.ring)
         quantities = {}
         for band, quantity in numbers.below_bending.radial.by_band.items():
             if band not in words:
-                reason = f"the ring bends from {bending_hz:,.0f} Hz on"
+                reason = f"the ring bends from {holds_hz:,.0f} Hz on"
                 quantity = replace(quantity, value=None, uncertainty=None, reason=reason)
             else:
                 quantity = replace(quantity, meaning=f"Velocity of the ring from {words[band]}")

@@ -31,6 +31,8 @@ from rolling.scene.bearing_sources import has_assumed_loss_factor
 
 DECIBELS = "dB"  # unit of the ± of a velocity
 OF_SPREAD = "uncertainty"  # key of the doubt that a ± alone raises
+_RIGID = "of a ring that stays rigid"
+_BELOW = "up to the first bending mode of the ring"
 BELOW_BENDING = "_below_bending"  # end of the names of velocities of parts of bands
 _VelocitiesUmS = Mapping[str, Mapping[str, float]]
 
@@ -45,7 +47,7 @@ class _Velocities(NamedTuple):
 
 
 def rigid_velocities(bearing: SolvedBearing, of_contacts: BandUncertainty) -> RingVelocities:
-    """Return the velocities of a ring that stays rigid, in the whole bands.
+    """Return the velocities of the ring in the whole bands, as it is without further modes.
 
     Parameters
     ----------
@@ -58,7 +60,7 @@ def rigid_velocities(bearing: SolvedBearing, of_contacts: BandUncertainty) -> Ri
         um_s=_whole_um_s(bearing),
         uncertainty=_uncertainty(bearing, of_contacts, VELOCITY_BANDS_HZ),
         end="",
-        place="of a ring that stays rigid",
+        place="with what it lacks above its modes" if bearing.model.bending else _RIGID,
     )
     return _quantities(bearing, whole)
 
@@ -66,7 +68,7 @@ def rigid_velocities(bearing: SolvedBearing, of_contacts: BandUncertainty) -> Ri
 def velocities_below_bending(
     bearing: SolvedBearing, of_contacts: BandUncertainty
 ) -> RingVelocities:
-    """Return the velocities in the parts of the bands below the ring's first bending mode.
+    """Return the velocities in the parts of the bands below the first mode that the ring lacks.
 
     A part has the share of the power of its band that it has in the narrow spectrum. The parts of
     its ± are those of the whole band, but for that of an assumed loss factor, which depends on
@@ -76,7 +78,7 @@ def velocities_below_bending(
         um_s=_um_s_below_bending(bearing),
         uncertainty=_uncertainty(bearing, of_contacts, bearing.bands_below_bending_hz),
         end=BELOW_BENDING,
-        place="up to the first bending mode of the ring",
+        place="up to the first mode that is left out" if bearing.model.bending else _BELOW,
     )
     return _quantities(bearing, below)
 

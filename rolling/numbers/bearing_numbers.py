@@ -153,8 +153,16 @@ class RingNumbers:
 
     moving: str = number("which ring vibrates: inner or outer", "")
     mass_kg: float = number("mass of the ring that vibrates", "kg")
-    resonances_hz: tuple[float, ...] = number("resonances of the rigid ring on its balls", "Hz")
+    resonances_hz: tuple[float, ...] = number("resonances of the ring on its balls", "Hz")
     bending_hz: float = number("first bending mode, above which it is not rigid", "Hz")
+    left_out_hz: float | None = number(
+        "lowest mode that is left out of an elastic ring; none for a rigid one", "Hz", default=None
+    )
+
+    @property
+    def holds_hz(self) -> float:
+        """Frequency [Hz] up to which the ring moves as it is modelled."""
+        return self.bending_hz if self.left_out_hz is None else self.left_out_hz
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,6 +14,8 @@ class RingSection(NamedTuple):
     radius: float  # of the ring to the middle of the section [m]
     thickness: float  # mean over the width [m]
     width: float  # [m]
+    wall: float  # behind the bottom of the groove [m]
+    depth: float  # of the groove below the shoulders [m]
 
     @property
     def area(self) -> float:
@@ -35,12 +37,14 @@ def ring_section(
     is_outer = surface_radius > pitch_radius
     bottom = pitch_radius + ball_radius if is_outer else pitch_radius - ball_radius
     depth = SHOULDER * 2 * ball_radius
-    wall = abs(surface_radius - bottom) + depth
+    wall = abs(surface_radius - bottom)
     half_angle = math.acos(1 - depth / groove_radius)
     groove = groove_radius**2 * (half_angle - math.sin(half_angle) * math.cos(half_angle))
-    thickness = wall - min(groove / width, depth)
+    thickness = wall + depth - min(groove / width, depth)
     middle = -thickness / 2 if is_outer else thickness / 2
-    return RingSection(radius=surface_radius + middle, thickness=thickness, width=width)
+    return RingSection(
+        radius=surface_radius + middle, thickness=thickness, width=width, wall=wall, depth=depth
+    )
 
 
 def groove_distance(ball_diameter: float, inner: float, outer: float) -> float:

@@ -31,7 +31,7 @@ from rolling.surface.ball_form import WAVE_NODES
 
 if TYPE_CHECKING:
     from rolling.scene.bearing_scene import BearingQuantities
-    from rolling.scene.bearing_sections import Bearing, BearingNumerics
+    from rolling.scene.bearing_sections import Bearing, BearingNumerics, HousingPlate
 
 MAX_BALLS = 300  # of one row, in the largest thin-section bearings
 MAX_ANGLE_DEG = 60  # of radial bearings; thrust bearings beyond have other rings
@@ -97,6 +97,7 @@ def speeds_of(bearing: Bearing, geometry: BearingGeometry) -> Kinematics:
             gap_m=gap_of(bearing),
             moving="outer" if bearing.turning == "inner" else "inner",
             angle="moving",
+            tilts=bearing.tilt == "free",
         )
         angle = rolling_angle(balances)
     return kinematics_of(geometry, bearing.turning, bearing.speed_rpm / 60, angle)
@@ -143,6 +144,12 @@ def mistakes_of_bearing(bearing: Bearing) -> Iterator[PydanticCustomError]:
         yield from load
         if not load:
             yield from _mistakes_of_motion(bearing)
+    if bearing.tilt == "free" and bearing.angle == "fixed":
+        yield mistake(
+            "got free, allowed beside a fixed angle: held, because a tilt then presses the balls as"
+            " a radial displacement does; or bearing.angle moving",
+            at=".tilt",
+        )
     if bearing.surfaces.fault_ball >= bearing.balls:
         yield mistake(
             f"got {bearing.surfaces.fault_ball}, allowed: 0 to {bearing.balls - 1}, the numbers of"
@@ -348,7 +355,22 @@ def _above(limit: float) -> str:
     return f"{math.ceil(limit / digit * (1 - _ROUNDING)) * digit:.10g}"
 
 
-# ---- surfaces
+# ---- housing and surfaces
+
+
+def mistakes_in_housing(
+    bearing: Bearing, plate: HousingPlate | None
+) -> Iterator[PydanticCustomError]:
+    """Yield the mistakes of a ring that its seat in a housing holds."""
+    if plate is None:
+        return
+    for key, held in (("ring", "rigid"), ("tilt", "held")):
+        if getattr(bearing, key) != held:
+            yield mistake(
+                f"got {getattr(bearing, key)}, allowed beside a plate: {held}, because its seat in"
+                " the housing holds the ring",
+                at=("bearing", key),
+            )
 
 
 def mistakes_of_surfaces(

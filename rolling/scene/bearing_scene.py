@@ -16,9 +16,11 @@ from pydantic import (
     field_validator,
 )
 
-from rolling.bearing.geometry import BearingGeometry, ring_bending_hz
+from rolling.bearing.geometry import BearingGeometry
 from rolling.bearing.kinematics import Kinematics
+from rolling.bearing.linear_ring import gyration_squared
 from rolling.bearing.model import BearingModel
+from rolling.bearing.ring_bending import GroovedSection, RingBending
 from rolling.scene import bearing_rules
 from rolling.scene import sweep as sweeps
 from rolling.scene.bearing_lengths import RingSection, ring_section
@@ -222,18 +224,52 @@ class BearingQuantities(SweptScene):
             contact_loss_factor=self.bearing.contact_loss_factor,
             ball_inertia=self.bearing.ball_inertia,
             angle=self.bearing.angle,
+            bending=self.ring_bending.modes if self.bearing.ring == "elastic" else (),
+            tilt_inertia_kg_m2=self._tilt_inertia if self.bearing.tilt == "free" else None,
+        )
+
+    @property
+    def _tilt_inertia(self) -> float:
+        """Moment of inertia [kg m2] of the ring that vibrates about a diameter."""
+        return self.ring_mass * gyration_squared(self.ring_section.radius, self.width)
+
+    @cached_property
+    def ring_bending(self) -> RingBending:
+        """Bending of the ring that vibrates, without what holds it."""
+        outer = self.moving_ring == "outer"
+        shape = self.ring_section
+        section = GroovedSection(
+            wall_m=shape.wall,
+            depth_m=shape.depth,
+            groove_radius_m=self.groove_radii[self.moving_ring],
+            width_m=self.width,
+        )
+        surface = (self.outside_diameter if outer else self.bore) / 2
+        return RingBending(
+            section=section,
+            radius_m=surface - section.centroid_m if outer else surface + section.centroid_m,
+            youngs_modulus=1e9 * self.bearing.youngs_modulus_gpa,
+            poissons_ratio=self.bearing.poissons_ratio,
+            density=self.bearing.density_kg_m3,
         )
 
     @property
     def ring_bending_hz(self) -> float:
         """First bending mode [Hz] of the ring that vibrates, up to which it is rigid."""
-        section = self.ring_section
-        return ring_bending_hz(
-            youngs_modulus=1e9 * self.bearing.youngs_modulus_gpa,
-            density=self.bearing.density_kg_m3,
-            radius_m=section.radius,
-            thickness_m=section.thickness,
-        )
+        return self.ring_bending.in_plane_hz(2)
+
+    @property
+    def ring_holds_hz(self) -> float:
+        """Frequency [Hz] up to which the ring moves as its key `ring` has it."""
+        if self.bearing.ring == "elastic":
+            return self.ring_bending.left_out_hz
+        return self.ring_bending_hz
+
+    @property
+    def sensor(self) -> float | None:
+        """Angle [rad] of the sensor from the middle of the load zone, None for a mean."""
+        given = self.bearing.sensor_deg
+        return None if given is None else math.radians(given)
 
     @property
     def spacing(self) -> float | None:
@@ -317,13 +353,15 @@ class BearingScene(BearingQuantities):
         bearing = info.data.get("bearing")
         if bearing is not None:
             mistakes = list(bearing_rules.mistakes_of_surfaces(bearing, numerics))
+            mistakes += bearing_rules.mistakes_in_housing(bearing, info.data.get("plate"))
             if mistakes:
                 raise mistakes_together(mistakes)
         return numerics
 
     def __copy__(self) -> Self:
         copied = super().__copy__()
-        for name in ("geometry", "kinematics", "model"):  # a copy may be given other values
+        # a copy may be given other values
+        for name in ("geometry", "kinematics", "model", "ring_bending"):
             copied.__dict__.pop(name, None)
         return copied
 

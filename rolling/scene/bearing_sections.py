@@ -84,6 +84,15 @@ class Bearing(Section):
     angle : str
         Whether the contact angle stays `fixed`, or is `moving`: the loads and the motion of the
         ring then turn the line of each contact, as exact geometry of the grooves has it.
+    ring : str
+        Whether the ring that vibrates is `rigid`, or `elastic`: it then bends in its plane with two
+        and with three waves around it.
+    tilt : str
+        Whether the ring that vibrates is `held` in its plane, or `free` to tilt, which needs a
+        moving angle.
+    sensor_deg : float, optional
+        Angle [degrees] from the middle of the load zone at which the radial motion is seen on the
+        cylinder of the ring. Default: the mean over all places by power, and signals at 0.
     radial_clearance_um : float, optional
         Radial internal clearance [um]. Default: from the contact angle.
     conformity_inner : float
@@ -135,6 +144,9 @@ class Bearing(Section):
     pitch_diameter_mm: float = Field(gt=0, le=1e4)
     contact_angle_deg: float | None = Field(default=None, ge=0, le=bearing_rules.MAX_ANGLE_DEG)
     angle: Angle = "fixed"
+    ring: Literal["rigid", "elastic"] = "rigid"
+    tilt: Literal["held", "free"] = "held"
+    sensor_deg: float | None = Field(default=None, ge=-360, le=360)
     radial_clearance_um: float | None = Field(default=None, ge=0)
     conformity_inner: float = Field(default=0.52, gt=0.5, le=0.6)
     conformity_outer: float = Field(default=0.53, gt=0.5, le=0.6)

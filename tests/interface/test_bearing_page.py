@@ -18,11 +18,10 @@ from report_browser import axe_findings, until, without_browser
 import rolling
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing.ring_motion import move_ring
-from rolling.bearing.ring_record import AXIAL, RADIAL
+from rolling.bearing.ring_record import AXIAL, RADIAL, record_of
 from rolling.bearing.tracks import BodyTrack, smooth_tracks
 from rolling.bearing_kind import bearing_page as pages_of_bearings
 from rolling.bearing_kind.bearing_run import BearingRun, numbered
-from rolling.bearing_kind.bearing_simulation import record_of
 from rolling.report import templates
 from rolling.report.report_page import page as page_of
 

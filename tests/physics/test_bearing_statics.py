@@ -11,7 +11,7 @@ from scipy.optimize import root
 
 import rolling
 from rolling.bearing.contact_lines import contact_lines
-from rolling.bearing.geometry import BearingGeometry, ring_bending_hz
+from rolling.bearing.geometry import BearingGeometry
 from rolling.bearing.kinematics import kinematics_of, lines_of
 from rolling.bearing.linear_ring import free_tilt_db
 from rolling.bearing.static_load import (
@@ -393,16 +393,6 @@ def test_balls_roll_at_the_angle_under_their_loads() -> None:
     turned = kinematics_of(bearing(), "inner", 30.0, rolling_angle([state]))
     same = kinematics_of(bearing(angle_deg=degrees(acos(cosine))), "inner", 30.0)
     assert lines_of(turned) == pytest.approx(lines_of(same), rel=1e-12)
-
-
-def test_ring_bending_is_that_of_a_thin_ring() -> None:
-    """Rayleigh's n (n^2 - 1) / sqrt(n^2 + 1) sqrt(E I / (m' R^4)) with n = 2, by another route."""
-    height, radius = 3e-3, 20e-3
-    inertia = 8e-3 * height**3 / 12
-    mass = 7800 * 8e-3 * height
-    expected = 2 * 3 / np.sqrt(5) * np.sqrt(210e9 * inertia / (mass * radius**4)) / (2 * pi)
-    found = ring_bending_hz(youngs_modulus=210e9, density=7800, radius_m=radius, thickness_m=height)
-    assert found == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", GEOMETRIES)

@@ -23,9 +23,8 @@ from rolling.bearing.band_uncertainty import (
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_motion import move_ring
-from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL, RingRecord
+from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL, RingRecord, record_of
 from rolling.bearing.tracks import BodyTrack, smooth_tracks
-from rolling.bearing_kind.bearing_simulation import record_of
 from rolling.bearing_kind.contact_doubts import contact_doubts
 from rolling.bearing_kind.contact_plan import contact_plan
 from rolling.bearing_kind.contact_uncertainty import (
