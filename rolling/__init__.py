@@ -11,8 +11,8 @@ Scenes
     SmoothBall, GradedBall, BallHeightFile; SurfaceFault; SoundChannel; check (module), SceneError;
     surface_parameters
 Bearings
-    BearingScene and its sections Bearing, BearingSurfaces, HousingPlate, BearingNumerics,
-    BearingSound; BearingRun, BearingNumbers
+    BearingScene and its sections Bearing, BearingOil, BearingSurfaces, HousingPlate,
+    BearingNumerics, BearingSound; BearingRun, BearingNumbers
 Kinds
     register, PlainKind, PlainScene, March
 Runs
@@ -66,6 +66,7 @@ _NAMES = {
         "Bearing",
         "BearingNumerics",
         "BearingSound",
+        "BearingOil",
         "BearingSurfaces",
         "HousingPlate",
     ),

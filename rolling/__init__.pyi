@@ -43,6 +43,7 @@ from rolling.run.sweep_runs import SweepError as SweepError
 from rolling.scene.bearing_scene import BearingScene as BearingScene
 from rolling.scene.bearing_sections import Bearing as Bearing
 from rolling.scene.bearing_sections import BearingNumerics as BearingNumerics
+from rolling.scene.bearing_sections import BearingOil as BearingOil
 from rolling.scene.bearing_sections import BearingSound as BearingSound
 from rolling.scene.bearing_sections import BearingSurfaces as BearingSurfaces
 from rolling.scene.bearing_sections import HousingPlate as HousingPlate

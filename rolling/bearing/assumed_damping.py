@@ -1,22 +1,24 @@
-"""What an assumed loss factor of the contacts leaves uncertain in the bands of a ring.
+"""What assumed losses of the contacts leave uncertain in the bands of a ring.
 
 The loss factor decides how high a resonance of the ring stands: its power falls as one over the
 loss factor. Well below a resonance the stiffness of the balls rules, well above it the mass of the
 ring, and neither knows the loss factor. So a band moves as far as resonances make it. The linear
-ring gives its velocity at another loss factor for the same forces, at each frequency.
+ring gives its velocity at another loss factor for the same forces, at each frequency. The viscosity
+of a film of oil is as uncertain, and takes its place where there is one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
-from rolling.bearing.linear_ring import linear_ring
+from rolling.bearing.linear_ring import LinearRing, linear_ring
 from rolling.bearing.model import BearingModel
+from rolling.bearing.oil_film import LARGEST_TIME_S, LEAST_TIME_S, TIME_S
 from rolling.bearing.ring_record import AXIAL, AXIS, RADIAL, RingRecord
 
 # Loss factors that lubricated bearings may have; all are as likely over their logarithm.
@@ -29,10 +31,11 @@ _SEGMENT_S = 2.0  # of a record, over which powers are averaged
 def band_change_db(
     record: RingRecord,
     model: BearingModel,
-    loss_factor: float,
+    loss_factor: float | None = None,
     bands_hz: Mapping[str, tuple[float, float]] = VELOCITY_BANDS_HZ,
+    film_time_s: float | None = None,
 ) -> dict[str, dict[str, float]]:
-    """Return how far another loss factor would change each band [dB], by direction and band.
+    """Return how far other losses would change each band [dB], by direction and band.
 
     Parameters
     ----------
@@ -40,18 +43,26 @@ def band_change_db(
         Motion of the ring at the loss factor of the model.
     model : BearingModel
         Bearing.
-    loss_factor : float
-        The other loss factor.
+    loss_factor : float, optional
+        The other loss factor. Default: that of the model.
     bands_hz : dict, Hz
         Edges of the bands by their names. Default: the three bands of ISO 15242-1.
+    film_time_s : float, s, optional
+        The other viscosity of films over the stiffness. Default: that of the model.
     """
+    ring = linear_ring(model)
+    other = replace(
+        ring,
+        loss_factor=ring.loss_factor if loss_factor is None else loss_factor,
+        film_time_s=ring.film_time_s if film_time_s is None else film_time_s,
+    )
     count = record.velocity_m_s.shape[1]
     radial = record.radial_columns
     segment = min(len(record.velocity_m_s), round(_SEGMENT_S * record.rate_hz))
     frequency_hz = np.asarray(np.fft.rfftfreq(segment, 1 / record.rate_hz), dtype=float)
     highest_hz = VELOCITY_BANDS_HZ["high"][1]
     shown = np.flatnonzero((frequency_hz > 0) & (frequency_hz < highest_hz))
-    transfer = _transfer(model, loss_factor, frequency_hz[shown])
+    transfer = _transfer(ring, other, frequency_hz[shown])
     before = np.zeros((len(shown), count))
     after = np.zeros((len(shown), count))
     window = np.hanning(segment)[:, None]
@@ -67,10 +78,8 @@ def band_change_db(
     }
 
 
-def _transfer(model: BearingModel, loss_factor: float, frequency_hz: Array) -> Array:
-    """Return what leads from a velocity to that at another loss factor under equal forces."""
-    ring = linear_ring(model)
-    other = replace(ring, loss_factor=loss_factor)
+def _transfer(ring: LinearRing, other: LinearRing, frequency_hz: Array) -> Array:
+    """Return what leads from the velocity of a ring to that of another one under equal forces."""
     stiffness = ring.dynamic_stiffness(frequency_hz)
     return np.asarray(np.linalg.solve(other.dynamic_stiffness(frequency_hz), stiffness))
 
@@ -101,13 +110,39 @@ def loss_factor_db(
     It is the root mean square of the changes over the loss factors that bearings may have, about
     the stated value, which lies at the end of the range.
     """
+    factors = _between(LEAST_LOSS_FACTOR, LARGEST_LOSS_FACTOR)
+    return _root_mean_squares([band_change_db(record, model, each, bands_hz) for each in factors])
+
+
+def film_damping_db(
+    record: RingRecord,
+    model: BearingModel,
+    bands_hz: Mapping[str, tuple[float, float]] = VELOCITY_BANDS_HZ,
+) -> dict[str, dict[str, float]]:
+    """Return what the viscosity of films leaves uncertain [dB], by direction and band.
+
+    It is the root mean square of the changes over the values that are quoted for rolling bearings.
+    """
+    share = model.film_time_s / TIME_S  # of a film that surfaces interrupt
+    times = _between(LEAST_TIME_S * share, LARGEST_TIME_S * share)
+    changes = [band_change_db(record, model, None, bands_hz, film_time_s=time) for time in times]
+    return _root_mean_squares(changes)
+
+
+def _between(least: float, largest: float) -> list[float]:
+    """Return values between two limits, all of them as likely over their logarithm."""
     steps = (np.arange(_LOSS_FACTORS) + 0.5) / _LOSS_FACTORS
-    factors = LEAST_LOSS_FACTOR * (LARGEST_LOSS_FACTOR / LEAST_LOSS_FACTOR) ** steps
-    changes = [band_change_db(record, model, float(factor), bands_hz) for factor in factors]
+    return [float(value) for value in least * (largest / least) ** steps]
+
+
+def _root_mean_squares(
+    changes: Sequence[Mapping[str, Mapping[str, float]]],
+) -> dict[str, dict[str, float]]:
+    """Return the root mean squares of changes [dB], by direction and band."""
     return {
         direction: {
             band: float(np.sqrt(np.mean([change[direction][band] ** 2 for change in changes])))
-            for band in bands_hz
+            for band in bands
         }
-        for direction in (RADIAL, AXIAL)
+        for direction, bands in changes[0].items()
     }

@@ -12,6 +12,8 @@ DecibelsOfBands = Mapping[str, Mapping[str, float]]
 RECORD = "record"  # scatter within a record that is short
 WINDOW = "window"  # roughness that is known from a stretch of track
 LOSS_FACTOR = "loss_factor"  # of the contacts, where it is assumed
+FILM = "film"  # how far a film of oil presses waves flat
+FILM_DAMPING = "film_damping"  # how much a film of oil damps
 
 
 @dataclass(frozen=True)

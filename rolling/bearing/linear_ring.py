@@ -26,12 +26,14 @@ class LinearRing:
 
     The contacts lose energy, and the ring itself does not. At each resonance the loss factor is
     that of the contacts times their share of the stiffness, which is 1 for a rigid ring: the
-    viscous matrix is S^T K S with the stiffness K of the contacts, and S is made of the modes.
+    viscous matrix is S^T K S with the stiffness K of the contacts, and S is made of the modes. A
+    film of oil adds its time times the angular frequency of the resonance to the loss factor.
 
     masses : array (m,), kg. Of each displacement; of turns in kg m2.
     stiffness_n_m : array (m, m), N/m. Of the contacts.
     springs_n_m : array (m,), N/m. Of the ring itself against each displacement.
     loss_factor : float. Of the contacts.
+    film_time_s : float, s. Viscosity of films of oil over the stiffness of the contacts.
     """
 
     __repr__ = short_repr
@@ -40,6 +42,7 @@ class LinearRing:
     stiffness_n_m: Array
     springs_n_m: Array
     loss_factor: float
+    film_time_s: float = 0.0
 
     @property
     def mass_kg(self) -> float:
@@ -92,7 +95,7 @@ class LinearRing:
         squares, modes = self._modes
         factors = np.zeros_like(squares)
         held = squares > 0
-        factors[held] = np.sqrt(self.loss_factor) * squares[held] ** (-1 / 4)
+        factors[held] = np.sqrt(self.loss_factor * squares[held] ** (-1 / 2) + self.film_time_s)
         root = np.sqrt(self.masses)
         return np.asarray((modes * factors) @ modes.T * np.outer(1 / root, root))
 
@@ -118,6 +121,7 @@ def linear_ring(bearing: BearingModel) -> LinearRing:
         stiffness_n_m=(stiffness + stiffness.T) / 2,
         springs_n_m=bearing.springs,
         loss_factor=bearing.contact_loss_factor,
+        film_time_s=bearing.film_time_s,
     )
 
 

@@ -38,6 +38,7 @@ class BearingModel:
     angle: Angle = "fixed"  # whether loads turn the contact angle
     bending: tuple[BendingMode, ...] = ()  # modes of a ring that bends
     tilt_inertia_kg_m2: float | None = None  # of a ring that is free to tilt, about a diameter
+    film_time_s: float = 0.0  # viscosity of films of oil over the contact stiffness
 
     @property
     def tilts(self) -> bool:

@@ -4,7 +4,7 @@ Rolling surfaces draw oil between them, which parts them by a film (`film_thickn
 of the film to the rms roughness of both surfaces, lambda, says whether they touch: below 1 they do,
 above 3 they do not. In a film the pressure presses long waves flat, as a dry contact does, and
 leaves short ones as they are. The part A_d of a wave A_i that stays makes no force, so a wave acts
-by the linear response of the dry contact times 1 - A_d / A_i (`pressed_share`).
+by the linear response of the dry contact times 1 - A_d / A_i (`pressed_shares`).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ TIME_S = sqrt(LEAST_TIME_S * LARGEST_TIME_S)
 WALTHER = 0.7  # mm2/s that ASTM D341 adds to a kinematic viscosity above 2 mm2/s
 # Assumed where the viscosity at 100 degrees C is not given: mineral oils of 68 and 30 mm2/s at 40
 # degrees, with viscosity indices of 96 and 104, have 8.6 and 5.23 at 100 (examples of the package
-# libvisc), which are slopes of 3.66 and 3.73.
+# libvisc), which are slopes of 3.65 and 3.73.
 USUAL_SLOPE = 3.7
 # Assumed where they are not given, as usual for mineral oils, which have 840 to 900 kg/m3, and 15
 # to 25 /GPa.
@@ -161,11 +161,6 @@ class FilmContact:
         """Return what makes a force of waves along the track, 1 - A_d / A_i, by both laws."""
         circular, line = self.remaining_shares(waves_m)
         return 1 - circular, 1 - line
-
-    def pressed_share(self, waves_m: Array) -> Array:
-        """Return the share 1 - A_d / A_i between both laws, their geometric mean."""
-        circular, line = self.pressed_shares(waves_m)
-        return np.asarray(np.sqrt(circular * line))
 
 
 def _left(coordinate: Array, coefficients: tuple[float, float]) -> Array:

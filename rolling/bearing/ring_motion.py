@@ -323,7 +323,7 @@ def _bodies(
         beside=np.array([-1.0, 1.0]),
         gaps=np.array([bearing.gap_m, 0.0]),
         compliances=np.array([inner, outer]),
-        ball_time=bearing.contact_loss_factor / bounce,
+        ball_time=bearing.contact_loss_factor / bounce + bearing.film_time_s,
     )
 
 

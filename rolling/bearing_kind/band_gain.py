@@ -23,7 +23,7 @@ from rolling.bearing_kind.contact_uncertainty import (
     track_length_m,
     velocity_per_approach,
 )
-from rolling.bearing_kind.joined_tracks import rough_rows
+from rolling.bearing_kind.joined_tracks import acting_rows
 from rolling.run.march_files import Marches
 
 
@@ -71,7 +71,7 @@ def rough_bands(model: BearingModel, plan: ContactPlan, marches: Marches) -> dic
         if contact.scene.height_paths:
             continue
         place = contact.loads_n.index(contact.middle_load_n)
-        response = contact_gain(contact, rough_rows(contact, marches))
+        response = contact_gain(contact, acting_rows(plan, contact, marches))
         power = response.marched_power[place]
         expected = response.power_gain()[place]
         line_hz = model.kinematics.rolling_speed_m_s / track_length_m(contact)

@@ -103,6 +103,7 @@ def scene_rules(scene: BearingScene) -> Iterator[Finding | Doubt]:
     yield from _loads(scene)
     yield from _ring(scene)
     yield from _balls(scene)
+    yield from _films(scene)
     yield from _standard(scene)
     yield from _surfaces(scene)
     yield from _assumed(scene)
@@ -314,6 +315,38 @@ def _bending(scene: BearingScene, resonances_hz: Array) -> Iterator[Finding | Do
         text = f"modes of the ring from {si(holds_hz, 'Hz')} on are left out"
         advice = "velocities above lack them"
     yield Doubt("ring_bending", text, Severity.INDICATIVE, advice=advice)
+
+
+def _films(scene: BearingScene) -> Iterator[Finding | Doubt]:
+    """Yield the films of oil and what they do, and doubts about films that surfaces interrupt."""
+    if not scene.films:
+        return
+    oil = scene.films["inner"].oil
+    assert scene.bearing.oil is not None
+    viscosity = f"{rounded(1e3 * oil.viscosity_pa_s, 3)} mPa s"
+    at = f"at {scene.bearing.oil.temperature_c:g} degrees C"
+    yield Finding("viscosity", "viscosity of the oil", f"{viscosity} {at}")
+    for ring, film in scene.films.items():
+        text = si(film.thickness_m, "m")
+        if math.isfinite(film.ratio):
+            text += f", lambda {rounded(film.ratio, 2)}"
+        yield Finding(f"{ring}_film", f"film of oil, {ring} ring", text)
+    mixed = {ring: film for ring, film in scene.films.items() if 0 < film.weight < 1}
+    if mixed:
+        ratios = ", ".join(f"{rounded(film.ratio, 2)} {ring}" for ring, film in mixed.items())
+        yield Doubt(
+            "mixed_film",
+            f"lambda is {ratios}: surfaces touch in part, and the dry march and the film are mixed"
+            " by their weights",
+            Severity.INDICATIVE,
+            advice="the part film of the ± says what the weights leave open",
+        )
+    if scene.has_faults:
+        yield Doubt(
+            "faults_in_film",
+            "single faults act as in a dry contact, without the film",
+            Severity.INDICATIVE,
+        )
 
 
 def _balls(scene: BearingScene) -> Iterator[Finding | Doubt]:

@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from acoustics.numbers import rounded
-from rolling.bearing import assumed_damping
-from rolling.bearing.band_uncertainty import LOSS_FACTOR
+from rolling.bearing import assumed_damping, oil_film
+from rolling.bearing.band_uncertainty import FILM_DAMPING, LOSS_FACTOR
 from rolling.bearing.ring_record import DIRECTIONS, NOTHING_UM_S, RADIAL
 from rolling.bearing_kind.bearing_check import scene_rules
 from rolling.bearing_kind.solved_bearing import SolvedBearing
@@ -75,6 +75,8 @@ def short_record(judged: JudgedBearing) -> Iterator[Doubt]:
 def assumed_loss_factor(judged: JudgedBearing) -> Iterator[Doubt]:
     """Doubt bands that an assumed loss factor of the contacts moves."""
     bearing = judged.bearing
+    if bearing.model.film_time_s > 0:
+        return
     parts = [
         velocity.parts[LOSS_FACTOR]
         for bands in judged.rigid.by_direction.values()
@@ -97,6 +99,35 @@ def assumed_loss_factor(judged: JudgedBearing) -> Iterator[Doubt]:
         f" radially and {axial} dB axially",
         largest,
         advice="give bearing.contact_loss_factor as measured, such as by a tap on the ring",
+    )
+
+
+def film_damping(judged: JudgedBearing) -> Iterator[Doubt]:
+    """Doubt bands that the viscosity of films of oil moves."""
+    bearing = judged.bearing
+    if not bearing.model.film_time_s > 0:
+        return
+    parts = [
+        velocity.parts.get(FILM_DAMPING, 0.0)
+        for bands in judged.rigid.by_direction.values()
+        for velocity in bands.by_band.values()
+    ]
+    if max(parts) < _UNCERTAIN_DB:
+        return
+    share = bearing.model.film_time_s / oil_film.TIME_S
+    changes = []
+    for time in (oil_film.LEAST_TIME_S, oil_film.LARGEST_TIME_S):
+        change = assumed_damping.band_change_db(
+            bearing.record, bearing.model, film_time_s=share * time
+        )
+        texts = [f"{decibels:+.1f}" for decibels in _without_minus_zero(change[RADIAL])]
+        changes.append(", ".join(texts))
+    yield sized(
+        "film_damping",
+        f"films of oil damp by {1e6 * oil_film.LEAST_TIME_S:g} to"
+        f" {1e6 * oil_film.LARGEST_TIME_S:g} us times the stiffness, as was found on rotors; at"
+        f" these ends the three bands would be {changes[0]} dB and {changes[1]} dB radially",
+        max(parts),
     )
 
 
@@ -161,6 +192,7 @@ RULES: tuple[Rule, ...] = (
     of_contacts,
     short_record,
     assumed_loss_factor,
+    film_damping,
     of_scene,
     lost_contact,
     energy_balance,

@@ -24,6 +24,7 @@ from rolling.numbers.bearing_numbers import (
     BearingEffort,
     BearingNumbers,
     FaultlessNumbers,
+    FilmNumbers,
     MarchedContact,
     MotionOfRing,
     RingNumbers,
@@ -82,6 +83,7 @@ def bearing_numbers(bearing: SolvedBearing, findings: MarchFindings) -> BearingN
         loads=_loads(bearing),
         angles=_angles(bearing),
         housing=housing_numbers(bearing, radial=rigid.radial, doubts=doubts),
+        films=_films(bearing),
         contacts=findings.contacts,
         effort=BearingEffort(march_cpu_s=None),
         departures=tuple(departures(scene)),
@@ -117,6 +119,19 @@ def _loads(bearing: SolvedBearing) -> BallLoads:
         least_n=float(loads.min()),
         mean_n=float(loads.mean()),
         mean_at_angles_n=tuple(None if math.isnan(load) else load for load in around),
+    )
+
+
+def _films(bearing: SolvedBearing) -> tuple[FilmNumbers, ...]:
+    """Return the films of oil on both raceways."""
+    return tuple(
+        FilmNumbers(
+            raceway=ring,
+            thickness_m=film.thickness_m,
+            ratio=film.ratio if math.isfinite(film.ratio) else None,
+            weight=film.weight,
+        )
+        for ring, film in bearing.scene.films.items()
     )
 
 

@@ -41,7 +41,7 @@ def sentences(scene: BearingScene, numbers: BearingNumbers) -> list[str]:
     texts += [rigid_sentence(numbers), housing_sentence(numbers)]
     texts += [leading_lines(numbers), unresolved_lines(numbers)]
     texts += fault_sentences(scene, numbers)
-    texts.append(load_sentence(numbers))
+    texts += [load_sentence(numbers), film_sentence(numbers)]
     if numbers.departures:
         texts.append(f"Not ISO 15242: {'; '.join(numbers.departures)}.")
     return [text for text in texts if text]
@@ -311,3 +311,22 @@ def load_sentence(numbers: BearingNumbers) -> str:
     if least == largest:
         return f"The load of a ball is {least} N."
     return f"The load of a ball is {least} to {largest} N."
+
+
+def film_sentence(numbers: BearingNumbers) -> str:
+    """Say how thick the films of oil are, and whether they part the surfaces; empty without oil."""
+    if not numbers.films:
+        return ""
+    texts = []
+    for film in numbers.films:
+        ratio = "on a smooth surface"
+        if film.ratio is not None:
+            ratio = f"{rounded(film.ratio, 2)} times the rms roughness"
+        texts.append(f"{si(film.thickness_m, 'm')} on the {film.raceway} raceway, {ratio}")
+    weights = [film.weight for film in numbers.films]
+    verdict = "The surfaces touch in part, and count so."
+    if min(weights) >= 1:
+        verdict = "It parts the surfaces."
+    elif max(weights) <= 0:
+        verdict = "The surfaces touch, as in a dry contact."
+    return f"The film of oil is {_listed(texts)}. {verdict}"

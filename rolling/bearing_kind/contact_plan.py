@@ -8,8 +8,8 @@ they enter by the linear response of the contact.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -17,6 +17,7 @@ from acoustics.arrays import short_repr
 from acoustics.numbers import rounded, rounded_down
 from rolling.bearing import waves
 from rolling.bearing.geometry import BearingGeometry, RacewayContact
+from rolling.bearing.oil_film import ContactFilm
 from rolling.bearing_kind.faults import FaultStretch, fault_stretches
 from rolling.bearing_kind.rough_contacts import (
     ContactKind,
@@ -52,6 +53,7 @@ class ContactPlan:
     folder : Path. Folder from which relative paths of height files start.
     rough : dict. Rough contacts by name.
     faults : tuple of FaultStretch.
+    films : dict. Films of oil on the inner and on the outer raceway; none in dry contacts.
     """
 
     __repr__ = short_repr
@@ -63,6 +65,7 @@ class ContactPlan:
     folder: Path
     rough: dict[str, RoughContact]
     faults: tuple[FaultStretch, ...]
+    films: Mapping[str, ContactFilm] = field(default_factory=dict)
 
     @property
     def stages(self) -> list[list[Scene]]:
@@ -125,6 +128,7 @@ def contact_plan(scene: BearingScene) -> ContactPlan:
         fault_ball=surfaces.fault_ball,
         folder=scene.folder,
     )
+    plan = replace(plan, films=scene.films)
     _refuse_long_steps(scene, plan)
     return plan
 
@@ -160,6 +164,11 @@ def _refuse_long_steps(scene: BearingScene, plan: ContactPlan) -> None:
 def body_of(name: str) -> str:
     """Return the body whose roughness a kind of contact meets: inner, outer or balls."""
     return name.partition("-")[0]
+
+
+def ring_of(name: str) -> str:
+    """Return the raceway of a kind of contact by its name: inner or outer."""
+    return "inner" if name.endswith("inner") else "outer"
 
 
 def contact_of(geometry: BearingGeometry, name: str) -> RacewayContact:

@@ -8,7 +8,8 @@ band that is uncertain by some decibels makes the band uncertain by its share of
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -16,12 +17,17 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.continued_rows import drawn_lines
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
-from rolling.bearing.band_uncertainty import WINDOW, BandUncertainty
+from rolling.bearing.band_uncertainty import FILM, WINDOW, BandUncertainty, DecibelsOfBands
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL, RingRecord
 from rolling.bearing_kind.contact_plan import ContactPlan, body_of, radius_of
-from rolling.bearing_kind.joined_tracks import rough_rows
+from rolling.bearing_kind.joined_tracks import (
+    BETWEEN_LAWS,
+    CIRCULAR_LAW,
+    LINE_LAW,
+    acting_rows,
+)
 from rolling.bearing_kind.rough_contacts import RoughContact
 from rolling.run.march_files import Marches
 
@@ -62,17 +68,23 @@ def is_whole_turn(plan: ContactPlan, contact: RoughContact) -> bool:
 
 
 def roughness_powers(
-    plan: ContactPlan, marches: Marches, model: BearingModel
+    plan: ContactPlan,
+    marches: Marches,
+    model: BearingModel,
+    law: str = BETWEEN_LAWS,
+    weight: float | None = None,
 ) -> dict[str, RoughnessPower]:
     """Return the power with which the roughness of each kind of contact moves the ring.
 
-    Balls meet a random roughness at places of their own, so the powers of their forces add.
+    Balls meet a random roughness at places of their own, so the powers of their forces add. `law`
+    and `weight` are those of films, as of `acting_rows`.
     """
     frequency_hz = shown_hz()
     gain = velocity_per_approach(model, frequency_hz)
     powers = {}
     for name, contact in plan.rough.items():
-        row = rough_rows(contact, marches)[contact.loads_n.index(contact.middle_load_n)]
+        rows = acting_rows(plan, contact, marches, law, weight)
+        row = rows[contact.loads_n.index(contact.middle_load_n)]
         line_hz = model.kinematics.rolling_speed_m_s / track_length_m(contact)
         lines = np.square(np.abs(np.fft.rfft(row))) * 2 / len(row) ** 2
         number = np.clip(np.rint(frequency_hz / line_hz).astype(int), 1, len(lines) - 1)
@@ -155,7 +167,62 @@ def contact_uncertainty(
     short = [name for name, contact in plan.rough.items() if not is_whole_turn(plan, contact)]
     if short:
         uncertainty = uncertainty.with_part(WINDOW, _window_db(short, powers, shares))
+    if plan.films and powers:
+        changes = _FilmChanges(plan, marches, model, powers, record)
+        uncertainty = uncertainty.with_part(FILM, changes.decibels)
     return uncertainty
+
+
+@dataclass(frozen=True)
+class _FilmChanges:
+    """What films would make of the bands of a ring by another law, or with another weight.
+
+    Form, waves and faults stay as they are.
+    """
+
+    plan: ContactPlan
+    marches: Marches
+    model: BearingModel
+    powers: Mapping[str, RoughnessPower]
+    record: RingRecord
+
+    @property
+    def decibels(self) -> dict[str, dict[str, float]]:
+        """Standard uncertainty by films [dB]: both laws are as likely, and all weights between."""
+        laws = [self._changes(law=law) for law in (CIRCULAR_LAW, LINE_LAW)]
+        is_mixed = any(0 < film.weight < 1 for film in self.plan.films.values())
+        ends = [self._changes(weight=weight) for weight in (0.0, 1.0)] if is_mixed else []
+        return {
+            direction: {
+                band: math.hypot(
+                    _range(laws, direction, band) / 2, _range(ends, direction, band) / math.sqrt(12)
+                )
+                for band in VELOCITY_BANDS_HZ
+            }
+            for direction in DIRECTIONS
+        }
+
+    def _changes(
+        self, law: str = BETWEEN_LAWS, weight: float | None = None
+    ) -> dict[str, dict[str, float]]:
+        """Return the changes of the bands [dB] by another law or weight of the films."""
+        others = roughness_powers(self.plan, self.marches, self.model, law, weight)
+        changes: dict[str, dict[str, float]] = {}
+        for direction in DIRECTIONS:
+            changes[direction] = {}
+            for band, rms in self.record.bands[direction].rms_m_s.items():
+                own = sum(power.of_band(direction, band).sum() for power in self.powers.values())
+                other = sum(power.of_band(direction, band).sum() for power in others.values())
+                whole = max(rms**2, own, np.finfo(float).tiny)
+                ratio = max((whole - own + other) / whole, np.finfo(float).tiny)
+                changes[direction][band] = 10 * math.log10(ratio)
+        return changes
+
+
+def _range(changes: Sequence[DecibelsOfBands], direction: str, band: str) -> float:
+    """Return the range of the changes of a band [dB], 0 of none."""
+    values = [change[direction][band] for change in changes]
+    return max(values) - min(values) if values else 0.0
 
 
 def _window_db(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from acoustics.arrays import Array
 from rolling.bearing import waves
+from rolling.bearing.oil_film import ContactFilm
 from rolling.bearing.tracks import BearingTracks, BodyTrack, smooth_track
 from rolling.bearing_kind.contact_plan import (
     RINGS,
@@ -16,6 +17,7 @@ from rolling.bearing_kind.contact_plan import (
     contact_of,
     kinds_of_contact,
     radius_of,
+    ring_of,
 )
 from rolling.bearing_kind.faults import FaultStretch, added_at_angle
 from rolling.bearing_kind.rough_contacts import RoughContact
@@ -34,6 +36,10 @@ POINTS_PER_WAVE = 8  # at least, so that a wave of a high order is not taken for
 # Parts of seeds, so that roughness and place of balls differ.
 _ROUGHNESS = 1
 _PLACE = 2
+# Laws of waves in films.
+CIRCULAR_LAW = "circular"
+LINE_LAW = "line"
+BETWEEN_LAWS = "between"
 
 
 def bearing_tracks(
@@ -61,7 +67,7 @@ def bearing_tracks(
     BearingTracks
     """
     known = marches or {}
-    rows = {name: rough_rows(contact, known) for name, contact in plan.rough.items()}
+    rows = {name: acting_rows(plan, contact, known) for name, contact in plan.rough.items()}
     solved = _Solved(
         plan=plan,
         rows=rows,
@@ -220,12 +226,16 @@ def _forms(
         add_faults(line, steps, 2 * np.pi * radius / points)
         profile += line[:, 0]
     if profile.any():
-        forms.append(waves.approach_of_profile(profile, radius, contact, plan.loads_n))
+        rows = waves.approach_of_profile(profile, radius, contact, plan.loads_n)
+        forms.append(rows_through_film(rows, plan.loads_n, 2 * np.pi * radius, film_of(plan, name)))
     if isinstance(surface, BallHeightFile) and name not in plan.rough:
         path = plan.folder / surface.path
         heights = read_heights(path, surface.height_unit, "bearing.surfaces")
         spacing = (2 * np.pi * radius / len(heights), surface.spacing_um * 1e-6)
         measured = waves.approach_of_heights(heights, spacing, contact, plan.loads_n)
+        measured = rows_through_film(
+            measured, plan.loads_n, 2 * np.pi * radius, film_of(plan, name)
+        )
         forms.append(without_eccentricity(measured))
     return forms
 
@@ -235,6 +245,88 @@ def without_eccentricity(rows: Array) -> Array:
     waves_of_rows = np.fft.rfft(rows, axis=1)
     waves_of_rows[:, :2] = 0.0
     return np.asarray(np.fft.irfft(waves_of_rows, rows.shape[1], axis=1))
+
+
+# ---- films of oil
+
+
+def film_of(plan: ContactPlan, name: str) -> ContactFilm | None:
+    """Return the film of a kind of contact by its name; None for a dry one."""
+    return plan.films.get(ring_of(name))
+
+
+def acting_rows(
+    plan: ContactPlan,
+    contact: RoughContact,
+    marches: Marches,
+    law: str = BETWEEN_LAWS,
+    weight: float | None = None,
+) -> Array:
+    """Return the changes of the approach that act at all loads [m], (loads, steps).
+
+    They are those of the march in a dry contact, those of the linear response through a film where
+    it parts the surfaces, and both by their weights between.
+
+    Parameters
+    ----------
+    plan : ContactPlan
+        Contacts of the bearing, and their films.
+    contact : RoughContact
+        Rough contact.
+    marches : dict
+        Marches by contact identity.
+    law : str
+        Law of waves in a film, as of `rows_through_film`.
+    weight : float, optional
+        Weight of the film. Default: that of its thickness over the roughness.
+    """
+    dry = rough_rows(contact, marches)
+    film = film_of(plan, contact.name)
+    if film is None:
+        return dry
+    weight = film.weight if weight is None else weight
+    length_m = contact.steps * contact.scene.step
+    wet = rows_through_film(
+        contact.own_linear_rows, contact.loads_n, length_m, film, law=law, weight=1.0
+    )
+    return (1 - weight) * dry + weight * wet
+
+
+def rows_through_film(
+    rows: Array,
+    loads_n: Sequence[float],
+    length_m: float,
+    film: ContactFilm | None,
+    law: str = BETWEEN_LAWS,
+    weight: float | None = None,
+) -> Array:
+    """Return the linear response at some loads as it acts through a film, (loads, points).
+
+    Parameters
+    ----------
+    rows : array (loads, points), m
+        Linear changes of the approach along a closed track.
+    loads_n : sequence of float, N
+        Loads.
+    length_m : float, m
+        Length of the track.
+    film : ContactFilm or None
+        Film; None for a dry contact.
+    law : str
+        Law of waves in a film: circular, line, or their geometric mean.
+    weight : float, optional
+        Weight of the film. Default: that of its thickness over the roughness.
+    """
+    if film is None:
+        return rows
+    weight = film.weight if weight is None else weight
+    lines = np.fft.rfft(rows, axis=1)
+    number = np.arange(1, lines.shape[1])
+    for place, load in enumerate(loads_n):
+        circular, line = film.at_load(load).pressed_shares(length_m / number)
+        shares = {CIRCULAR_LAW: circular, LINE_LAW: line, BETWEEN_LAWS: np.sqrt(circular * line)}
+        lines[place, 1:] *= 1 - weight + weight * shares[law]
+    return np.asarray(np.fft.irfft(lines, rows.shape[1], axis=1))
 
 
 # ---- marches

@@ -11,6 +11,7 @@ import numpy as np
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing import assumed_damping
 from rolling.bearing.band_uncertainty import (
+    FILM_DAMPING,
     LOSS_FACTOR,
     RECORD,
     BandUncertainty,
@@ -123,16 +124,18 @@ def _uncertainty(
         direction: bearing.record.bands[direction].uncertainty_db for direction in DIRECTIONS
     }
     parts = of_contacts.with_part(RECORD, of_record)
-    if has_assumed_loss_factor(bearing.scene):
-        parts = parts.with_part(LOSS_FACTOR, _loss_factor_db(bearing, bands_hz))
+    record, model = bearing.record, bearing.model
+    if model.film_time_s > 0:
+        damping_db = assumed_damping.film_damping_db(record, model, bands_hz)
+        parts = parts.with_part(FILM_DAMPING, _of_moving(bearing, damping_db))
+    elif has_assumed_loss_factor(bearing.scene):
+        damping_db = assumed_damping.loss_factor_db(record, model, bands_hz)
+        parts = parts.with_part(LOSS_FACTOR, _of_moving(bearing, damping_db))
     return parts
 
 
-def _loss_factor_db(
-    bearing: SolvedBearing, bands_hz: Mapping[str, tuple[float, float]]
-) -> DecibelsOfBands:
-    """Return what an assumed loss factor leaves uncertain in bands [dB], 0 in those at rest."""
-    decibels = assumed_damping.loss_factor_db(bearing.record, bearing.model, bands_hz)
+def _of_moving(bearing: SolvedBearing, decibels: DecibelsOfBands) -> DecibelsOfBands:
+    """Return what is uncertain in bands [dB], 0 in those at rest."""
     whole_um_s = _whole_um_s(bearing)
     return {
         direction: {

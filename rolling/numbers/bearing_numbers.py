@@ -211,6 +211,19 @@ class AngleNumbers:
 
 
 @dataclass(frozen=True, kw_only=True)
+class FilmNumbers:
+    """Film of oil between the balls and a raceway."""
+
+    raceway: str = number("inner or outer", "")
+    thickness_m: float = number("thickness in the middle of a contact at the mean load", "m")
+    ratio: float | None = number(
+        "thickness over the rms roughness of both surfaces, lambda; none on smooth ones",
+        default=None,
+    )
+    weight: float = number("weight of the film beside the dry march, 0 to 1")
+
+
+@dataclass(frozen=True, kw_only=True)
 class HousingNumbers:
     """Sound and motion of the housing plate."""
 
@@ -279,6 +292,8 @@ class BearingNumbers:
         and processor times.
     housing : HousingNumbers or None
         The housing plate, if the scene has one.
+    films : tuple of FilmNumbers
+        Films of oil on both raceways; none in dry contacts.
     contacts : tuple of MarchedContact
         Rough contacts that were marched.
     departures : tuple of str
@@ -317,6 +332,7 @@ class BearingNumbers:
     loads: BallLoads = group("loads of the balls")
     angles: AngleNumbers = group("contact angles")
     housing: HousingNumbers | None = group("the housing plate", default=None)
+    films: tuple[FilmNumbers, ...] = group("films of oil; none in dry contacts", default=())
     contacts: tuple[MarchedContact, ...] = group("rough contacts that were marched", default=())
     effort: BearingEffort = group("processor times")
     departures: tuple[str, ...] = number(

@@ -26,7 +26,7 @@ from rolling.scene.bearing_lengths import angle_of, clearance_of, groove_distanc
 from rolling.scene.height_grid import mistakes_at
 from rolling.scene.laws import refuse_misplaced
 from rolling.scene.messages import Key, SceneError, mistake, plain_number
-from rolling.scene.surfaces import BallSurface
+from rolling.scene.surfaces import BallHeightFile, BallSurface
 from rolling.surface.ball_form import WAVE_NODES
 
 if TYPE_CHECKING:
@@ -150,12 +150,40 @@ def mistakes_of_bearing(bearing: Bearing) -> Iterator[PydanticCustomError]:
             " a radial displacement does; or bearing.angle moving",
             at=".tilt",
         )
+    if bearing.oil is not None and bearing.oil.roughness_rq_um is None:
+        yield from _mistakes_of_film(bearing)
     if bearing.surfaces.fault_ball >= bearing.balls:
         yield mistake(
             f"got {bearing.surfaces.fault_ball}, allowed: 0 to {bearing.balls - 1}, the numbers of"
             " the balls",
             at=".surfaces.fault_ball",
         )
+
+
+def _mistakes_of_film(bearing: Bearing) -> Iterator[PydanticCustomError]:
+    """Yield the mistake of a film beside heights whose roughness no law tells."""
+    for name in ("balls", "inner", "outer"):
+        surface = getattr(bearing.surfaces, name)
+        if isinstance(surface, BallHeightFile):
+            yield mistake(
+                f"missing; a film is compared to the rms roughness, which the file of {name} does"
+                " not tell apart from form",
+                at=".oil.roughness_rq_um",
+            )
+            return
+
+
+def rms_roughness_m(bearing: Bearing, ring: str) -> float:
+    """Return the rms roughness [m] of the balls and a raceway together."""
+    assert bearing.oil is not None
+    if bearing.oil.roughness_rq_um is not None:
+        return 1e-6 * bearing.oil.roughness_rq_um
+    square = 0.0
+    for surface in (bearing.surfaces.balls, getattr(bearing.surfaces, ring)):
+        law = getattr(surface, "law", None)
+        if law is not None:
+            square += law.rq_m**2
+    return math.sqrt(square)
 
 
 def _mistakes_of_balls(bearing: Bearing) -> Iterator[PydanticCustomError]:

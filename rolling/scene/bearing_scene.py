@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
 
+import numpy as np
 from pydantic import (
     BeforeValidator,
     Field,
@@ -20,7 +21,17 @@ from rolling.bearing.geometry import BearingGeometry
 from rolling.bearing.kinematics import Kinematics
 from rolling.bearing.linear_ring import gyration_squared
 from rolling.bearing.model import BearingModel
+from rolling.bearing.oil_film import (
+    TIME_S,
+    USUAL_SLOPE,
+    ContactFilm,
+    Oil,
+    contact_film,
+    kinematic_viscosity_mm2_s,
+    viscosity_slope,
+)
 from rolling.bearing.ring_bending import GroovedSection, RingBending
+from rolling.bearing.static_load import balances_around
 from rolling.scene import bearing_rules
 from rolling.scene import sweep as sweeps
 from rolling.scene.bearing_lengths import RingSection, ring_section
@@ -226,7 +237,54 @@ class BearingQuantities(SweptScene):
             angle=self.bearing.angle,
             bending=self.ring_bending.modes if self.bearing.ring == "elastic" else (),
             tilt_inertia_kg_m2=self._tilt_inertia if self.bearing.tilt == "free" else None,
+            film_time_s=self._film_time,
         )
+
+    @property
+    def _film_time(self) -> float:
+        """Viscosity of the films over the contact stiffness [s], 0 in dry contacts."""
+        films = self.films.values()
+        return TIME_S * sum(film.weight for film in films) / 2
+
+    @cached_property
+    def films(self) -> dict[str, ContactFilm]:
+        """Films of oil on the inner and on the outer raceway, none in dry contacts."""
+        given = self.bearing.oil
+        if given is None:
+            return {}
+        slope = USUAL_SLOPE
+        if given.viscosity_100_mm2_s is not None:
+            slope = viscosity_slope(given.viscosity_40_mm2_s, given.viscosity_100_mm2_s)
+        kinematic = kinematic_viscosity_mm2_s(given.temperature_c, given.viscosity_40_mm2_s, slope)
+        oil = Oil(
+            viscosity_pa_s=1e-6 * kinematic * given.density_kg_m3,
+            pressure_viscosity_per_pa=1e-9 * given.pressure_viscosity_per_gpa,
+        )
+        load = self._mean_ball_load
+        return {
+            ring: contact_film(
+                contact=getattr(self.geometry, ring),
+                load_n=load,
+                rolling_speed_m_s=self.kinematics.rolling_speed_m_s,
+                oil=oil,
+                roughness_m=bearing_rules.rms_roughness_m(self.bearing, ring),
+            )
+            for ring in ("inner", "outer")
+        }
+
+    @property
+    def _mean_ball_load(self) -> float:
+        """Mean load of a ball that bears some [N], over the places of the cage."""
+        balances = balances_around(
+            self.geometry,
+            axial_load_n=self.axial_load,
+            radial_load_n=self.radial_load,
+            gap_m=self.gap,
+            moving=self.kinematics.moving,
+            angle=self.bearing.angle,
+        )
+        loads = np.concatenate([balance.ball_load_n for balance in balances])
+        return float(loads[loads > 0].mean())
 
     @property
     def _tilt_inertia(self) -> float:
@@ -361,7 +419,7 @@ class BearingScene(BearingQuantities):
     def __copy__(self) -> Self:
         copied = super().__copy__()
         # a copy may be given other values
-        for name in ("geometry", "kinematics", "model", "ring_bending"):
+        for name in ("geometry", "kinematics", "model", "ring_bending", "films"):
             copied.__dict__.pop(name, None)
         return copied
 

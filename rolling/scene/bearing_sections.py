@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from rolling.bearing.contact_lines import Angle
+from rolling.bearing.oil_film import USUAL_DENSITY_KG_M3, USUAL_PRESSURE_VISCOSITY_PER_GPA
 from rolling.scene import bearing_rules, library, rules
 from rolling.scene.messages import mistake, mistakes_together
 from rolling.scene.models import Section
@@ -56,6 +57,53 @@ class BearingSurfaces(Section):
     inner: RacewaySurface | None = Field(default=None, discriminator="kind")
     outer: RacewaySurface | None = Field(default=None, discriminator="kind")
     fault_ball: int = Field(default=0, ge=0)
+
+
+class BearingOil(Section):
+    """Oil between balls and raceways, of which the contacts have as much as they draw in.
+
+    Attributes
+    ----------
+    viscosity_40_mm2_s : float
+        Kinematic viscosity at 40 degrees C [mm2/s], the number of a grade such as ISO VG 32
+    viscosity_100_mm2_s : float, optional
+        Kinematic viscosity at 100 degrees C [mm2/s]. Default: as usual mineral oils have it.
+    temperature_c : float
+        Temperature of the contacts [degrees C]
+    density_kg_m3 : float
+        Density [kg/m3]
+    pressure_viscosity_per_gpa : float
+        Growth of the logarithm of the viscosity with the pressure [1/GPa]
+    roughness_rq_um : float, optional
+        Rms roughness of ball and raceway together [um], to which the film is compared. Default:
+        from the laws of both surfaces.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.BearingOil(viscosity_40_mm2_s=32).temperature_c
+    40.0
+    """
+
+    SECTION: ClassVar[str] = "bearing.oil"
+
+    viscosity_40_mm2_s: float = Field(ge=2, le=1e4)
+    viscosity_100_mm2_s: float | None = Field(default=None, ge=1, le=1e4)
+    temperature_c: float = Field(default=40.0, ge=-20, le=150)
+    density_kg_m3: float = Field(default=USUAL_DENSITY_KG_M3, ge=600, le=2000)
+    pressure_viscosity_per_gpa: float = Field(default=USUAL_PRESSURE_VISCOSITY_PER_GPA, ge=1, le=60)
+    roughness_rq_um: float | None = Field(default=None, ge=0, le=10)
+
+    @model_validator(mode="after")
+    def _thins_out(self) -> Self:
+        """Refuse an oil that is not thinner at 100 degrees than at 40."""
+        warm = self.viscosity_100_mm2_s
+        if warm is not None and warm >= self.viscosity_40_mm2_s:
+            raise mistake(
+                f"got {warm:g}, allowed: below viscosity_40_mm2_s, {self.viscosity_40_mm2_s:g}",
+                at=".viscosity_100_mm2_s",
+            )
+        return self
 
 
 class Bearing(Section):
@@ -123,6 +171,9 @@ class Bearing(Section):
     ball_inertia : bool
         Whether balls move with their mass, and with their centrifugal force. Otherwise they have
         none, which holds up to some 10 kHz.
+    oil : BearingOil, optional
+        Oil, whose film parts balls and raceways, presses waves flat and damps. Default: none, so
+        the contacts are dry.
     surfaces : BearingSurfaces
         Surfaces of balls and raceways
 
@@ -161,6 +212,7 @@ class Bearing(Section):
     ring_mass_kg: float | None = Field(default=None, gt=0)
     contact_loss_factor: float = Field(default=0.02, ge=0, le=1)
     ball_inertia: bool = False
+    oil: BearingOil | None = None
     surfaces: BearingSurfaces = Field(default_factory=BearingSurfaces)
 
     @model_validator(mode="after")

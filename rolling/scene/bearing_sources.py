@@ -10,6 +10,12 @@ _DEFAULTS = (
     "conformity_outer",
     "contact_loss_factor",
 )
+_OF_OIL = (
+    "viscosity_100_mm2_s",
+    "temperature_c",
+    "density_kg_m3",
+    "pressure_viscosity_per_gpa",
+)
 _ESTIMATES = ("bore_mm", "outside_diameter_mm", "width_mm", "ring_mass_kg")
 
 
@@ -54,4 +60,7 @@ def assumed_keys(scene: BearingQuantities) -> list[str]:
     if bearing.contact_angle_deg is None and bearing.radial_clearance_um is None:
         keys.append("radial_clearance_um")  # 0, which a radial load alone allows
     keys += [key for key in _ESTIMATES if getattr(bearing, key) is None]
+    if bearing.oil is not None:
+        given = bearing.oil.model_fields_set
+        keys += [f"oil.{key}" for key in _OF_OIL if key not in given]
     return keys
