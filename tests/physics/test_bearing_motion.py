@@ -447,6 +447,51 @@ def test_single_waves_at_moving_angles(order: int, amplitude_um: float, um_s: fl
     assert line.velocity["axial"] * amplitude_um / np.sqrt(2) == pytest.approx(um_s, rel=0.005)
 
 
+@pytest.mark.law("Bearing: single waves with losses are those of an own integration.")
+@pytest.mark.parametrize(("order", "amplitude_um", "um_s"), [(8, 0.05, 130), (64, 0.005, 147)])
+def test_single_waves_by_an_own_integration(order: int, amplitude_um: float, um_s: float) -> None:
+    """Orders q Z press all eight balls alike, so a ring on exact grooves has one equation.
+
+    The centres of the grooves are A apart, on a line that the way z along the axis turns. The loss
+    factor 0.02 is that of the stiffness at rest, at the axial resonance.
+    """
+    from scipy.integrate import solve_ivp
+    from scipy.optimize import brentq
+
+    scene = rolling.BearingScene(
+        bearing=rolling.Bearing(named="6204", speed_rpm=1800, axial_load_n=70, angle="moving")
+    )
+    geometry, mass = scene.geometry, scene.model.ring_mass_kg
+    distance, angle = geometry.groove_distance_m, geometry.contact_angle
+    line_hz = order / 8 * scene.kinematics.ball_pass_inner_hz
+
+    def force(way: float, height: float = 0.0) -> float:
+        length = np.hypot(distance * cos(angle), distance * sin(angle) + way)
+        load = geometry.series_stiffness * (length - distance + height) ** 1.5
+        return float(8 * load * (distance * sin(angle) + way) / length)
+
+    rest = brentq(lambda way: force(way) - 70.0, 1e-9, 1e-4, xtol=1e-15)
+    stiffness = (force(rest + 1e-9) - force(rest - 1e-9)) / 2e-9
+    viscous = 0.02 * np.sqrt(stiffness * mass)
+
+    def rates(time: float, state: np.ndarray) -> list[float]:
+        height = 1e-6 * amplitude_um * np.cos(2 * pi * line_hz * time)
+        pushed = 70.0 - force(state[0], height) - viscous * state[1]
+        return [state[1], pushed / mass]
+
+    times = np.linspace(0.05, 0.06, 2000)
+    solution = solve_ivp(
+        rates, (0.0, 0.06), [rest, 0.0], method="DOP853", t_eval=times, rtol=1e-8, atol=1e-13
+    )
+    tone = np.exp(-2j * pi * line_hz * times)
+    window = np.hanning(len(times))
+    seen = abs(2 * np.sum(window * tone * solution.y[1]) / np.sum(window)) / np.sqrt(2)
+    assert 1e6 * seen == pytest.approx(um_s, rel=0.02)
+    waves = with_waves(smooth_tracks(geometry), inner={order: 1e-6 * amplitude_um})
+    found, _ = amplitudes(move_ring(scene.model, waves, 0.1), [line_hz])
+    assert np.sqrt(2) * pi * line_hz * found[0, 2] == pytest.approx(seen, rel=0.02)
+
+
 def test_balls_with_mass_keep_to_lines_that_turn() -> None:
     """Far below their bounce they change the axial motion of a wave by less than a hundredth."""
     waves = with_waves(smooth_tracks(bearing()), inner={8: 20e-9})
