@@ -196,9 +196,7 @@ def _band_rows(numbers: BearingNumbers) -> list[tuple[str, list[tuple[str, str]]
     Bands end where the ring bends. What they have with a rigid ring above follows.
     """
     holds_hz = numbers.ring.holds_hz
-    ring = (
-        "of a ring that stays rigid" if numbers.ring.left_out_hz is None else "with what is above"
-    )
+    above = bearing_sentences.above(numbers.ring)
     below = numbers.below_bending.by_direction.values()
     rigid = numbers.velocities.by_direction.values()
     rows = []
@@ -208,7 +206,7 @@ def _band_rows(numbers: BearingNumbers) -> list[tuple[str, list[tuple[str, str]]
         if holds_hz >= high:
             continue
         cells = [_cell(velocities.by_band[band]) for velocities in rigid]
-        rows.append((f"{bearing_sentences.BAND_WORDS[band]}, {ring}", cells))
+        rows.append((f"{bearing_sentences.BAND_WORDS[band]}, {above}", cells))
     return rows
 
 
