@@ -319,7 +319,7 @@ class BearingQuantities(SweptScene):
     @property
     def ring_holds_hz(self) -> float:
         """Frequency [Hz] up to which the ring moves as its key `ring` has it."""
-        if self.bearing.ring == "elastic":
+        if self.model.bending:
             return self.ring_bending.left_out_hz
         return self.ring_bending_hz
 

@@ -340,6 +340,38 @@ def test_resound_names_the_key_with_which_rough_contacts_are_others(
     assert mistake.startswith(f"--set: {named}: ")
 
 
+@pytest.mark.law("Bearing run: an elastic ring in oil is stored and opened as it moved.")
+def test_an_elastic_ring_in_oil_is_kept(tmp_path: Path) -> None:
+    """Bending and turns stand in the record, the sensor sees its place, and the film is told."""
+    changes = {
+        "bearing.angle": "moving",
+        "bearing.ring": "elastic",
+        "bearing.tilt": "free",
+        "bearing.sensor_deg": 90,
+        "bearing.oil": {"viscosity_40_mm2_s": 32, "roughness_rq_um": 0.05},
+    }
+    scene = loads_bearing(WAVY).with_(changes)
+    made = rolling.simulate(scene, progress=False)
+    assert made.record.velocity_m_s.shape[1] == 9
+    made.save(tmp_path / "kept")
+    opened = rolling.open_run(tmp_path / "kept")
+    np.testing.assert_array_equal(opened.record.radial_columns, [0, 1, 3, 4, 5, 6])
+    seen = made.record.seen_velocity_m_s
+    rounding = 1e-6 * np.abs(seen).max()
+    np.testing.assert_allclose(opened.record.seen_velocity_m_s, seen, atol=rounding)
+    assert "".join(opened.to_xarray()["axis"].astype(str).values) == "xyzabcduv"
+    numbers = opened.numbers
+    assert numbers == made.numbers
+    assert len(numbers.ring.resonances_hz) == 9
+    assert numbers.ring.left_out_hz == pytest.approx(11557, rel=1e-3)
+    assert "(1,800 to 10,000 Hz)" in numbers.sentences[0]
+    ratios = [film.ratio for film in numbers.films]
+    assert min(ratios) > 3 and "It parts the surfaces." in numbers.sentences[-1]
+    high = numbers.velocities.radial.high
+    assert high.parts["film_damping"] > 0 and "loss_factor" not in high.parts
+    assert page_of([opened])
+
+
 @pytest.mark.law("Bearing run: the velocity below the bending of the ring leads.")
 def test_the_velocity_below_the_bending_leads(run: BearingRun) -> None:
     """A 6204 bends from 5.7 kHz on; tones at 3 and 8 kHz lie on either side of it."""
