@@ -361,14 +361,14 @@ def test_an_elastic_ring_in_oil_is_kept(tmp_path: Path) -> None:
     np.testing.assert_allclose(opened.record.seen_velocity_m_s, seen, atol=rounding)
     assert "".join(opened.to_xarray()["axis"].astype(str).values) == "xyzabcduv"
     numbers = opened.numbers
-    assert numbers == made.numbers
+    assert numbers == replace(made.numbers, effort=numbers.effort)  # the page took its time
     assert len(numbers.ring.resonances_hz) == 9
     assert numbers.ring.left_out_hz == pytest.approx(11557, rel=1e-3)
     assert "(1,800 to 10,000 Hz)" in numbers.sentences[0]
     ratios = [film.ratio for film in numbers.films]
     assert min(ratios) > 3 and "It parts the surfaces." in numbers.sentences[-1]
-    high = numbers.velocities.radial.high
-    assert high.parts["film_damping"] > 0 and "loss_factor" not in high.parts
+    parts = numbers.velocities.radial.high.parts
+    assert "film_damping" in parts and "loss_factor" not in parts
     assert page_of([opened])
 
 

@@ -25,9 +25,9 @@ RATE = 48_000
 GAUSSIAN = "{{kind: gaussian, roughness_ra_um: {ra}, correlation_length_um: {length}, seed: 1}}"
 
 
-def noisy_bearing() -> SolvedBearing:
+def noisy_bearing(*overrides: str) -> SolvedBearing:
     """Return a bearing in a plate with a short record of noise, lost contact and lost energy."""
-    scene = loads_bearing(WAVY + PLATE)
+    scene = loads_bearing(WAVY + PLATE, overrides)
     velocity = 1e-4 * np.random.default_rng(1).standard_normal((RATE // 10, 3))
     record = RingRecord(
         rate_hz=RATE,
@@ -41,16 +41,25 @@ def noisy_bearing() -> SolvedBearing:
     return solved(scene, record, smooth_tracks(scene.geometry))
 
 
-def test_each_rule_about_a_run_raises_its_doubt() -> None:
-    bearing = noisy_bearing()
+def judged_bearing(bearing: SolvedBearing) -> JudgedBearing:
+    """Return a bearing with a doubt about its contacts, to be judged."""
     no_parts = BandUncertainty()
-    judged = JudgedBearing(
+    return JudgedBearing(
         bearing,
         rigid=rigid_velocities(bearing, no_parts),
         below_bending=velocities_below_bending(bearing, no_parts),
         of_contacts=[Doubt("window", "a short window", Severity.INDICATIVE)],
     )
-    assert {rule for rule in bearing_doubts.RULES if [*rule(judged)]} == set(bearing_doubts.RULES)
+
+
+def test_each_rule_about_a_run_raises_its_doubt() -> None:
+    """Dry contacts have an assumed loss factor, and those in oil the viscosity of their films."""
+    judged = judged_bearing(noisy_bearing())
+    wet = judged_bearing(noisy_bearing("bearing.oil={viscosity_40_mm2_s: 32}"))
+    rules = {rule for rule in bearing_doubts.RULES if [*rule(judged)]}
+    in_oil = {rule for rule in bearing_doubts.RULES if [*rule(wet)]}
+    assert set(bearing_doubts.RULES) - rules == {bearing_doubts.film_damping}
+    assert set(bearing_doubts.RULES) - in_oil == {bearing_doubts.assumed_loss_factor}
     found = {doubt.key: doubt for doubt in bearing_doubts.doubts_of(judged)}
     assert {"window", "short_record", "loss_factor", "contact_angle"} <= found.keys()
     assert {"lost_contact", "energy_balance"} <= found.keys()
