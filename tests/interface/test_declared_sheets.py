@@ -166,7 +166,7 @@ def test_the_sheet_of_a_bearing_has_its_bands(plate: str) -> None:
     vibration, *others = kind_of(run.scene).sheets(run)
     bands, pulses, lines, _ = vibration.tables
     below = run.numbers.below_bending
-    shown = bearing_sentences.band_words(run.numbers.ring.bending_hz)
+    shown = bearing_sentences.band_words(run.numbers.ring)
     for row in bands.rows[: 2 * len(shown)]:
         direction, band = row.symbol.split(", ")
         velocity = below.by_direction[direction].by_band[band]
