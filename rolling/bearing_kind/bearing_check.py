@@ -474,6 +474,8 @@ def _cost(plan: ContactPlan) -> Iterator[Finding]:
     marches = different_marches([plan]).values()
     seconds = marches_seconds(marches)
     text = "none, nothing is rough"
+    if plan.rough:
+        text = "none, films of oil part the rough surfaces"
     if marches:
         text = f"{len(marches)}, {cost.computing(seconds)}"
     yield Finding("marches", "marches of contacts", text, seconds)

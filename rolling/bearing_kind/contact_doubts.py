@@ -265,7 +265,8 @@ def narrow_turns(contacts: JudgedContacts) -> Iterator[Doubt]:
 def unmarched(contacts: JudgedContacts) -> Iterator[Doubt]:
     """State that contacts are not marched, so that the linear response stands in their place."""
     marched = {contact.name for contact in contacts.marched}
-    missing = sorted(contacts.plan.rough.keys() - marched)
+    needed = {name for name in contacts.plan.rough if not contacts.plan.is_parted(name)}
+    missing = sorted(needed - marched)
     if missing:
         yield Doubt(
             "unmarched_contacts",

@@ -73,16 +73,23 @@ class ContactPlan:
 
         After the first stage the tracks hold the roughness and the faults at the middle load. That
         is all for a measured turn, which is long: other loads change its linear response only.
+        A contact that a film of oil parts is not marched, because its linear response acts alone.
         """
-        first = [contact.scene for contact in self.rough.values()]
+        touching = [contact for name, contact in self.rough.items() if not self.is_parted(name)]
+        first = [contact.scene for contact in touching]
         rest: list[Scene] = []
-        for contact in self.rough.values():
+        for contact in touching:
             if not contact.scene.height_paths:
                 rest += contact.scenes.values()
         for stretch in self.faults:
             first += [stretch.with_fault, stretch.without]
             rest += [scene for pair in stretch.scenes.values() for scene in pair]
         return [first, rest]
+
+    def is_parted(self, name: str) -> bool:
+        """Tell whether a film of oil parts the surfaces of a kind of contact."""
+        film = self.films.get(ring_of(name))
+        return film is not None and film.weight >= 1
 
     def without_faults(self) -> ContactPlan:
         """Return the plan of the same bearing without its single faults; it needs no more march."""

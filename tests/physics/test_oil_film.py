@@ -12,11 +12,13 @@ from bearings import bearing, line, model
 
 import rolling
 from rolling.bearing import oil_film
+from rolling.bearing.band_uncertainty import BandUncertainty
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.oil_film import ContactFilm, FilmContact, Oil, contact_film
 from rolling.bearing.ring_motion import move_ring
 from rolling.bearing.tracks import smooth_tracks, with_waves
 from rolling.bearing_kind.bearing_check import scene_rules
+from rolling.bearing_kind.contact_doubts import contact_doubts
 from rolling.bearing_kind.contact_plan import ContactPlan, contact_plan
 from rolling.bearing_kind.contact_uncertainty import contact_uncertainty
 from rolling.bearing_kind.joined_tracks import acting_rows, bearing_tracks
@@ -125,6 +127,12 @@ def test_a_film_that_presses_all_waves_is_the_linear_bearing(
     """The march of touching surfaces has no part in it."""
     plan = contact_plan(scene(**THICK))
     assert all(film.weight == 1.0 for film in plan.films.values())
+    assert plan.stages == [[], []]  # so it is not made
+    uncertainty = BandUncertainty()
+    doubts = contact_doubts(plan, {}, inf, uncertainty)
+    assert "unmarched_contacts" not in [doubt.key for doubt in doubts]
+    doubts = contact_doubts(replace(plan, films={}), {}, inf, uncertainty)
+    assert "unmarched_contacts" in [doubt.key for doubt in doubts]
     dry = bearing_tracks(replace(plan, films={}))  # linear, because nothing is marched
 
     def all_pressed(self: FilmContact, waves_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -163,6 +171,7 @@ def test_waves_act_through_a_film() -> None:
 def test_thin_films_leave_the_march() -> None:
     plan = contact_plan(scene(**THIN))
     assert all(film.ratio < 1 for film in plan.films.values())
+    assert len(plan.stages[0]) == 2
     marches = marched(plan)
     contact = plan.rough["outer"]
     dry = acting_rows(replace(plan, films={}), contact, marches)
