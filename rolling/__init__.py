@@ -12,7 +12,7 @@ Scenes
     surface_parameters
 Bearings
     BearingScene and its sections Bearing, BearingOil, BearingSurfaces, HousingPlate,
-    BearingNumerics, BearingSound; BearingRun, BearingNumbers
+    BearingNumerics, BearingSound; Raceway, Roundness; BearingRun, BearingNumbers
 Kinds
     register, PlainKind, PlainScene, March
 Runs
@@ -73,6 +73,7 @@ _NAMES = {
     "rolling.scene.transducers": ("SoundChannel",),
     "rolling.scene.laws": ("SurfaceFault",),
     "rolling.scene.messages": ("SceneError",),
+    "rolling.scene.raceways": ("Raceway", "Roundness"),
     "rolling.scene.scene": ("Scene",),
     "rolling.scene.sections": (
         "Dynamics",

@@ -14,6 +14,7 @@ WINDOW = "window"  # roughness that is known from a stretch of track
 LOSS_FACTOR = "loss_factor"  # of the contacts, where it is assumed
 FILM = "film"  # how far a film of oil presses waves flat
 FILM_DAMPING = "film_damping"  # how much a film of oil damps
+SURFACES = "surfaces"  # waves around balls and raceways, where their law is assumed
 
 
 @dataclass(frozen=True)

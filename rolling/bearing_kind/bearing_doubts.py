@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from acoustics.numbers import rounded
 from rolling.bearing import assumed_damping, oil_film
-from rolling.bearing.band_uncertainty import FILM_DAMPING, LOSS_FACTOR
+from rolling.bearing.band_uncertainty import FILM_DAMPING, LOSS_FACTOR, SURFACES
 from rolling.bearing.ring_record import DIRECTIONS, NOTHING_UM_S, RADIAL
 from rolling.bearing_kind.bearing_check import scene_rules
 from rolling.bearing_kind.solved_bearing import SolvedBearing
@@ -131,6 +131,31 @@ def film_damping(judged: JudgedBearing) -> Iterator[Doubt]:
     )
 
 
+def assumed_surfaces(judged: JudgedBearing) -> Iterator[Doubt]:
+    """Doubt bands that assumed waves around balls and raceways move."""
+    parts = {
+        direction: {
+            band: velocity.parts.get(SURFACES, 0.0)
+            for band, velocity in judged.rigid.by_direction[direction].by_band.items()
+        }
+        for direction in DIRECTIONS
+    }
+    largest = max(max(bands.values()) for bands in parts.values())
+    if largest < _UNCERTAIN_DB:
+        return
+    radial, axial = (
+        ", ".join(f"{decibels:.1f}" for decibels in parts[direction].values())
+        for direction in DIRECTIONS
+    )
+    yield sized(
+        SURFACES,
+        "the waves around balls and raceways are assumed, by a finish or by the limit of a grade,"
+        f" which leaves ± {radial} dB in the three bands radially and ± {axial} dB axially",
+        largest,
+        advice="give measured waves, such as by bearing.surfaces.inner.roundness",
+    )
+
+
 def _without_minus_zero(bands: Mapping[str, float]) -> list[float]:
     """Return decibels with one digit and without a negative zero."""
     return [round(decibels, 1) + 0.0 for decibels in bands.values()]
@@ -193,6 +218,7 @@ RULES: tuple[Rule, ...] = (
     short_record,
     assumed_loss_factor,
     film_damping,
+    assumed_surfaces,
     of_scene,
     lost_contact,
     energy_balance,

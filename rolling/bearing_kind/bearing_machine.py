@@ -143,6 +143,10 @@ def _surface_words(scenes: Sequence[BearingScene], body: str) -> str:
             text = f"grade {surface.grade}"
         elif getattr(surface, "path", None) is not None:
             text = "measured"
+        elif getattr(surface, "finish", None) is not None:
+            text = surface.finish
+        elif getattr(surface, "wave_amplitude_um", None) is not None:
+            text = f"Ra {surface.roughness_ra_um:g} µm"
         elif surface is not None and surface.law is not None:
             text = f"Ra {surface.law.roughness_ra_um:g} µm"
         waves = getattr(surface, "waviness", None)

@@ -16,6 +16,7 @@ from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing import waves
 from rolling.bearing.band_uncertainty import WINDOW, BandUncertainty
 from rolling.bearing.ring_record import AXIAL, RADIAL
+from rolling.bearing_kind.body_forms import form_of
 from rolling.bearing_kind.contact_plan import (
     RINGS,
     ContactPlan,
@@ -193,7 +194,7 @@ def steep_waves(contacts: JudgedContacts) -> Iterator[Doubt]:
     for body, surface in plan.surfaces.items():
         if surface is None or not surface.has_form:
             continue
-        profile = form_heights(surface.form, FORM_POINTS)
+        profile = form_heights(form_of(surface, plan.folder), FORM_POINTS)
         for name in kinds_of_contact(body):
             contact = contact_of(plan.geometry, name)
             pressure = waves.wave_pressure(contact, profile, radius_of(plan.geometry, body))

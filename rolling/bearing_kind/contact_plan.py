@@ -36,8 +36,9 @@ from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.bearing_sections import BearingNumerics
 from rolling.scene.laws import Roughness
 from rolling.scene.messages import SceneError
+from rolling.scene.raceways import BearingSurface
 from rolling.scene.scene import Scene
-from rolling.scene.surfaces import BallHeightFile, BallSurface
+from rolling.scene.surfaces import BallHeightFile
 
 RINGS = ("inner", "outer")
 
@@ -60,7 +61,7 @@ class ContactPlan:
 
     geometry: BearingGeometry
     loads_n: tuple[float, ...]
-    surfaces: dict[str, BallSurface | None]
+    surfaces: dict[str, BearingSurface | None]
     fault_ball: int
     folder: Path
     rough: dict[str, RoughContact]
@@ -199,7 +200,7 @@ def kinds_of_contact(body: str) -> tuple[str, ...]:
 
 def plan_contacts(
     geometry: BearingGeometry,
-    surfaces: dict[str, BallSurface | None],
+    surfaces: dict[str, BearingSurface | None],
     loads_n: tuple[float, ...],
     *,
     speed_m_s: float,
@@ -303,7 +304,7 @@ def _measured_contacts(
     return contacts
 
 
-def law_of(surface: BallSurface) -> Roughness | None:
+def law_of(surface: BearingSurface) -> Roughness | None:
     """Return the law of the random heights of a surface, None for a smooth or measured one."""
     if isinstance(surface, BallHeightFile):
         return None

@@ -11,6 +11,7 @@ from acoustics.arrays import Array
 from rolling.bearing import waves
 from rolling.bearing.oil_film import ContactFilm
 from rolling.bearing.tracks import BearingTracks, BodyTrack, smooth_track
+from rolling.bearing_kind.body_forms import form_of, points_of_waves
 from rolling.bearing_kind.contact_plan import (
     RINGS,
     ContactPlan,
@@ -26,13 +27,13 @@ from rolling.bearing_kind.turns import continued_turn
 from rolling.in_si.in_metres import read_heights
 from rolling.marches.piece import contact_identity
 from rolling.run.march_files import ContactMarch, Marches
+from rolling.scene.raceways import BearingSurface
 from rolling.scene.scene import Scene
-from rolling.scene.surfaces import BallHeightFile, BallSurface, GradedBall
-from rolling.surface.ball_form import form_heights
+from rolling.scene.surfaces import BallHeightFile, GradedBall
+from rolling.surface.ball_form import BallForm, form_heights
 from rolling.surface.single_faults import add_faults
 
 LEAST_POINTS = 4096  # of a turn without roughness
-POINTS_PER_WAVE = 8  # at least, so that a wave of a high order is not taken for one of a low order
 # Parts of seeds, so that roughness and place of balls differ.
 _ROUGHNESS = 1
 _PLACE = 2
@@ -97,7 +98,7 @@ def points_of_turn(plan: ContactPlan, body: str) -> int:
     for stretch in plan.faults:
         if stretch.name == name:
             points = max(points, int(np.ceil(turn / stretch.with_fault.step)))
-    return max(points, POINTS_PER_WAVE * max(surface.waviness or {0: 0.0}))
+    return max(points, points_of_waves(surface, plan.folder))
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,8 @@ def _ring_track(solved: _Solved, ring: str, draw: int) -> BodyTrack:
     if surface is None:
         return smooth_track()
     seed = (getattr(surface, "seed", 0), _ROUGHNESS, draw)
-    (track,) = _body_tracks(solved, ring, surface, seed=seed, keep_rows=draw == 0)
+    body = _Body(ring, surface, form_of(surface, solved.plan.folder, draw))
+    (track,) = _body_tracks(solved, body, seed=seed, keep_rows=draw == 0)
     if draw == 0:
         return track
     return _turned(track, np.random.default_rng((*seed, _PLACE)).uniform())
@@ -155,7 +157,8 @@ def _ball_tracks(solved: _Solved, ball: int, draw: int) -> list[BodyTrack]:
     if surface.faults and ball != plan.fault_ball:
         surface = surface.model_copy(update={"faults": None})
     seed = (own_seed, _ROUGHNESS, draw, ball)
-    tracks = _body_tracks(solved, "balls", surface, seed=seed, keep_rows=False)
+    body = _Body("balls", surface, form_of(surface, plan.folder))
+    tracks = _body_tracks(solved, body, seed=seed, keep_rows=False)
     if number == 0:
         return tracks
     share = np.random.default_rng((*seed, _PLACE)).uniform()
@@ -168,15 +171,24 @@ def _turned(track: BodyTrack, share: float) -> BodyTrack:
     return BodyTrack(track.loads_n, np.roll(track.approach_m, begin, axis=1))
 
 
+@dataclass(frozen=True)
+class _Body:
+    """A body of a bearing with its surface and the waves around it."""
+
+    name: str
+    surface: BearingSurface
+    form: BallForm
+
+
 def _body_tracks(
-    solved: _Solved, body: str, surface: BallSurface, *, seed: tuple[int, ...], keep_rows: bool
+    solved: _Solved, body: _Body, *, seed: tuple[int, ...], keep_rows: bool
 ) -> list[BodyTrack]:
     """Return the tracks of a body, one for each kind of contact that it meets."""
     plan = solved.plan
-    names = kinds_of_contact(body)
-    radius = radius_of(plan.geometry, body)
+    surface = body.surface
+    names = kinds_of_contact(body.name)
+    radius = radius_of(plan.geometry, body.name)
     loads = np.array(plan.loads_n)
-    points_of_waves = POINTS_PER_WAVE * max(surface.waviness or {0: 0.0})
     parts = [np.zeros((len(loads), LEAST_POINTS))] * len(names)
     if names[0] in solved.rows:
         rows = np.concatenate([solved.rows[name] for name in names])
@@ -185,8 +197,8 @@ def _body_tracks(
         else:
             points = round(2 * np.pi * radius / plan.rough[names[0]].scene.step)
             number = int(np.random.SeedSequence(seed).generate_state(1)[0])
-            if body in solved.bodies:
-                turn = solved.bodies[body].turn(points, number)
+            if body.name in solved.bodies:
+                turn = solved.bodies[body.name].turn(points, number)
             else:
                 turn = continued_turn(rows, points, number, keep_rows)
         parts = np.split(turn, len(names))
@@ -200,8 +212,8 @@ def _body_tracks(
         for stretch, _ in faults:
             points = int(np.ceil(2 * np.pi * radius / stretch.with_fault.step))
             track = track.resampled(max(points, track.points))
-        track = track.resampled(max(points_of_waves, track.points))
-        for form in _forms(plan, name, surface, radius, track.points):
+        track = track.resampled(max(points_of_waves(surface, plan.folder), track.points))
+        for form in _forms(plan, name, body, track.points):
             track = track.plus(BodyTrack(loads, form))
         values = track.approach_m
         for stretch, change in faults:
@@ -211,15 +223,15 @@ def _body_tracks(
     return tracks
 
 
-def _forms(
-    plan: ContactPlan, name: str, surface: BallSurface, radius: float, points: int
-) -> list[Array]:
+def _forms(plan: ContactPlan, name: str, body: _Body, points: int) -> list[Array]:
     """Return the changes of the approach by waves around a body, and by a narrow measured turn."""
+    surface = body.surface
+    radius = radius_of(plan.geometry, body.name)
     contact = contact_of(plan.geometry, name)
     forms = []
     profile = np.zeros(points)
     if surface.has_form:
-        profile += form_heights(surface.form, points)
+        profile += form_heights(body.form, points)
     steps = [fault.in_si for fault in surface.faults or () if fault.kind == "step"]
     if steps:
         line = np.zeros((points, 1))

@@ -10,15 +10,18 @@ import numpy as np
 
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing import assumed_damping
+from rolling.bearing.assumed_surfaces import surfaces_db
 from rolling.bearing.band_uncertainty import (
     FILM_DAMPING,
     LOSS_FACTOR,
     RECORD,
+    SURFACES,
     BandUncertainty,
     DecibelsOfBands,
 )
 from rolling.bearing.ring_record import AXIAL, DIRECTIONS, NOTHING_UM_S, RADIAL, UM_S
 from rolling.bearing_kind.bearing_check import contact_angle_doubt
+from rolling.bearing_kind.body_forms import assumed_waves
 from rolling.bearing_kind.solved_bearing import SolvedBearing
 from rolling.numbers.bearing_numbers import (
     RMS_VELOCITY,
@@ -57,9 +60,10 @@ def rigid_velocities(bearing: SolvedBearing, of_contacts: BandUncertainty) -> Ri
     of_contacts : BandUncertainty
         Parts of the ± that come from the rough contacts.
     """
+    um_s = _whole_um_s(bearing)
     whole = _Velocities(
-        um_s=_whole_um_s(bearing),
-        uncertainty=_uncertainty(bearing, of_contacts, VELOCITY_BANDS_HZ),
+        um_s=um_s,
+        uncertainty=_uncertainty(bearing, of_contacts, um_s, VELOCITY_BANDS_HZ),
         end="",
         place="with what it lacks above its modes" if bearing.model.bending else _RIGID,
     )
@@ -72,12 +76,13 @@ def velocities_below_bending(
     """Return the velocities in the parts of the bands below the first mode that the ring lacks.
 
     A part has the share of the power of its band that it has in the narrow spectrum. The parts of
-    its ± are those of the whole band, but for that of an assumed loss factor, which depends on
-    whether a resonance is below. Parameters are those of `rigid_velocities`.
+    its ± are those of the whole band, but for those of assumed values, which depend on what is
+    below: a resonance, and waves. Parameters are those of `rigid_velocities`.
     """
+    um_s = _um_s_below_bending(bearing)
     below = _Velocities(
-        um_s=_um_s_below_bending(bearing),
-        uncertainty=_uncertainty(bearing, of_contacts, bearing.bands_below_bending_hz),
+        um_s=um_s,
+        uncertainty=_uncertainty(bearing, of_contacts, um_s, bearing.bands_below_bending_hz),
         end=BELOW_BENDING,
         place="up to the first mode that is left out" if bearing.model.bending else _BELOW,
     )
@@ -117,9 +122,10 @@ def _um_s_below_bending(bearing: SolvedBearing) -> dict[str, dict[str, float]]:
 def _uncertainty(
     bearing: SolvedBearing,
     of_contacts: BandUncertainty,
+    um_s: _VelocitiesUmS,
     bands_hz: Mapping[str, tuple[float, float]],
 ) -> BandUncertainty:
-    """Return the parts of the ± of bands with these edges."""
+    """Return the parts of the ± of bands with these velocities and edges."""
     of_record = {
         direction: bearing.record.bands[direction].uncertainty_db for direction in DIRECTIONS
     }
@@ -131,6 +137,14 @@ def _uncertainty(
     elif has_assumed_loss_factor(bearing.scene):
         damping_db = assumed_damping.loss_factor_db(record, model, bands_hz)
         parts = parts.with_part(LOSS_FACTOR, _of_moving(bearing, damping_db))
+    waves = assumed_waves(bearing.scene)
+    if waves:
+        velocity_m_s = {
+            direction: {band: value / UM_S for band, value in bands.items()}
+            for direction, bands in um_s.items()
+        }
+        decibels = surfaces_db(waves, bearing.model, velocity_m_s, bands_hz)
+        parts = parts.with_part(SURFACES, decibels)
     return parts
 
 

@@ -48,6 +48,7 @@ PART_WORDS: Mapping[str, str] = {
     "window": "the stretch of track that stands for the turn",
     "gain": "the gain of rough contacts",
     "loss_factor": "the assumed loss factor of the contacts",
+    "surfaces": "the assumed waves around balls and raceways",
 }
 # Parts that two runs of this program share: a wrong one shifts both levels by nearly the same.
 SHARED = ("chain", "baffle")

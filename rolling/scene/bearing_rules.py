@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pydantic_core import PydanticCustomError
@@ -21,12 +22,13 @@ from rolling.bearing.static_load import (
 )
 from rolling.bearing.waves import hertz_pressure
 from rolling.contact.track import MAX_NODES, MIN_NODES
-from rolling.scene import height_files
+from rolling.scene import height_files, roundness_files
 from rolling.scene.bearing_lengths import angle_of, clearance_of, groove_distance
 from rolling.scene.height_grid import mistakes_at
 from rolling.scene.laws import refuse_misplaced
 from rolling.scene.messages import Key, SceneError, mistake, plain_number
-from rolling.scene.surfaces import BallHeightFile, BallSurface
+from rolling.scene.raceways import BearingSurface
+from rolling.scene.surfaces import BallHeightFile
 from rolling.surface.ball_form import WAVE_NODES
 
 if TYPE_CHECKING:
@@ -425,7 +427,7 @@ def mistakes_of_surfaces(
 
 
 def _mistakes_of_surface(
-    surface: BallSurface, length_um: float, width_um: float, spacing_um: float, at: Key
+    surface: BearingSurface, length_um: float, width_um: float, spacing_um: float, at: Key
 ) -> Iterator[PydanticCustomError]:
     """Yield the mistakes of one surface; faults of a place lie within the diameter of a ball."""
     if not MIN_NODES <= length_um / spacing_um < MAX_NODES:
@@ -449,29 +451,45 @@ def _mistakes_of_surface(
 
 
 def refuse_height_files(scene: BearingQuantities) -> None:
-    """Refuse files of heights that are missing, or that hold no turn of their body.
+    """Refuse files of heights that are missing or hold no turn of their body, and bad roundness.
 
     Raise SceneError with all of them.
     """
     lines = []
     for name, path in scene.height_paths.items():
-        body = name.rpartition(".")[2]
-        surface = getattr(scene.bearing.surfaces, body)
         key = f"{name}.path"
         try:
-            with mistakes_at(path, surface.path, key):
-                rows, _ = height_files.nodes(path)
-            nodes = round(1e6 * scene.circumferences[body] / surface.spacing_um)
-            if rows == nodes:
-                continue
-            spacing_um = 1e6 * scene.circumferences[body] / rows
-            raise mistake(
-                f"{surface.path}: got {rows} nodes around, allowed: {nodes} nodes of"
-                f" {surface.spacing_um:g} um; {rows} nodes are a turn with a spacing_um of"
-                f" {rounded(spacing_um, 8)}"
-            )
+            if name.endswith(".roundness"):
+                _refuse_roundness(scene, name, path)
+            else:
+                _refuse_turn(scene, name, path)
         except PydanticCustomError as error:
             message = (error.context or {})["message"]
             lines.append(f"{scene.place(key)}: {key}: {message}")
     if lines:
         raise SceneError(lines)
+
+
+def _refuse_roundness(scene: BearingQuantities, name: str, path: Path) -> None:
+    """Raise a mistake for a file that holds no measured waves."""
+    raceway = getattr(scene.bearing.surfaces, name.split(".")[2])
+    roundness = raceway.roundness
+    with mistakes_at(path, roundness.path, f"{name}.path"):
+        roundness_files.read_waves(path, roundness.height_unit)
+
+
+def _refuse_turn(scene: BearingQuantities, name: str, path: Path) -> None:
+    """Raise a mistake for a file whose nodes are no turn of its body."""
+    body = name.rpartition(".")[2]
+    surface = getattr(scene.bearing.surfaces, body)
+    with mistakes_at(path, surface.path, f"{name}.path"):
+        rows, _ = height_files.nodes(path)
+    nodes = round(1e6 * scene.circumferences[body] / surface.spacing_um)
+    if rows == nodes:
+        return
+    spacing_um = 1e6 * scene.circumferences[body] / rows
+    raise mistake(
+        f"{surface.path}: got {rows} nodes around, allowed: {nodes} nodes of"
+        f" {surface.spacing_um:g} um; {rows} nodes are a turn with a spacing_um of"
+        f" {rounded(spacing_um, 8)}"
+    )

@@ -43,6 +43,7 @@ from rolling.scene.bearing_sections import (
     Ring,
 )
 from rolling.scene.messages import mistakes_together
+from rolling.scene.raceways import Raceway
 from rolling.scene.surfaces import BallHeightFile
 from rolling.scene.swept import DEFAULT_NAME, PATTERN, SceneName, SweptScene
 
@@ -66,12 +67,15 @@ class BearingQuantities(SweptScene):
 
     @property
     def height_paths(self) -> dict[str, Path]:
-        """Files of heights by the section that reads them."""
+        """Files of heights and of roundness by the section that reads them."""
         paths = {}
         for name in ("balls", "inner", "outer"):
             surface = getattr(self.bearing.surfaces, name)
             if isinstance(surface, BallHeightFile):
                 paths[f"bearing.surfaces.{name}"] = self._folder / surface.path
+            if isinstance(surface, Raceway) and surface.roundness is not None:
+                key = f"bearing.surfaces.{name}.roundness"
+                paths[key] = self._folder / surface.roundness.path
         return paths
 
     @property

@@ -14,10 +14,11 @@ from rolling.bearing.oil_film import USUAL_DENSITY_KG_M3, USUAL_PRESSURE_VISCOSI
 from rolling.scene import bearing_rules, library, rules
 from rolling.scene.messages import mistake, mistakes_together
 from rolling.scene.models import Section
+from rolling.scene.raceways import Raceway
 from rolling.scene.sections import DENSITY, YOUNG, Material, Plate, Tolerance
 from rolling.scene.surfaces import BallHeightFile, BallSurface, GaussianBall, SmoothBall
 
-RacewaySurface = GaussianBall | SmoothBall | BallHeightFile
+RacewaySurface = Raceway | GaussianBall | SmoothBall | BallHeightFile
 Ring = Literal["inner", "outer"]
 MAX_RPM = 1e6  # the turbines of dentists reach half of it
 

@@ -2,8 +2,11 @@
 
 from rolling.scene import library
 from rolling.scene.bearing_scene import BearingQuantities
+from rolling.scene.raceways import Raceway
+from rolling.scene.surfaces import GradedBall
 
 ASSUMED = "assumed"
+USUAL_EXPONENT = 1.0  # of waves around balls and raceways
 # Keys whose default is a proportion of usual bearings, or a usual value.
 _DEFAULTS = (
     "conformity_inner",
@@ -63,4 +66,25 @@ def assumed_keys(scene: BearingQuantities) -> list[str]:
     if bearing.oil is not None:
         given = bearing.oil.model_fields_set
         keys += [f"oil.{key}" for key in _OF_OIL if key not in given]
+    for body in ("balls", "inner", "outer"):
+        keys += [f"surfaces.{body}.{key}" for key in assumed_of_surface(scene, body)]
     return keys
+
+
+def assumed_of_surface(scene: BearingQuantities, body: str) -> list[str]:
+    """Return the keys of the surface of balls, inner or outer whose values are assumed.
+
+    They are those that a finish gives without a source, and the usual exponent of waves.
+    """
+    surface = getattr(scene.bearing.surfaces, body)
+    if isinstance(surface, GradedBall) and surface.wave_exponent == USUAL_EXPONENT:
+        return ["wave_exponent"]
+    if not isinstance(surface, Raceway) or surface.finish is None:
+        return []
+    pairs = library.entry_of("raceway", surface.finish)
+    texts = library.data("finishes")["sources"]
+    return [
+        key
+        for key, (value, source) in pairs.items()
+        if getattr(surface, key) == value and texts[source].startswith(ASSUMED)
+    ]

@@ -8,7 +8,7 @@ changes no stored run.
 import difflib
 import itertools
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from importlib.resources import files
@@ -132,7 +132,8 @@ class Name(NamedTuple):
     """Key of a section that takes a name, the table of names, and the keys that they give.
 
     A section without the key has the default, if there is one. `instead` says what to give for a
-    thing that is not in the table.
+    thing that is not in the table. `part` is the part of an entry that has the values of a section;
+    entries without it are no names of this section.
     """
 
     key: str
@@ -140,6 +141,15 @@ class Name(NamedTuple):
     gives: tuple[str, ...]
     default: str = ""
     instead: str = ""
+    part: str = ""
+
+    @property
+    def entries(self) -> dict[str, dict[str, Any]]:
+        """Entries of the table by name, each value before its source."""
+        whole = data(self.table)[self.table]
+        if not self.part:
+            return dict(whole)
+        return {name: entry[self.part] for name, entry in whole.items() if self.part in entry}
 
 
 BEARING_KEYS = (
@@ -153,10 +163,18 @@ BEARING_KEYS = (
     "conformity_inner",
     "conformity_outer",
 )
+RACEWAY_KEYS = (
+    "wave_amplitude_um",
+    "wave_exponent",
+    "roughness_ra_um",
+    "correlation_length_um",
+    "correlation_length_across_um",
+)
 NAMES = {
     "plate": (Name("material", "materials", (*_ELASTIC, "hardness_gpa", "loss_factor")),),
     "sphere": (Name("material", "materials", _ELASTIC),),
     "surface": (Name("finish", "finishes", ("roughness_ra_um", "correlation_length_um")),),
+    "raceway": (Name("finish", "finishes", RACEWAY_KEYS, part="raceway"),),
     "bearing": (
         Name(
             key="named",
@@ -167,6 +185,11 @@ NAMES = {
         ),
         Name("material", "materials", _ELASTIC, default="steel-100cr6"),
     ),
+}
+# Sections within others, by their place in a scene.
+_SECTIONS = {
+    "bearing.surfaces.inner": "raceway",
+    "bearing.surfaces.outer": "raceway",
 }
 NAME_KEYS = tuple(f"{section}.{name.key}" for section, names in NAMES.items() for name in names)
 # Keys in whose presence a name does not give another key, which follows from them.
@@ -187,9 +210,17 @@ def named_values(section: str, name: str, damping: str = HANDLED) -> dict[str, A
     class as they are handled, or its own (INTRINSIC).
     """
     for by_name in NAMES[section]:
-        entry = data(by_name.table)[by_name.table].get(name)
+        entry = by_name.entries.get(name)
         if entry is not None:
             return _values_of(entry, by_name, damping)
+    return {}
+
+
+def entry_of(section: str, name: str) -> dict[str, list[Any]]:
+    """Return the values of an entry, each before its source, by the name of a section."""
+    for by_name in NAMES[section]:
+        if name in by_name.entries:
+            return {key: by_name.entries[name][key] for key in by_name.gives}
     return {}
 
 
@@ -206,9 +237,13 @@ def _values_of(entry: Mapping[str, Any], by_name: Name, damping: str) -> dict[st
     return {key: values[key] for key in by_name.gives if key in values}
 
 
-def listed(table: str) -> Any:
-    """Return a field whose JSON Schema lists the names of a table, read when it is made."""
-    return Field(json_schema_extra=lambda schema: schema.update(enum=[*data(table)[table]]))
+def listed(table: str, part: str = "") -> Any:
+    """Return a field whose JSON Schema lists the names of a table, read when it is made.
+
+    With a part, names are the entries that have it.
+    """
+    names = Name(key="", table=table, gives=(), part=part)
+    return Field(json_schema_extra=lambda schema: schema.update(enum=[*names.entries]))
 
 
 # ---- sections with a name
@@ -242,7 +277,7 @@ def fill_in(section: str, values: Any) -> Any:
         return values
     for by_name in NAMES[section]:
         given = values.get(by_name.key)
-        known = data(by_name.table)[by_name.table]
+        known = by_name.entries
         if given is not None and not (isinstance(given, str | int) and str(given) in known):
             words = _unknown_name(given, known)
             if by_name.instead:
@@ -287,7 +322,7 @@ def with_named_values(section: str, values: Any) -> Any:
         return values
     named: dict[str, Any] = {}
     for by_name, name in names:
-        entry = data(by_name.table)[by_name.table].get(name)
+        entry = by_name.entries.get(name)
         if entry is not None:
             named |= _values_of(entry, by_name, given.get("damping", HANDLED))
     if "thickness_mm" not in given:
@@ -304,16 +339,32 @@ def without_replaced_values(data: Mapping[str, Any], key: str, value: Any) -> Ma
     They are the values that the old name gave, and those that the first name of a section gives.
     Another name or another damping replaces the loss factor of either damping.
     """
-    section, _, last = key.partition(".")
-    values = data.get(section)
-    if section not in NAMES or not isinstance(values, Mapping) or not last or "." in last:
+    path, _, last = key.rpartition(".")
+    section = _SECTIONS.get(path, path)
+    if section not in NAMES or not last:
         return data
+    return _changed_at(data, path.split("."), lambda values: _kept(section, values, last, value))
+
+
+def _changed_at(
+    data: Mapping[str, Any], path: Sequence[str], change: Callable[[Any], Any]
+) -> Mapping[str, Any]:
+    """Return plain values with a change of those of a section, if the section is there."""
+    first, *rest = path
+    inner = data.get(first)
+    if not isinstance(inner, Mapping):
+        return data
+    return {**data, first: _changed_at(inner, rest, change) if rest else change(inner)}
+
+
+def _kept(section: str, values: Mapping[str, Any], last: str, value: Any) -> Mapping[str, Any]:
+    """Return the values of a section that a change of its key `last` does not replace."""
     kept = dict(values)
     for by_name in NAMES[section]:
         old_name = values.get(by_name.key)
         is_renamed = last == by_name.key
         if is_renamed and value is None and not by_name.default:
-            return data
+            return values
         if isinstance(old_name, str | int):
             dampings = [values.get("damping", HANDLED)]
             if is_renamed or last == "damping":
@@ -323,7 +374,7 @@ def without_replaced_values(data: Mapping[str, Any], key: str, value: Any) -> Ma
         elif is_renamed:
             given = named_values(section, str(value))
             kept = {k: v for k, v in kept.items() if k not in given}
-    return {**data, section: kept}
+    return kept
 
 
 def _without_equal(values: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:

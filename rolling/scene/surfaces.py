@@ -460,6 +460,9 @@ class GradedBall(RoundSurface):
         0.050/0.7, G40 0.060/1, G60 0.080/1.5, G100 0.100/2.5, G200 0.150/5.
     correlation_length_um : float
         Correlation length of the roughness [um]. No grade states one.
+    wave_exponent : float, optional
+        Power by which the amplitudes of the orders beyond 15 fall, as random waves that go on from
+        those of the form. Default: there are none.
     seed : int
         Seed of heights and phases
 
@@ -473,6 +476,7 @@ class GradedBall(RoundSurface):
     kind: Literal["graded"] = "graded"
     grade: Grading
     correlation_length_um: float = Field(default=10.0, gt=0)
+    wave_exponent: float | None = Field(default=None, ge=0.5, le=4)
     seed: int = Field(default=1, ge=0)
 
     @cached_property
@@ -490,6 +494,7 @@ class GradedBall(RoundSurface):
         return BallForm(
             deviation_m=GRADES[self.grade].deviation_um * 1e-6,
             seed=self.seed,
+            exponent=self.wave_exponent,
             waves_m=self._waves_m,
         )
 

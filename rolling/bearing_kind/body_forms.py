@@ -1,0 +1,84 @@
+"""Waves around the bodies of a bearing: those of its scene, and those that files hold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from rolling.bearing.assumed_surfaces import AMPLITUDE_DB, FORM_DB, AssumedWaves, exponent_db
+from rolling.scene.bearing_scene import BearingScene
+from rolling.scene.bearing_sources import assumed_of_surface
+from rolling.scene.raceways import BearingSurface, Raceway
+from rolling.scene.roundness_files import Waves, read_waves
+from rolling.scene.surfaces import GradedBall
+from rolling.surface.ball_form import BallForm, random_amplitudes
+
+ORDERS = 4096  # of random waves that are looked at, more than a contact follows
+POINTS_PER_WAVE = 8  # at least, so that a wave of a high order is not taken for one of a low order
+
+
+def form_of(surface: BearingSurface, folder: Path, draw: int = 0) -> BallForm:
+    """Return the waves around a body.
+
+    Parameters
+    ----------
+    surface : section
+        Surface of the body.
+    folder : Path
+        Folder from which paths of files start.
+    draw : int
+        Number of a specimen: others than 0 have other random waves around a raceway. Those of a
+        ball follow from its seed.
+    """
+    form = surface.form
+    if form.law is None:
+        return form
+    measured = measured_waves(surface, folder)
+    law = form.law
+    if measured:
+        law = replace(law, first=measured[-1][0] + 1)
+    if draw:
+        law = replace(law, seed=(*law.seed, draw))
+    return replace(form, law=law, measured_m=measured)
+
+
+def assumed_waves(scene: BearingScene) -> list[AssumedWaves]:
+    """Return the random waves around balls and raceways that rest on an assumption.
+
+    A grade limits the form of balls only, and a finish by name gives a law that is assumed.
+    """
+    waves = []
+    for body in ("balls", "inner", "outer"):
+        surface = getattr(scene.bearing.surfaces, body)
+        if surface is None or not surface.has_form:
+            continue
+        amplitudes_m = random_amplitudes(form_of(surface, scene.folder), ORDERS)
+        keys = assumed_of_surface(scene, body)
+        is_graded = isinstance(surface, GradedBall)
+        amplitude_db = AMPLITUDE_DB if "wave_amplitude_um" in keys else 0.0
+        if is_graded:
+            amplitude_db = FORM_DB
+        is_assumed = is_graded or "wave_exponent" in keys
+        if amplitude_db or is_assumed:
+            spread_db = exponent_db(ORDERS) if is_assumed else np.zeros(ORDERS)
+            waves.append(AssumedWaves(body, amplitudes_m, amplitude_db, spread_db))
+    return waves
+
+
+def measured_waves(surface: BearingSurface, folder: Path) -> Waves:
+    """Return the waves around a raceway that were measured; none without a file of roundness."""
+    if not isinstance(surface, Raceway) or surface.roundness is None:
+        return ()
+    return read_waves(folder / surface.roundness.path, surface.roundness.height_unit)
+
+
+def points_of_waves(surface: BearingSurface, folder: Path) -> int:
+    """Return the points of a turn that hold the waves of known orders around a body.
+
+    The random waves of a law have no highest order: they go as far as the points of a track.
+    """
+    orders = [*(surface.waviness or ())]
+    orders += [order for order, _, _ in measured_waves(surface, folder)[-1:]]
+    return POINTS_PER_WAVE * max(orders, default=0)
