@@ -61,7 +61,8 @@ def generated() -> dict[Path, str]:
         docs / BEARING_PAGE: _between(
             docs / BEARING_PAGE,
             "keys",
-            f"{bearing_reference(of_bearing)}\n\n{name_tables('bearings')}",
+            f"{bearing_reference(of_bearing)}\n\n{name_tables('bearings')}\n\n"
+            f"{name_tables('finishes', part='raceway')}",
         ),
         **{
             docs / page: _between(docs / page, "keys", text)
@@ -133,10 +134,16 @@ def _summary_schema(stored: type) -> Json:
 
 
 def bearing_reference(schema: Json) -> str:
-    """Return the reference of the scene files of bearings, without the kinds of surface."""
+    """Return the reference of the scene files of bearings.
+
+    Of the kinds of surface it has that which only raceways have, once for both.
+    """
     sections = _sections("", schema, schema)
     bodies = {title: sections[title] for title in sections if ":" not in title}
     del bodies["faults"]
+    del bodies["bearing.surfaces.outer.roundness"]
+    bodies["raceway"] = sections["bearing.surfaces.inner: raceway"]
+    bodies["raceway.roundness"] = bodies.pop("bearing.surfaces.inner.roundness")
     return _reference({"Keys": schema} | bodies, schema)
 
 
@@ -279,14 +286,22 @@ def _values(field: Json) -> str:
 QUOTED = "; as usually quoted"
 
 
-def name_tables(*tables: str) -> str:
-    """Return the tables of names, each value with the number of its source."""
+def name_tables(*tables: str, part: str = "") -> str:
+    """Return the tables of names, each value with the number of its source.
+
+    With a part, the values are those of this part of the entries, whose title is its name.
+    """
     from rolling.scene import library
 
     parts = []
     for title in tables:
-        entries = library.data(title)[title]
-        sources = library.data(title)["sources"]
+        whole = library.data(title)
+        entries = library.Name(key="", table=title, gives=(), part=part).entries
+        handled = {} if part else whole.get("handled", {})
+        pairs = [pair for entry in entries.values() for pair in entry.values()]
+        pairs += handled.values()
+        used = {pair[1] for pair in pairs if isinstance(pair, list)}
+        sources = {key: text for key, text in whole["sources"].items() if key in used}
         numbers = {key: n for n, key in enumerate(sources, 1)}
         keys = list(
             dict.fromkeys(
@@ -300,7 +315,8 @@ def name_tables(*tables: str) -> str:
                 f"{pair[0]:g}<sup>({numbers[pair[1]]})</sup>" if pair else "-" for pair in pairs
             ]
             reason = entry.get("sound_only")
-            words = entry["words"] + (f"; **sound only**: {reason}" if reason else "")
+            words = whole[title][name]["words"]
+            words += f"; **sound only**: {reason}" if reason else ""
             if "class" in entry:
                 words += f"; handled as {entry['class']}"
             rows.append([f"`{name}`", *cells, words])
@@ -312,8 +328,8 @@ def name_tables(*tables: str) -> str:
             source_rows.append([str(number), name])
         listed = table(["", "source"], source_rows)
         heads = ["name"] + [f"`{key}`" for key in keys] + [""]
-        parts += [f"## {title.capitalize()}", "", table(heads, rows), ""]
-        handled = library.data(title).get("handled", {})
+        heading = f"{part}s" if part else title
+        parts += [f"## {heading.capitalize()}", "", table(heads, rows), ""]
         if handled:
             damping_rows = []
             for name, (value, source) in handled.items():

@@ -9,7 +9,7 @@ import numpy as np
 
 from rolling.bearing.assumed_surfaces import AMPLITUDE_DB, FORM_DB, AssumedWaves, exponent_db
 from rolling.scene.bearing_scene import BearingScene
-from rolling.scene.bearing_sources import assumed_of_surface
+from rolling.scene.bearing_sources import USUAL_EXPONENT, assumed_of_surface
 from rolling.scene.raceways import BearingSurface, Raceway
 from rolling.scene.roundness_files import Waves, read_waves
 from rolling.scene.surfaces import GradedBall
@@ -55,6 +55,7 @@ def assumed_waves(scene: BearingScene) -> list[AssumedWaves]:
         if surface is None or not surface.has_form:
             continue
         amplitudes_m = random_amplitudes(form_of(surface, scene.folder), ORDERS)
+        exponent = getattr(surface, "wave_exponent", None) or USUAL_EXPONENT
         keys = assumed_of_surface(scene, body)
         is_graded = isinstance(surface, GradedBall)
         amplitude_db = AMPLITUDE_DB if "wave_amplitude_um" in keys else 0.0
@@ -63,7 +64,7 @@ def assumed_waves(scene: BearingScene) -> list[AssumedWaves]:
         is_assumed = is_graded or "wave_exponent" in keys
         if amplitude_db or is_assumed:
             spread_db = exponent_db(ORDERS) if is_assumed else np.zeros(ORDERS)
-            waves.append(AssumedWaves(body, amplitudes_m, amplitude_db, spread_db))
+            waves.append(AssumedWaves(body, amplitudes_m, exponent, amplitude_db, spread_db))
     return waves
 
 

@@ -21,6 +21,8 @@ sweep, swept, scene
 bearing_lengths, bearing_rules, bearing_sections, bearing_scene, bearing_sources
     the scene of a bearing: lengths in closed form, what does not fit, its sections, `BearingScene`,
     and where its values come from
+raceways, roundness_files
+    surface of a raceway: waves around and roughness with its lay; files of measured waves
 identity, seeds, kept
     the keys that make a march, digests and differences of scenes; their random numbers; values that
     a process keeps

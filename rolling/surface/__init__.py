@@ -5,6 +5,8 @@ height_law
 heights, made
     make random heights of a law, with a skewness and a kurtosis from Johnson's system, and compute
     roughness statistics
+wave_law, stylus
+    laws of random waves around a circle; what a stylus reads of roughness across its lay
 single_faults, ball_form
     add pits, scratches and other faults; waves around a ball, and ball and plate together
 levelling

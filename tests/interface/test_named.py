@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from checked import checked
 
-from rolling import Scene, SceneError, read_scene
+from rolling import BearingScene, Scene, SceneError, read_scene
 from rolling.kinds.reading import schema
 from rolling.kinds.run_folder import RunFolder
 from rolling.results.labels import labels
@@ -35,6 +35,7 @@ def scene(**changes: Any) -> Scene:
 @pytest.mark.parametrize("table", ["materials", "finishes"])
 def test_every_number_has_a_source_and_every_source_a_number(table: str) -> None:
     entries = [*library.data(table)[table].values(), library.data(table).get("handled", {})]
+    entries += [entry["raceway"] for entry in entries if "raceway" in entry]
     pairs = [pair for entry in entries for pair in entry.values() if isinstance(pair, list)]
     assert all(isinstance(value, int | float) for value, _ in pairs)
     assert {source for _, source in pairs} == {*library.data(table)["sources"]}
@@ -46,6 +47,21 @@ def test_every_material_is_a_plate_and_a_sphere(name: str) -> None:
     # of the same body twice, the contact modulus is half of E/(1 - nu^2)
     modulus = built.plate.youngs_modulus_gpa * 1e9 / (1 - built.plate.poissons_ratio**2) / 2
     assert built.contact_modulus == pytest.approx(modulus, rel=1e-12)
+
+
+def test_another_finish_of_a_raceway_brings_its_own_values_and_stated_ones_stay() -> None:
+    surfaces = {"inner": {"kind": "raceway", "finish": "superfinished", "roughness_ra_um": 0.03}}
+    bearing = {"named": "6204", "speed_rpm": 1800, "axial_load_n": 70, "surfaces": surfaces}
+    scene = BearingScene(bearing=bearing)
+    changed = scene.with_({"bearing.surfaces.inner.finish": "ground"}).bearing.surfaces.inner
+    assert (changed.wave_amplitude_um, changed.roughness_ra_um) == (0.32, 0.03)
+    swept = scene.with_(sweep={"bearing.surfaces.inner.finish": ["superfinished", "honed"]})
+    amplitudes = [run.scene.bearing.surfaces.inner.wave_amplitude_um for run in swept.runs()]
+    assert amplitudes == [0.23, 0.27]
+    with pytest.raises(SceneError, match="allowed: ground, honed, superfinished; nearest: honed"):
+        scene.with_({"bearing.surfaces.inner.finish": "honned"})
+    with pytest.raises(SceneError, match="allowed: ground, honed, superfinished"):
+        scene.with_({"bearing.surfaces.inner.finish": "lapped"})
 
 
 def test_hardness_is_the_mean_pressure_of_the_indent_or_three_yield_strengths() -> None:

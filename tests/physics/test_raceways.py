@@ -15,6 +15,7 @@ from rolling.bearing.assumed_surfaces import (
     AMPLITUDE_DB,
     FORM_DB,
     AssumedWaves,
+    crests_db,
     exponent_db,
     order_powers,
     surfaces_db,
@@ -22,6 +23,7 @@ from rolling.bearing.assumed_surfaces import (
 from rolling.bearing.ring_motion import move_ring
 from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL
 from rolling.bearing.tracks import smooth_tracks, with_waves
+from rolling.bearing.waves import semi_axes
 from rolling.bearing_kind.bearing_simulation import record_of
 from rolling.bearing_kind.body_forms import assumed_waves, form_of
 from rolling.bearing_kind.contact_plan import contact_plan
@@ -243,7 +245,7 @@ def test_the_expected_power_of_orders_is_that_of_the_moved_ring() -> None:
     for body, order, direction in (("inner", 9, RADIAL), ("outer", 16, AXIAL), ("balls", 4, AXIAL)):
         amplitudes = np.zeros(32)
         amplitudes[order] = 1e-8
-        waves = AssumedWaves(body, amplitudes, 0.0, np.zeros(32))
+        waves = AssumedWaves(body, amplitudes, 1.0, 0.0, np.zeros(32))
         powers = order_powers(waves, case, BANDS)[direction]
         waved = {0: {order: 1e-8}} if body == "balls" else {order: 1e-8}
         tracks = with_waves(smooth_tracks(case.geometry), **{body: waved})
@@ -261,24 +263,38 @@ def test_assumed_amplitudes_count_by_their_share_and_raceways_together() -> None
     amplitudes = np.zeros(32)
     amplitudes[9] = 1e-8
     bodies = [
-        AssumedWaves(body, amplitudes, AMPLITUDE_DB, np.zeros(32)) for body in ("inner", "outer")
+        AssumedWaves(body, amplitudes, 1.0, 40.0, np.zeros(32)) for body in ("inner", "outer")
     ]
     powers = [order_powers(waves, case, BANDS) for waves in bodies]
-    own = {
-        direction: {
-            band: math.sqrt(sum(power[direction][band].sum() for power in powers)) for band in BANDS
-        }
-        for direction in DIRECTIONS
-    }
+    own: dict[str, dict[str, float]] = {}
+    for direction in DIRECTIONS:
+        sums = {band: sum(power[direction][band].sum() for power in powers) for band in BANDS}
+        own[direction] = {band: math.sqrt(value) for band, value in sums.items()}
     alone = surfaces_db(bodies, case, own, BANDS)
-    assert alone[RADIAL]["low"] == pytest.approx(AMPLITUDE_DB)
+    assert alone[RADIAL]["low"] == pytest.approx(40.0, rel=1e-3)
     more = {
         direction: {band: math.sqrt(2) * value for band, value in bands.items()}
         for direction, bands in own.items()
     }
-    assert surfaces_db(bodies, case, more, BANDS)[RADIAL]["low"] == pytest.approx(AMPLITUDE_DB / 2)
+    assert surfaces_db(bodies, case, more, BANDS)[RADIAL]["low"] == pytest.approx(20.0, rel=1e-3)
     nothing = {direction: dict.fromkeys(BANDS, 0.0) for direction in DIRECTIONS}
     assert surfaces_db([], case, nothing, BANDS)[AXIAL] == {"low": 0.0, "medium": 0.0}
+
+
+@pytest.mark.parametrize(("order", "exponent"), [(16, 1.0), (100, 1.0), (360, 1.0), (100, 1.3)])
+def test_waves_without_crests_are_averaged_over_the_width_too(order: int, exponent: float) -> None:
+    """A plain sum over equal steps of the wave number across, of the inner contact."""
+    case = model()
+    contact = case.geometry.inner
+    axes = semi_axes(contact, case.balances()[0].ball_load_n.mean())
+    along = order / contact.radius_m
+    across = np.linspace(0, 400 * along, 400_001)
+    density = (along**2 + across**2) ** -(exponent + 0.5)
+    phase = np.hypot(along * axes.along, across * axes.across)
+    mean = (density * np.sinc(phase / np.pi) ** 2).sum() / density.sum()
+    wanted = 10 * math.log10(mean / np.sinc(along * axes.along / np.pi) ** 2)
+    waves = AssumedWaves("inner", np.ones(1024), exponent, 0.0, np.zeros(1024))
+    assert crests_db(waves, case)[order] == pytest.approx(wanted, abs=0.25)
 
 
 def test_what_a_scene_states_itself_is_not_assumed() -> None:
