@@ -62,7 +62,7 @@ def generated() -> dict[Path, str]:
             docs / BEARING_PAGE,
             "keys",
             f"{bearing_reference(of_bearing)}\n\n{name_tables('bearings')}\n\n"
-            f"{name_tables('finishes', part='raceway')}",
+            f"{clearance_table()}\n\n{name_tables('finishes', part='raceway')}",
         ),
         **{
             docs / page: _between(docs / page, "keys", text)
@@ -337,6 +337,21 @@ def name_tables(*tables: str, part: str = "") -> str:
             parts += [table(["objects as they are handled", "loss factor"], damping_rows), ""]
         parts += [listed, ""]
     return "\n".join(parts).rstrip()
+
+
+def clearance_table() -> str:
+    """Return the table of the clearance groups of bearings by their bore."""
+    from rolling.scene import library
+
+    rows = []
+    over = 0
+    for largest_mm, groups in library.data("bearings")["clearances"].items():
+        bores = f"over {over} to {largest_mm} mm" if over else f"to {largest_mm} mm"
+        rows.append([bores, *(f"{least} to {most}" for least, most in groups.values())])
+        over = largest_mm
+    groups = ["normal" if name == "CN" else name for name in groups]
+    words = "Radial clearance [um] by bore and suffix (ISO 5753-1 *); its middle is taken."
+    return f"{words}\n\n{table(['bore', *groups], rows)}"
 
 
 if __name__ == "__main__":

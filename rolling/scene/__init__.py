@@ -2,8 +2,8 @@
 
 messages, models
     mistakes in words; the model of a section, the keys that it knows, its mistakes by key
-library
-    scenes, materials and finishes by name
+library, bearing_names
+    scenes, materials, finishes and bearings by name; names of bearings with their suffixes
 track_length, length_choice
     the track of a scene, of the length that its keys ask for; the length that `auto` took
 laws, surfaces, sections

@@ -28,7 +28,7 @@ def _as_text(name: Any) -> Any:
     return str(name) if isinstance(name, int) and not isinstance(name, bool) else name
 
 
-Named = Annotated[str, BeforeValidator(_as_text), library.listed("bearings")]
+Named = Annotated[str, BeforeValidator(_as_text), library.begins_with(library.BEARINGS)]
 
 
 class BearingSurfaces(Section):
@@ -113,8 +113,9 @@ class Bearing(Section):
     Attributes
     ----------
     named : str, optional
-        Bearing by name. It gives boundary dimensions, balls, pitch circle, conformities and
-        clearance; values beside it win.
+        Bearing by name, with suffixes such as -2RS or C3. It gives boundary dimensions, balls,
+        pitch circle, conformities and clearance; values beside it win. A suffix of clearance, C2 to
+        C5, sets the clearance by ISO 5753-1; other suffixes change nothing that is computed.
     bore_mm : float, optional
         Bore of the inner ring [mm]. Default: from pitch circle and balls, as in usual bearings.
     outside_diameter_mm : float, optional

@@ -27,9 +27,9 @@ def sources(scene: BearingQuantities) -> dict[str, str]:
     bearing = scene.bearing
     if bearing.named is None:
         return {}
-    table = library.data("bearings")
+    table = library.data(library.BEARINGS)
     texts = {}
-    for key, pair in table["bearings"][bearing.named].items():
+    for key, pair in (library.bearing_entry(bearing.named) or {}).items():
         if isinstance(pair, list) and getattr(bearing, key, None) == pair[0]:
             texts[key] = str(table["sources"][pair[1]])
     return texts
@@ -38,9 +38,8 @@ def sources(scene: BearingQuantities) -> dict[str, str]:
 def static_load_rating_n(scene: BearingQuantities) -> float | None:
     """Return the static load rating [N] of a bearing by name, None for another bearing."""
     named = scene.bearing.named
-    if named is None:
-        return None
-    return float(library.data("bearings")["bearings"][named]["static_load_rating_n"][0])
+    entry = None if named is None else library.bearing_entry(named)
+    return None if entry is None else float(entry["static_load_rating_n"][0])
 
 
 def has_assumed_loss_factor(scene: BearingQuantities) -> bool:

@@ -8,7 +8,7 @@ changes no stored run.
 import difflib
 import itertools
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from importlib.resources import files
@@ -19,6 +19,7 @@ from pydantic import Field
 from ruamel.yaml import YAML
 
 from acoustics.numbers import rounded
+from rolling.scene import bearing_names
 from rolling.scene.messages import SceneError, mistake, nearest, quoted
 
 # In an installed package the scenes stand inside of it, in a checkout beside it.
@@ -133,7 +134,8 @@ class Name(NamedTuple):
 
     A section without the key has the default, if there is one. `instead` says what to give for a
     thing that is not in the table. `part` is the part of an entry that has the values of a section;
-    entries without it are no names of this section.
+    entries without it are no names of this section. `allowed` says in words which names there are,
+    where these are too many for a list.
     """
 
     key: str
@@ -142,6 +144,7 @@ class Name(NamedTuple):
     default: str = ""
     instead: str = ""
     part: str = ""
+    allowed: str = ""
 
     @property
     def entries(self) -> dict[str, dict[str, Any]]:
@@ -151,7 +154,14 @@ class Name(NamedTuple):
             return dict(whole)
         return {name: entry[self.part] for name, entry in whole.items() if self.part in entry}
 
+    def entry(self, name: str) -> dict[str, Any] | None:
+        """Return the entry of a name, None for an unknown one."""
+        if self.table == BEARINGS:
+            return bearing_entry(name)
+        return self.entries.get(name)
 
+
+BEARINGS = "bearings"
 BEARING_KEYS = (
     "bore_mm",
     "outside_diameter_mm",
@@ -178,8 +188,10 @@ NAMES = {
     "bearing": (
         Name(
             key="named",
-            table="bearings",
+            table=BEARINGS,
             gives=BEARING_KEYS,
+            allowed=f"608, 6000 to 6010, 6200 to 6210, 6300 to 6310, with suffixes such as"
+            f" {bearing_names.EXAMPLES}",
             instead="in place of a name give balls, ball_diameter_mm, pitch_diameter_mm and a"
             " contact angle or clearance",
         ),
@@ -210,7 +222,7 @@ def named_values(section: str, name: str, damping: str = HANDLED) -> dict[str, A
     class as they are handled, or its own (INTRINSIC).
     """
     for by_name in NAMES[section]:
-        entry = by_name.entries.get(name)
+        entry = by_name.entry(name)
         if entry is not None:
             return _values_of(entry, by_name, damping)
     return {}
@@ -219,8 +231,9 @@ def named_values(section: str, name: str, damping: str = HANDLED) -> dict[str, A
 def entry_of(section: str, name: str) -> dict[str, list[Any]]:
     """Return the values of an entry, each before its source, by the name of a section."""
     for by_name in NAMES[section]:
-        if name in by_name.entries:
-            return {key: by_name.entries[name][key] for key in by_name.gives}
+        entry = by_name.entry(name)
+        if entry is not None:
+            return {key: entry[key] for key in by_name.gives if key in entry}
     return {}
 
 
@@ -244,6 +257,15 @@ def listed(table: str, part: str = "") -> Any:
     """
     names = Name(key="", table=table, gives=(), part=part)
     return Field(json_schema_extra=lambda schema: schema.update(enum=[*names.entries]))
+
+
+def begins_with(table: str) -> Any:
+    """Return a field whose JSON Schema allows the names of a table, with more behind them."""
+
+    def update(schema: dict[str, Any]) -> None:
+        schema["pattern"] = f"^({'|'.join(data(table)[table])})($|[^0-9])"
+
+    return Field(json_schema_extra=update)
 
 
 # ---- sections with a name
@@ -277,20 +299,28 @@ def fill_in(section: str, values: Any) -> Any:
         return values
     for by_name in NAMES[section]:
         given = values.get(by_name.key)
-        known = by_name.entries
-        if given is not None and not (isinstance(given, str | int) and str(given) in known):
-            words = _unknown_name(given, known)
+        if given is None:
+            continue
+        if not isinstance(given, str | int) or by_name.entry(str(given)) is None:
+            words = _unknown_name(given, by_name)
             if by_name.instead:
                 words += f"; {by_name.instead}"
             raise mistake(words, at=f"{section}.{by_name.key}")
     return with_named_values(section, values)
 
 
-def _unknown_name(given: Any, known: dict[str, Any]) -> str:
+def _unknown_name(given: Any, by_name: Name) -> str:
     """Write that a table has no such name, its names, and the nearest of them."""
-    words = f"got {quoted(given)}, allowed: {', '.join(known)}"
-    near = _like_number(str(given), known)
-    if not near and not str(given).isdigit():
+    known = by_name.entries
+    words = f"got {quoted(given)}, allowed: {by_name.allowed or ', '.join(known)}"
+    if by_name.table == BEARINGS:
+        designation = bearing_names.parsed(str(given), known)
+        if designation is None:
+            near = bearing_names.nearest_basic(str(given), known)
+        else:
+            words += f"; the suffix {quoted(designation.strange)} is not understood"
+            near = designation.basic
+    else:
         # The material alone stands for the first of its kinds: "glass" for "glass-soda-lime".
         forms = {name.partition("-")[0]: name for name in reversed(known)}
         forms |= {name: name for name in known}
@@ -301,15 +331,19 @@ def _unknown_name(given: Any, known: dict[str, Any]) -> str:
     return words
 
 
-def _like_number(given: str, known: Iterable[str]) -> str:
-    """Return the known number that is nearest to a given one of its series, or nothing.
+def bearing_entry(name: str) -> dict[str, Any] | None:
+    """Return the entry of a bearing by its name with suffixes, None for an unknown one.
 
-    The last two digits of a bearing are its bore; those before are its series.
+    Its radial clearance is that of its bore and its clearance group.
     """
-    if not given.isdigit():
-        return ""
-    series = [name for name in known if name.isdigit() and name[:-2] == given[:-2]]
-    return min(series, key=lambda name: abs(int(name) - int(given)), default="")
+    table = data(BEARINGS)
+    designation = bearing_names.parsed(name, table[BEARINGS])
+    if designation is None or designation.strange:
+        return None
+    entry = table[BEARINGS][designation.basic]
+    bore_mm = entry["bore_mm"][0]
+    clearance_um = bearing_names.clearance_um(bore_mm, designation.group, table["clearances"])
+    return {**entry, "radial_clearance_um": [clearance_um, "iso-5753"]}
 
 
 def with_named_values(section: str, values: Any) -> Any:
@@ -322,7 +356,7 @@ def with_named_values(section: str, values: Any) -> Any:
         return values
     named: dict[str, Any] = {}
     for by_name, name in names:
-        entry = by_name.entries.get(name)
+        entry = by_name.entry(name)
         if entry is not None:
             named |= _values_of(entry, by_name, given.get("damping", HANDLED))
     if "thickness_mm" not in given:

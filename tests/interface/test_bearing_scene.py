@@ -17,6 +17,7 @@ from rolling import cli
 from rolling.bearing_kind.bearing_check import scene_rules
 from rolling.kinds.reading import schema
 from rolling.kinds.registry import name_of_file
+from rolling.scene import library
 from rolling.scene.bearing_rules import largest_pressure
 from rolling.scene.bearing_sources import assumed_keys
 from rolling.scene.file import dump, read_as
@@ -95,18 +96,67 @@ def test_every_key_is_described() -> None:
 # ---- named bearings
 
 
-@pytest.mark.parametrize("name", ["6204", "608", "6305"])
+NAMED = library.data("bearings")["bearings"]
+
+
+@pytest.mark.parametrize("name", NAMED)
 def test_a_named_bearing_can_be_assembled_and_loaded_to_its_catalogue_rating(name: str) -> None:
     """The static load rating of ISO 76 is that of a pressure of 4.2 GPa."""
     scene = rolling.BearingScene(bearing={"named": name, "speed_rpm": 1800, "axial_load_n": 20})
     made = scene.bearing
     assert made.bore_mm is not None and made.outside_diameter_mm is not None
     middle = (made.bore_mm + made.outside_diameter_mm) / 2
-    assert made.pitch_diameter_mm == pytest.approx(middle, rel=0.01)
-    rating = {"6204": 6550, "608": 1370, "6305": 11600}[name]
+    assert made.pitch_diameter_mm == pytest.approx(middle, rel=0.015)
+    rating = NAMED[name]["static_load_rating_n"][0]
     loaded = scene.with_(axial_load_n=0, radial_load_n=rating)
     pressure = largest_pressure(loaded.bearing, loaded.geometry)
     assert 3.4e9 < pressure < 4.2e9
+
+
+def test_all_series_are_there_and_their_balls_hold_iso_76_and_can_be_filled_in() -> None:
+    """C0 = f0 Z D^2, and the balls of a usual bearing reach around 180 to 198 degrees."""
+    wanted = ["608"] + [f"{series}{n:02d}" for series in (60, 62, 63) for n in range(11)]
+    assert [*NAMED] == wanted
+    for name, entry in NAMED.items():
+        value = {key: pair[0] for key, pair in entry.items() if isinstance(pair, list)}
+        ball = value["ball_diameter_mm"]
+        rating = value["static_factor"] * value["balls"] * ball**2
+        assert rating == pytest.approx(value["static_load_rating_n"], rel=0.06), name
+        half = math.asin(ball / value["pitch_diameter_mm"])
+        assert 180 < math.degrees(2 * (value["balls"] - 1) * half) < 198, name
+        ends = [10, 12, 15, 17, *range(20, 55, 5)]
+        assert name == "608" or value["bore_mm"] == ends[int(name[2:])]
+
+
+@pytest.mark.parametrize(
+    ("name", "clearance_um"),
+    [
+        ("6204", 12.5),
+        ("6204-2RS", 12.5),
+        ("6204ZZ", 12.5),
+        ("62042rs1", 12.5),
+        ("6204 2Z/C3", 20.5),
+        ("6204-2RSH-C3", 20.5),
+        ("6205DDUC3", 20.5),
+        ("608-ZZC3", 15.5),
+        ("6000 C2", 3.5),
+        ("6206-C4", 32),
+        ("6310/P5 C5", 59),
+        ("6310 CN", 14.5),
+    ],
+)
+def test_suffixes_are_understood_and_c3_sets_the_clearance(name: str, clearance_um: float) -> None:
+    """The middle of the ranges of ISO 5753-1 by the bore."""
+    bearing = {"named": name, "speed_rpm": 1800, "axial_load_n": 20}
+    scene = rolling.BearingScene(bearing=bearing)
+    assert scene.bearing.radial_clearance_um == clearance_um
+    assert scene.bearing.named == name
+    rows = {row.key: row.value for row in scene.check()}
+    assert "ISO 5753-1" in rows["source_radial_clearance_um"]
+    other = scene.with_({"bearing.named": "6204-C5"})
+    assert other.bearing.radial_clearance_um == 38 and other.bearing.balls == 8
+    own = scene.with_({"bearing.radial_clearance_um": 9}).with_({"bearing.named": "6204-C5"})
+    assert own.bearing.radial_clearance_um == 9
 
 
 def test_values_beside_a_name_win_and_another_name_brings_its_own() -> None:
@@ -116,12 +166,20 @@ def test_values_beside_a_name_win_and_another_name_brings_its_own() -> None:
     assert other.bearing.pitch_diameter_mm == 15 and other.bearing.ball_diameter_mm == 3.5
     both = scene.with_(sweep={"bearing.named": [6204, 608]}).runs()
     assert [run.scene.bearing.pitch_diameter_mm for run in both] == [33.5, 15]
-    text = faults("bearing.named=6203")
-    assert "6204, 608, 6305" in text[0] and "nearest: 6204" in text[0]
+    text = faults("bearing.named=6211")
+    assert "allowed: 608, 6000 to 6010" in text[0] and "nearest: 6210" in text[0]
 
 
 @pytest.mark.parametrize(
-    ("name", "nearest"), [("6205", "6204"), ("6304", "6305"), ("609", "608"), ("62O4", "6204")]
+    ("name", "nearest"),
+    [
+        ("6211", "6210"),
+        ("6320", "6310"),
+        ("609", "608"),
+        ("62O4", "6204"),
+        ("6204-2SR", "6204"),
+        ("6204Q", "6204"),
+    ],
 )
 def test_the_nearest_name_is_of_the_same_series(name: str, nearest: str) -> None:
     text = faults(f"bearing.named={name}")[0]
