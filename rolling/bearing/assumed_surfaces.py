@@ -2,9 +2,9 @@
 
 Linear theory tells which share of a band each order has. A wave law whose amplitude is assumed
 moves its share by the decibels by which the amplitude may be off, and one whose exponent is assumed
-by more the farther an order is from that at which the amplitude holds. Crests that lie across the
-track are an assumption, too: of waves that are as long across as along, the contact averages more,
-the wider it is for them. Laws of one kind of body have the same assumption, so their shares add.
+by more the farther an order is from that at which the amplitude holds. Whether crests lie across
+the track is an assumption, too: a contact that is wide for a wave averages it more if it is as long
+across as along. Laws of one kind of body have the same assumption, so their shares add.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rolling.bearing.band_uncertainty import DecibelsOfBands
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_record import DIRECTIONS
 from rolling.bearing.wave_motion import BALLS, INNER, WaveMotion
-from rolling.bearing.waves import SemiAxes, response, semi_axes
+from rolling.bearing.waves import SemiAxes, isotropic_response, response, semi_axes
 
 # Amplitudes of raceways from half to twice the assumed one, all as likely over their logarithm.
 LARGEST_OFF = 2.0
@@ -34,8 +34,6 @@ LEAST_FORM = 1 / 3
 AMPLITUDE_DB = 20 * math.log10(LARGEST_OFF) / math.sqrt(3)
 EXPONENT = EXPONENT_OFF / math.sqrt(3)
 _DECADES = math.log10(LEAST_FORM)
-_ORDERS = 60  # at which contacts are looked at, equally spaced over their logarithm
-_WAVES_ACROSS = 400
 _NOTHING = 1e-12
 FORM_DB = 20 * abs(_DECADES) / math.sqrt(3)  # rms about the limit, which is the end of the range
 
@@ -47,6 +45,7 @@ class AssumedWaves:
     body : str. inner, outer or balls, all of which have waves of their own.
     amplitudes_m : array (orders,), m. Root-mean-square amplitude by order, from 0 on.
     exponent : float. Power by which amplitudes fall with the order.
+    isotropic : bool. Whether they are as long across as along; otherwise crests lie across.
     amplitude_db : float, dB. Standard deviation of the level of all of them.
     exponent_db : array (orders,), dB. Standard deviation of their level by the exponent.
     """
@@ -56,6 +55,7 @@ class AssumedWaves:
     body: str
     amplitudes_m: Array
     exponent: float
+    isotropic: bool
     amplitude_db: float
     exponent_db: Array
 
@@ -82,7 +82,7 @@ def order_powers(
     turn_hz = speeds.ball_spin_hz if waves.body == BALLS else abs(speeds.cage_hz - ring_hz)
     highest_hz = max(high for _, high in bands_hz.values())
     count = min(len(waves.amplitudes_m), math.ceil(highest_hz / turn_hz) + 1)
-    followed = _followed(waves.body, model, count)
+    followed = _followed(waves, model, count)
     bodies = model.geometry.balls if waves.body == BALLS else 1
     powers = {
         direction: {band: np.zeros(len(waves.amplitudes_m)) for band in bands_hz}
@@ -99,12 +99,15 @@ def order_powers(
     return powers
 
 
-def _followed(body: str, model: BearingModel, count: int) -> Array:
+def _followed(waves: AssumedWaves, model: BearingModel, count: int) -> Array:
     """Return how much of the waves of orders up to a count the contacts of a body follow."""
-    orders = np.arange(count)
-    each = [
-        response(orders / radius_m * axes.along) for axes, radius_m in _contacts_of(body, model)
-    ]
+    each = []
+    for axes, radius_m in _contacts_of(waves.body, model):
+        phase = np.arange(count) / radius_m * axes.along
+        if waves.isotropic:
+            each.append(isotropic_response(phase, axes, waves.exponent))
+        else:
+            each.append(response(phase))
     return np.asarray(np.mean(each, axis=0))
 
 
@@ -120,26 +123,16 @@ def _contacts_of(body: str, model: BearingModel) -> list[tuple[SemiAxes, float]]
 
 
 def crests_db(waves: AssumedWaves, model: BearingModel) -> Array:
-    """Return how much less the contacts would follow waves without crests across the track [dB].
+    """Return how much less contacts follow isotropic waves than those with crests across [dB].
 
-    Such waves have the same profile along the track, and are as long across as along: of a
-    power-law profile of exponent s, the density over both wave numbers falls as (k_along^2 +
-    k_across^2)^-(s + 1/2). By order, (orders,), negative.
+    By order, (orders,), negative.
     """
-    last = len(waves.amplitudes_m) - 1
-    orders = np.geomspace(1, last, _ORDERS)
-    # Waves across over the wave along, by steps of equal weight of the density across.
-    across = np.geomspace(1e-4, 1e4, _WAVES_ACROSS)
-    density = (1 + across**2) ** -(waves.exponent + 0.5) * across  # for each step of the logarithm
     squares = []
     for axes, radius_m in _contacts_of(waves.body, model):
-        along = orders / radius_m
-        phase = np.hypot(along * axes.along, across[:, None] * along * axes.across)
-        mean = (density[:, None] * response(phase) ** 2).sum(axis=0) / density.sum()
-        squares.append(mean / np.maximum(response(along * axes.along) ** 2, _NOTHING))
-    decibels = 10 * np.log10(np.minimum(np.mean(squares, axis=0), 1.0))
-    number = np.maximum(np.arange(last + 1), 1)
-    return np.asarray(np.interp(np.log(number), np.log(orders), decibels))
+        phase = np.arange(len(waves.amplitudes_m)) / radius_m * axes.along
+        isotropic = isotropic_response(phase, axes, waves.exponent)
+        squares.append(np.square(isotropic) / np.maximum(np.square(response(phase)), _NOTHING))
+    return np.asarray(10 * np.log10(np.clip(np.mean(squares, axis=0), _NOTHING, 1.0)))
 
 
 def surfaces_db(
@@ -162,7 +155,7 @@ def surfaces_db(
         Edges of the bands by their names.
     """
     powers = [order_powers(waves, model, bands_hz) for waves in bodies]
-    # Their sense is known: a part is the rms about the stated value, the end of the range.
+    # Surfaces with and without crests are the ends of the range, one of which is stated.
     crests = [crests_db(waves, model) / math.sqrt(3) for waves in bodies]
     parts: dict[str, dict[str, float]] = {direction: {} for direction in DIRECTIONS}
     for direction in DIRECTIONS:

@@ -76,10 +76,46 @@ def response(phase: Array) -> Array:
     return np.asarray(np.sinc(phase / np.pi))
 
 
+_WAVES_ACROSS = 400  # at which the waves across are summed
+_WIDEST = 1e4  # wave number across over that along, and its inverse, between which they lie
+
+
+def isotropic_response(phase_along: Array, axes: SemiAxes, exponent: float) -> Array:
+    """Return the response of a contact to random waves that are as long across as along.
+
+    It is the root mean square over the waves across. Of a profile along the track whose amplitudes
+    fall with a power s of the order, the density over both wave numbers falls as (k_along^2 +
+    k_across^2)^-(s + 1/2). A contact that is wide for a wave averages it more than one whose crest
+    lies across the track.
+
+    Parameters
+    ----------
+    phase_along : array (n,)
+        Wave numbers along the track times the semi-axis along.
+    axes : SemiAxes
+        Semi-axes of the contact.
+    exponent : float
+        Power s.
+    """
+    # Steps of the logarithm of the wave number across over that along.
+    across = np.geomspace(1 / _WIDEST, _WIDEST, _WAVES_ACROSS)
+    weights = (1 + across**2) ** -(exponent + 0.5) * across
+    weights /= weights.sum()
+    wider = axes.across / axes.along
+    square = np.zeros(len(phase_along))
+    for ratio, weight in zip(across, weights, strict=True):
+        square += weight * response(phase_along * np.hypot(1, ratio * wider)) ** 2
+    return np.asarray(np.sqrt(square))
+
+
 def approach_of_profile(
-    heights_m: Array, radius_m: float, contact: RacewayContact, loads_n: Sequence[float]
+    heights_m: Array,
+    radius_m: float,
+    contact: RacewayContact,
+    loads_n: Sequence[float],
+    isotropic_exponent: float | None = None,
 ) -> Array:
-    """Return the change of the approach by heights along the track that do not vary across it.
+    """Return the change of the approach by heights along the track.
 
     Parameters
     ----------
@@ -91,6 +127,9 @@ def approach_of_profile(
         Smooth contact.
     loads_n : sequence of float, N
         Loads.
+    isotropic_exponent : float, optional
+        Power of the orders by which amplitudes of random waves fall that are as long across as
+        along. Default: heights do not vary across the track.
 
     Returns
     -------
@@ -103,7 +142,12 @@ def approach_of_profile(
     wave_number = np.arange(len(waves)) / radius_m
     rows = []
     for load in loads_n:
-        share = response(wave_number * semi_axes(contact, load).along)
+        axes = semi_axes(contact, load)
+        phase = wave_number * axes.along
+        if isotropic_exponent is None:
+            share = response(phase)
+        else:
+            share = isotropic_response(phase, axes, isotropic_exponent)
         rows.append(-np.fft.irfft(waves * share, count))
     return np.array(rows)
 

@@ -44,6 +44,19 @@ def form_of(surface: BearingSurface, folder: Path, draw: int = 0) -> BallForm:
     return replace(form, law=law, measured_m=measured)
 
 
+def isotropic_exponent(surface: BearingSurface) -> float | None:
+    """Return the exponent of random waves that are isotropic; None where crests lie across."""
+    if getattr(surface, "wave_crests", None) != "isotropic":
+        return None
+    exponent: float | None = getattr(surface, "wave_exponent", None)
+    return exponent
+
+
+def without_law(form: BallForm) -> BallForm:
+    """Return the waves around a body without those that a law draws beyond known ones."""
+    return replace(form, law=None, exponent=None)
+
+
 def assumed_waves(scene: BearingScene) -> list[AssumedWaves]:
     """Return the random waves around balls and raceways that rest on an assumption.
 
@@ -64,7 +77,15 @@ def assumed_waves(scene: BearingScene) -> list[AssumedWaves]:
         is_assumed = is_graded or "wave_exponent" in keys
         if amplitude_db or is_assumed:
             spread_db = exponent_db(ORDERS) if is_assumed else np.zeros(ORDERS)
-            waves.append(AssumedWaves(body, amplitudes_m, exponent, amplitude_db, spread_db))
+            assumed = AssumedWaves(
+                body=body,
+                amplitudes_m=amplitudes_m,
+                exponent=exponent,
+                isotropic=isotropic_exponent(surface) is not None,
+                amplitude_db=amplitude_db,
+                exponent_db=spread_db,
+            )
+            waves.append(assumed)
     return waves
 
 

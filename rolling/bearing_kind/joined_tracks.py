@@ -11,7 +11,12 @@ from acoustics.arrays import Array
 from rolling.bearing import waves
 from rolling.bearing.oil_film import ContactFilm
 from rolling.bearing.tracks import BearingTracks, BodyTrack, smooth_track
-from rolling.bearing_kind.body_forms import form_of, points_of_waves
+from rolling.bearing_kind.body_forms import (
+    form_of,
+    isotropic_exponent,
+    points_of_waves,
+    without_law,
+)
 from rolling.bearing_kind.contact_plan import (
     RINGS,
     ContactPlan,
@@ -232,6 +237,12 @@ def _forms(plan: ContactPlan, name: str, body: _Body, points: int) -> list[Array
     profile = np.zeros(points)
     if surface.has_form:
         profile += form_heights(body.form, points)
+    exponent = isotropic_exponent(surface)
+    if exponent is not None:
+        known = form_heights(without_law(body.form), points)
+        random = profile - known
+        profile = known
+        forms.append(waves.approach_of_profile(random, radius, contact, plan.loads_n, exponent))
     steps = [fault.in_si for fault in surface.faults or () if fault.kind == "step"]
     if steps:
         line = np.zeros((points, 1))

@@ -11,7 +11,7 @@ from rolling.scene import library
 from rolling.scene.laws import Roughness
 from rolling.scene.messages import mistake, plain_number
 from rolling.scene.models import Section
-from rolling.scene.surfaces import BallSurface, RoundSurface
+from rolling.scene.surfaces import BallSurface, RoundSurface, WaveCrests
 from rolling.surface.ball_form import BallForm
 from rolling.surface.stylus import cut_off, read_share
 from rolling.surface.wave_law import WaveLaw
@@ -51,8 +51,8 @@ class Raceway(RoundSurface):
     """Surface of a raceway: random waves around, and roughness with its lay along the track.
 
     Waves of order n have the root-mean-square amplitude A n^-s, from order 2 on, and go on into the
-    roughness as far as a contact follows them. Their crests lie across the track. The roughness
-    has its lay along the track: it varies fast across, where a stylus reads its Ra.
+    roughness as far as a contact follows them. The roughness has its lay along the track: it varies
+    fast across, where a stylus reads its Ra.
 
     Attributes
     ----------
@@ -65,6 +65,9 @@ class Raceway(RoundSurface):
         Root-mean-square amplitude A [um] that the law of the waves has at order 1
     wave_exponent : float
         Power s by which amplitudes fall with the order [-]
+    wave_crests : str
+        Whether crests of the random waves lie `across` the track, or the waves are `isotropic`: as
+        long across the track as along, so that a contact averages short ones more.
     roughness_ra_um : float
         Ra [um] that a stylus reads across the lay, with the cut-off
     cut_off_um : float, optional
@@ -94,6 +97,7 @@ class Raceway(RoundSurface):
     finish: RacewayFinish | None = None
     wave_amplitude_um: float = Field(gt=0, le=1000)
     wave_exponent: float = Field(ge=0.5, le=4)
+    wave_crests: WaveCrests = "across"
     roughness_ra_um: float = Field(gt=0, le=10)
     cut_off_um: float | None = Field(default=None, ge=25, le=10_000)
     correlation_length_across_um: float = Field(gt=0)

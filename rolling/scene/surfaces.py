@@ -444,6 +444,9 @@ class SmoothBall(RoundSurface):
     kind: Literal["smooth"] = "smooth"
 
 
+WaveCrests = Literal["across", "isotropic"]
+
+
 class GradedBall(RoundSurface):
     """Surface of a sphere at the limits of a grade of ISO 3290-1.
 
@@ -463,6 +466,9 @@ class GradedBall(RoundSurface):
     wave_exponent : float, optional
         Power by which the amplitudes of the orders beyond 15 fall, as random waves that go on from
         those of the form. Default: there are none.
+    wave_crests : str, optional
+        Whether crests of the waves beyond order 15 lie `across` the track (default), or the waves
+        are `isotropic`, as of a raceway. Of balls in a bearing.
     seed : int
         Seed of heights and phases
 
@@ -477,6 +483,7 @@ class GradedBall(RoundSurface):
     grade: Grading
     correlation_length_um: float = Field(default=10.0, gt=0)
     wave_exponent: float | None = Field(default=None, ge=0.5, le=4)
+    wave_crests: WaveCrests | None = None
     seed: int = Field(default=1, ge=0)
 
     @cached_property

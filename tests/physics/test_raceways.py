@@ -245,7 +245,7 @@ def test_the_expected_power_of_orders_is_that_of_the_moved_ring() -> None:
     for body, order, direction in (("inner", 9, RADIAL), ("outer", 16, AXIAL), ("balls", 4, AXIAL)):
         amplitudes = np.zeros(32)
         amplitudes[order] = 1e-8
-        waves = AssumedWaves(body, amplitudes, 1.0, 0.0, np.zeros(32))
+        waves = AssumedWaves(body, amplitudes, 1.0, False, 0.0, np.zeros(32))
         powers = order_powers(waves, case, BANDS)[direction]
         waved = {0: {order: 1e-8}} if body == "balls" else {order: 1e-8}
         tracks = with_waves(smooth_tracks(case.geometry), **{body: waved})
@@ -263,7 +263,8 @@ def test_assumed_amplitudes_count_by_their_share_and_raceways_together() -> None
     amplitudes = np.zeros(32)
     amplitudes[9] = 1e-8
     bodies = [
-        AssumedWaves(body, amplitudes, 1.0, 40.0, np.zeros(32)) for body in ("inner", "outer")
+        AssumedWaves(body, amplitudes, 1.0, False, 40.0, np.zeros(32))
+        for body in ("inner", "outer")
     ]
     powers = [order_powers(waves, case, BANDS) for waves in bodies]
     own: dict[str, dict[str, float]] = {}
@@ -293,8 +294,25 @@ def test_waves_without_crests_are_averaged_over_the_width_too(order: int, expone
     phase = np.hypot(along * axes.along, across * axes.across)
     mean = (density * np.sinc(phase / np.pi) ** 2).sum() / density.sum()
     wanted = 10 * math.log10(mean / np.sinc(along * axes.along / np.pi) ** 2)
-    waves = AssumedWaves("inner", np.ones(1024), exponent, 0.0, np.zeros(1024))
-    assert crests_db(waves, case)[order] == pytest.approx(wanted, abs=0.25)
+    waves = AssumedWaves("inner", np.ones(1024), exponent, True, 0.0, np.zeros(1024))
+    assert crests_db(waves, case)[order] == pytest.approx(wanted, abs=0.15)
+
+
+def test_isotropic_waves_stand_in_the_tracks_and_known_orders_keep_their_crests() -> None:
+    keys = {"kind": "raceway", "finish": "superfinished", "seed": 3, "waviness": {9: 1.0}}
+    tracks = []
+    for crests in ("across", "isotropic"):
+        plan = contact_plan(bearing_scene(inner=keys | {"wave_crests": crests}))
+        smooth = replace(plan, rough={})  # the waves alone, without the roughness
+        tracks.append(np.fft.rfft(bearing_tracks(smooth).inner.approach_m[0]))
+    across, isotropic = tracks
+    scene = bearing_scene(inner=keys)
+    waves = AssumedWaves("inner", np.ones(512), 1.0, True, 0.0, np.zeros(512))
+    wanted = crests_db(waves, scene.model)
+    shares = 20 * np.log10(np.abs(isotropic[2:400]) / np.abs(across[2:400]))
+    others = np.delete(shares - wanted[2:400], 7)
+    assert np.abs(others).max() < 1.0  # the lightest load has a smaller contact than the mean one
+    assert shares[7] == pytest.approx(0, abs=0.05)
 
 
 def test_what_a_scene_states_itself_is_not_assumed() -> None:
