@@ -12,7 +12,7 @@ Scenes
     surface_parameters
 Bearings
     BearingScene and its sections Bearing, BearingOil, BearingSurfaces, HousingPlate,
-    BearingNumerics, BearingSound; Raceway, Roundness; BearingRun, BearingNumbers
+    BearingNumerics, BearingSound; BearingBall, Raceway, Roundness; BearingRun, BearingNumbers
 Kinds
     register, PlainKind, PlainScene, March
 Runs
@@ -73,7 +73,7 @@ _NAMES = {
     "rolling.scene.transducers": ("SoundChannel",),
     "rolling.scene.laws": ("SurfaceFault",),
     "rolling.scene.messages": ("SceneError",),
-    "rolling.scene.raceways": ("Raceway", "Roundness"),
+    "rolling.scene.raceways": ("BearingBall", "Raceway", "Roundness"),
     "rolling.scene.scene": ("Scene",),
     "rolling.scene.sections": (
         "Dynamics",

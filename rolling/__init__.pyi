@@ -49,6 +49,7 @@ from rolling.scene.bearing_sections import BearingSurfaces as BearingSurfaces
 from rolling.scene.bearing_sections import HousingPlate as HousingPlate
 from rolling.scene.laws import SurfaceFault as SurfaceFault
 from rolling.scene.messages import SceneError as SceneError
+from rolling.scene.raceways import BearingBall as BearingBall
 from rolling.scene.raceways import Raceway as Raceway
 from rolling.scene.raceways import Roundness as Roundness
 from rolling.scene.scene import Scene as Scene

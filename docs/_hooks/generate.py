@@ -136,12 +136,13 @@ def _summary_schema(stored: type) -> Json:
 def bearing_reference(schema: Json) -> str:
     """Return the reference of the scene files of bearings.
 
-    Of the kinds of surface it has that which only raceways have, once for both.
+    Of the kinds of surface it has those that only a bearing has, that of raceways once for both.
     """
     sections = _sections("", schema, schema)
     bodies = {title: sections[title] for title in sections if ":" not in title}
     del bodies["faults"]
     del bodies["bearing.surfaces.outer.roundness"]
+    bodies["balls: graded"] = sections["bearing.surfaces.balls: graded"]
     bodies["raceway"] = sections["bearing.surfaces.inner: raceway"]
     bodies["raceway.roundness"] = bodies.pop("bearing.surfaces.inner.roundness")
     return _reference({"Keys": schema} | bodies, schema)

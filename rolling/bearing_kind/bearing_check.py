@@ -35,7 +35,7 @@ from rolling.numbers.doubt import TRUSTED_DB, Doubt, Severity, sized
 from rolling.scene import bearing_rules
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.bearing_sources import assumed_keys, sources, static_load_rating_n
-from rolling.scene.raceways import BearingSurface, Raceway
+from rolling.scene.raceways import BearingBall, BearingSurface, Raceway
 from rolling.scene.surfaces import BallHeightFile, GradedBall
 from rolling.scene.sweep import run_name
 from rolling.terminal.streams import folded
@@ -459,7 +459,7 @@ def _words(surface: BearingSurface | None) -> str:
     parts = []
     if isinstance(surface, GradedBall):
         parts.append(f"{surface.grade} of ISO 3290-1, Ra {surface.law.roughness_ra_um:g} um")
-        if surface.wave_exponent is not None:
+        if isinstance(surface, BearingBall) and surface.wave_exponent is not None:
             parts.append(f"waves beyond order 15 falling by n^-{surface.wave_exponent:g}")
     elif isinstance(surface, BallHeightFile):
         parts.append(f"heights from {surface.path}")

@@ -1,4 +1,4 @@
-"""Values of a drawing of a bearing: loads, clearance, conformity, grade, and Ra of its surfaces.
+"""Values of a drawing of a bearing: loads, clearance, conformity, grade, Ra and waves.
 
 A number is changed by a tenth, balls to the next grade, a conformity by 0.005.
 """
@@ -52,6 +52,13 @@ TENTHS = {
             f"Ra of {words}", Words(f"larger Ra of {words}", f"smaller Ra of {words}")
         )
         for body, words in BODIES.items()
+    },
+    **{
+        f"{SURFACES}.{ring}.wave_amplitude_um": _Named(
+            f"waves of {BODIES[ring]}",
+            Words(f"higher waves of {BODIES[ring]}", f"lower waves of {BODIES[ring]}"),
+        )
+        for ring in ("inner", "outer")
     },
 }
 

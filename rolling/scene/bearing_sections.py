@@ -14,11 +14,9 @@ from rolling.bearing.oil_film import USUAL_DENSITY_KG_M3, USUAL_PRESSURE_VISCOSI
 from rolling.scene import bearing_rules, library, rules
 from rolling.scene.messages import mistake, mistakes_together
 from rolling.scene.models import Section
-from rolling.scene.raceways import Raceway
+from rolling.scene.raceways import BallsSurface, RacewaySurface
 from rolling.scene.sections import DENSITY, YOUNG, Material, Plate, Tolerance
-from rolling.scene.surfaces import BallHeightFile, BallSurface, GaussianBall, SmoothBall
 
-RacewaySurface = Raceway | GaussianBall | SmoothBall | BallHeightFile
 Ring = Literal["inner", "outer"]
 MAX_RPM = 1e6  # the turbines of dentists reach half of it
 
@@ -54,7 +52,7 @@ class BearingSurfaces(Section):
 
     SECTION: ClassVar[str] = "bearing.surfaces"
 
-    balls: BallSurface | None = Field(default=None, discriminator="kind")
+    balls: BallsSurface | None = Field(default=None, discriminator="kind")
     inner: RacewaySurface | None = Field(default=None, discriminator="kind")
     outer: RacewaySurface | None = Field(default=None, discriminator="kind")
     fault_ball: int = Field(default=0, ge=0)

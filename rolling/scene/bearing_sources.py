@@ -2,8 +2,7 @@
 
 from rolling.scene import library
 from rolling.scene.bearing_scene import BearingQuantities
-from rolling.scene.raceways import Raceway
-from rolling.scene.surfaces import GradedBall
+from rolling.scene.raceways import BearingBall, Raceway
 
 ASSUMED = "assumed"
 USUAL_EXPONENT = 1.0  # of waves around balls and raceways
@@ -76,7 +75,7 @@ def assumed_of_surface(scene: BearingQuantities, body: str) -> list[str]:
     They are those that a finish gives without a source, and the usual exponent of waves.
     """
     surface = getattr(scene.bearing.surfaces, body)
-    if isinstance(surface, GradedBall) and surface.wave_exponent == USUAL_EXPONENT:
+    if isinstance(surface, BearingBall) and surface.wave_exponent == USUAL_EXPONENT:
         return ["wave_exponent"]
     if not isinstance(surface, Raceway) or surface.finish is None:
         return []

@@ -1,6 +1,11 @@
-"""Surface of a raceway: a law of waves around, roughness with its lay, and measured roundness."""
+"""Surfaces of raceways and of balls in a bearing.
+
+A raceway has a law of waves around, roughness with its lay, and perhaps measured roundness. Waves
+of a graded ball may go on beyond its form.
+"""
 
 import math
+from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, ClassVar, Literal, Self
 
@@ -11,11 +16,19 @@ from rolling.scene import library
 from rolling.scene.laws import Roughness
 from rolling.scene.messages import mistake, plain_number
 from rolling.scene.models import Section
-from rolling.scene.surfaces import BallSurface, RoundSurface, WaveCrests
+from rolling.scene.surfaces import (
+    BallHeightFile,
+    BallSurface,
+    GaussianBall,
+    GradedBall,
+    RoundSurface,
+    SmoothBall,
+)
 from rolling.surface.ball_form import BallForm
 from rolling.surface.stylus import cut_off, read_share
 from rolling.surface.wave_law import WaveLaw
 
+WaveCrests = Literal["across", "isotropic"]
 RacewayFinish = Annotated[str, library.listed("finishes", "raceway")]
 LONGEST_ACROSS = (
     0.35  # correlation length over the cut-off, with which a stylus reads a third of Ra
@@ -164,4 +177,36 @@ class Raceway(RoundSurface):
         )
 
 
-BearingSurface = BallSurface | Raceway
+class BearingBall(GradedBall):
+    """Surface of the balls of a bearing at the limits of a grade of ISO 3290-1.
+
+    Attributes
+    ----------
+    wave_exponent : float, optional
+        Power by which the amplitudes of the orders beyond 15 fall, as random waves that go on from
+        those of the form. Default: there are none.
+    wave_crests : str
+        Whether crests of the waves beyond order 15 lie `across` the track, or the waves are
+        `isotropic`: as long across the track as along.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.BearingBall(grade="G10", wave_exponent=1.0).wave_crests
+    'across'
+    """
+
+    SECTION: ClassVar[str] = "balls"
+
+    wave_exponent: float | None = Field(default=None, ge=0.5, le=4)
+    wave_crests: WaveCrests = "across"
+
+    @property
+    def form(self) -> BallForm:
+        """Waves around the circumference in SI, with those beyond the form."""
+        return replace(super().form, exponent=self.wave_exponent)
+
+
+BearingSurface = BallSurface | BearingBall | Raceway
+BallsSurface = GaussianBall | SmoothBall | BallHeightFile | BearingBall
+RacewaySurface = Raceway | GaussianBall | SmoothBall | BallHeightFile

@@ -444,9 +444,6 @@ class SmoothBall(RoundSurface):
     kind: Literal["smooth"] = "smooth"
 
 
-WaveCrests = Literal["across", "isotropic"]
-
-
 class GradedBall(RoundSurface):
     """Surface of a sphere at the limits of a grade of ISO 3290-1.
 
@@ -463,12 +460,6 @@ class GradedBall(RoundSurface):
         0.050/0.7, G40 0.060/1, G60 0.080/1.5, G100 0.100/2.5, G200 0.150/5.
     correlation_length_um : float
         Correlation length of the roughness [um]. No grade states one.
-    wave_exponent : float, optional
-        Power by which the amplitudes of the orders beyond 15 fall, as random waves that go on from
-        those of the form. Default: there are none.
-    wave_crests : str, optional
-        Whether crests of the waves beyond order 15 lie `across` the track (default), or the waves
-        are `isotropic`, as of a raceway. Of balls in a bearing.
     seed : int
         Seed of heights and phases
 
@@ -482,8 +473,6 @@ class GradedBall(RoundSurface):
     kind: Literal["graded"] = "graded"
     grade: Grading
     correlation_length_um: float = Field(default=10.0, gt=0)
-    wave_exponent: float | None = Field(default=None, ge=0.5, le=4)
-    wave_crests: WaveCrests | None = None
     seed: int = Field(default=1, ge=0)
 
     @cached_property
@@ -501,7 +490,6 @@ class GradedBall(RoundSurface):
         return BallForm(
             deviation_m=GRADES[self.grade].deviation_um * 1e-6,
             seed=self.seed,
-            exponent=self.wave_exponent,
             waves_m=self._waves_m,
         )
 

@@ -151,7 +151,7 @@ def test_grades_are_those_of_iso_3290() -> None:
 
 def test_waves_of_balls_go_on_from_their_form_and_leave_it() -> None:
     graded = rolling.GradedBall(grade="G10", seed=4)
-    further = rolling.GradedBall(grade="G10", seed=4, wave_exponent=1.0)
+    further = rolling.BearingBall(grade="G10", seed=4, wave_exponent=1.0)
     form = orders_of(form_heights(graded.form, NODES))
     with_waves = orders_of(form_heights(further.form, NODES))
     np.testing.assert_allclose(with_waves[:16], form[:16], atol=1e-20)
