@@ -54,10 +54,10 @@ def read_waves(path: Path, unit: str) -> Waves:
             allowed = f"an amplitude from 0 to {largest:g} {unit}"
             raise HeightFormatError(f"got {quoted(words[1])}, allowed: {allowed}", number)
         waves[order] = (amplitude * UNITS[unit], math.radians(phase))
-    found = tuple((order, *waves[order]) for order in sorted(waves) if order > 1)
-    if not found:
+    ordered = tuple((order, *waves[order]) for order in sorted(waves) if order > 1)
+    if not ordered:
         raise HeightFormatError(f"holds no waves; allowed: a line for each order: {_LINE}")
-    return found
+    return ordered
 
 
 def _text(path: Path) -> str:
