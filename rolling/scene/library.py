@@ -263,7 +263,8 @@ def begins_with(table: str) -> Any:
     """Return a field whose JSON Schema allows the names of a table, with more behind them."""
 
     def update(schema: dict[str, Any]) -> None:
-        schema["pattern"] = f"^({'|'.join(data(table)[table])})($|[^0-9])"
+        names = [*data(table)[table]]
+        schema["anyOf"] = [{"enum": names}, {"pattern": f"^({'|'.join(names)})[^0-9]"}]
 
     return Field(json_schema_extra=update)
 

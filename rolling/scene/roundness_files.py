@@ -12,7 +12,7 @@ from rolling.terminal.whole_files import read_regular
 MAX_BYTES = 2_000_000  # instruments write some 500 orders, of 40 bytes each
 MAX_ORDER = 50_000
 _ENDINGS = (".csv", ".txt")
-_SEPARATORS = re.compile(r"[;,\s]+")
+_SEPARATORS = re.compile(r"[,\s]+")
 _LINE = "order, amplitude and phase [degrees], as in 8, 0.05, 120"
 Waves = tuple[tuple[int, float, float], ...]
 
@@ -38,7 +38,7 @@ def read_waves(path: Path, unit: str) -> Waves:
     waves: dict[int, tuple[float, float]] = {}
     is_first = True
     for number, line in enumerate(_text(path).splitlines(), 1):
-        words = [word for word in _SEPARATORS.split(line.strip()) if word]
+        words = _words(line)
         if not words or words[0].startswith("#"):
             continue
         may_be_words = is_first
@@ -73,6 +73,13 @@ def _text(path: Path) -> str:
         raise HeightFormatError(reason_of(error)) from error
     except UnicodeDecodeError as error:
         raise HeightFormatError("is no text in UTF-8") from error
+
+
+def _words(line: str) -> list[str]:
+    """Return the words of a line; between semicolons a comma stands before decimals."""
+    if ";" in line:
+        return [word.strip().replace(",", ".") for word in line.split(";") if word.strip()]
+    return [word for word in _SEPARATORS.split(line.strip()) if word]
 
 
 def _number(word: str) -> float | None:

@@ -190,6 +190,13 @@ def test_measured_roundness_keeps_its_waves_and_the_law_goes_on_beyond(tmp_path:
     assert found[3:8].max() < 1e-20 and found[9:40].max() < 1e-20 and found[41] > 1e-11
 
 
+@pytest.mark.parametrize("text", ["8, 0.05, 120", "8;0,05;120", "8\t0.05\t120", "8 5e-2 1.2e2"])
+def test_orders_are_read_between_all_usual_signs(tmp_path: Path, text: str) -> None:
+    ((order, amplitude_m, phase),) = read_waves(written(tmp_path, f"# a ring\n{text}\n"), "um")
+    assert (order, amplitude_m) == (8, pytest.approx(5e-8))
+    assert phase == pytest.approx(math.radians(120))
+
+
 def test_measured_roundness_moves_the_approach_of_a_bearing(tmp_path: Path) -> None:
     """Its wave of order 9 stands in the track of the raceway, as the contact averages it."""
     written(tmp_path, "9, 100, 0\n", "ring.txt")
