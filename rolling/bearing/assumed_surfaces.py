@@ -33,9 +33,8 @@ ORDER = 3  # at which an amplitude holds, because such orders decide the deviati
 LEAST_FORM = 1 / 3
 AMPLITUDE_DB = 20 * math.log10(LARGEST_OFF) / math.sqrt(3)
 EXPONENT = EXPONENT_OFF / math.sqrt(3)
-_DECADES = math.log10(LEAST_FORM)
+FORM_DB = -20 * math.log10(LEAST_FORM) / math.sqrt(3)  # rms about the limit, the end of the range
 _NOTHING = 1e-12
-FORM_DB = 20 * abs(_DECADES) / math.sqrt(3)  # rms about the limit, which is the end of the range
 
 
 @dataclass(frozen=True)

@@ -30,9 +30,8 @@ from rolling.surface.wave_law import WaveLaw
 
 WaveCrests = Literal["across", "isotropic"]
 RacewayFinish = Annotated[str, library.listed("finishes", "raceway")]
-LONGEST_ACROSS = (
-    0.35  # correlation length over the cut-off, with which a stylus reads a third of Ra
-)
+# Correlation length over the cut-off, with which a stylus still reads a third of Ra.
+LONGEST_ACROSS = 0.35
 _WAVE_SEED = 4  # part of the seed of a raceway, so that waves are not those of its roughness
 
 
