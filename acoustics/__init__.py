@@ -28,6 +28,7 @@ _NAMES = {
         "reliable",
         "third_octave_mean_square",
     ),
+    "acoustics.impulsiveness": ("BandPulses", "Kurtogram", "band_pulses", "kurtogram"),
     "acoustics.level": (
         "SoundLevels",
         "is_single_event",
@@ -59,7 +60,12 @@ _NAMES = {
         "kurtosis_uncertainty",
         "level_uncertainty",
     ),
-    "acoustics.vibration_level": ("REFERENCES", "VibrationLevels", "vibration_levels"),
+    "acoustics.vibration_level": (
+        "REFERENCES",
+        "VibrationLevels",
+        "velocity_of",
+        "vibration_levels",
+    ),
     "acoustics.weighting": ("a_weighting_db",),
 }
 _SUBMODULES = {

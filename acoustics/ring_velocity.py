@@ -6,7 +6,7 @@ fault have lines. What the record does not separate from a stronger line is not 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics.arrays import Array, positive, real_array, short_repr
+from acoustics.arrays import Array, short_repr
+from acoustics.impulsiveness import band_edges
 from acoustics.spectrum import checked_record
 from acoustics.tone_window import (
     REACH,
@@ -75,7 +76,11 @@ class VelocityBands:
     uncertainty_db: dict[str, float]
 
 
-def velocity_bands(velocity_m_s: Array, sample_rate_hz: float) -> VelocityBands:
+def velocity_bands(
+    velocity_m_s: Array,
+    sample_rate_hz: float,
+    bands_hz: Mapping[str, tuple[float, float]] = VELOCITY_BANDS_HZ,
+) -> VelocityBands:
     """Compute the rms velocity of a bearing's ring in the three bands of ISO 15242-1.
 
     The record is a stretch of a longer one and closes nowhere, so its power is the mean under five
@@ -90,7 +95,10 @@ def velocity_bands(velocity_m_s: Array, sample_rate_hz: float) -> VelocityBands:
     velocity_m_s : array (n,), m/s
         Velocity of the ring in one direction, at least 128 samples.
     sample_rate_hz : float, Hz
-        Sample rate, at least 20 kHz.
+        Sample rate, at least twice the highest edge: 20 kHz.
+    bands_hz : mapping
+        Edges of each band by its name [Hz], where a record does not reach as far as the standard
+        asks. Default: those of the standard.
 
     Returns
     -------
@@ -116,31 +124,35 @@ def velocity_bands(velocity_m_s: Array, sample_rate_hz: float) -> VelocityBands:
     (5.7, True)
     """
     record = checked_record(velocity_m_s, sample_rate_hz, "velocity_m_s")
-    highest_hz = VELOCITY_BANDS_HZ["high"][1]
+    highest_hz = max(high for _, high in bands_hz.values())
     if sample_rate_hz < 2 * highest_hz:
         raise ValueError(
             f"sample_rate_hz: got {sample_rate_hz:g}, allowed: at least {2 * highest_hz:g}"
         )
     if len(record) < _SHORTEST:
         raise ValueError(f"velocity_m_s: got {len(record)} samples, allowed: at least {_SHORTEST}")
-    whole = _band_mean_squares(record, sample_rate_hz)
+    whole = _band_mean_squares(record, sample_rate_hz, bands_hz)
     samples = len(record) // _PARTS
     parts = np.array(
         [
-            _band_mean_squares(record[number * samples : (number + 1) * samples], sample_rate_hz)
+            _band_mean_squares(
+                record[number * samples : (number + 1) * samples], sample_rate_hz, bands_hz
+            )
             for number in range(_PARTS)
         ]
     )
     rms = {}
     uncertainty_db = {}
-    for number, name in enumerate(VELOCITY_BANDS_HZ):
+    for number, name in enumerate(bands_hz):
         rms[name] = math.sqrt(whole[number])
         uncertainty_db[name] = _uncertainty_db(parts[:, number])
     return VelocityBands(rms_m_s=rms, uncertainty_db=uncertainty_db)
 
 
-def _band_mean_squares(record: Array, sample_rate_hz: float) -> list[float]:
-    """Return the mean squares of the three bands, as means over Hann windows that overlap."""
+def _band_mean_squares(
+    record: Array, sample_rate_hz: float, bands_hz: Mapping[str, tuple[float, float]]
+) -> list[float]:
+    """Return the mean squares of bands, as means over Hann windows that overlap."""
     count = len(record) // 2
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * (np.arange(count) + 0.5) / count)
     frequency_hz = np.fft.rfftfreq(count, 1.0 / sample_rate_hz)
@@ -152,7 +164,7 @@ def _band_mean_squares(record: Array, sample_rate_hz: float) -> list[float]:
     # Both signs of a frequency have the same power.
     power *= 2.0 / (_WINDOWS * count * float(np.square(window).sum()))
     mean_squares = []
-    for low, high in VELOCITY_BANDS_HZ.values():
+    for low, high in bands_hz.values():
         inside = (frequency_hz >= low) & (frequency_hz < high)
         mean_squares.append(float(power[inside].sum()))
     return mean_squares
@@ -485,7 +497,7 @@ def squared_envelope_spectrum(
     (True, True)
     """
     record = checked_record(signal, sample_rate_hz)
-    low, high = _edges(band_hz, sample_rate_hz)
+    low, high = band_edges(band_hz, sample_rate_hz)
     count = len(record)
     frequency_hz = np.fft.rfftfreq(count, 1.0 / sample_rate_hz)
     inside = np.flatnonzero((frequency_hz >= low) & (frequency_hz < high))
@@ -497,14 +509,3 @@ def squared_envelope_spectrum(
     spectrum = narrow_spectrum(square / mean if mean > 0.0 else square, sample_rate_hz)
     shown = spectrum.frequency_hz <= high - low
     return NarrowSpectrum(spectrum.frequency_hz[shown], spectrum.rms[shown])
-
-
-def _edges(band_hz: Sequence[float], sample_rate_hz: float) -> tuple[float, float]:
-    """Return the edges of a band [Hz]; raise ValueError unless they rise from 0 Hz."""
-    edges = real_array("band_hz", band_hz, 1)
-    half = positive("sample_rate_hz", sample_rate_hz) / 2.0
-    if len(edges) != 2 or not 0.0 <= edges[0] < min(edges[1], half):
-        raise ValueError(
-            f"band_hz: got {tuple(band_hz)}, allowed: two edges that rise from 0 to {half:g} Hz"
-        )
-    return float(edges[0]), float(edges[1])

@@ -12,11 +12,14 @@ import numpy as np
 from acoustics.arrays import Array, positive, short_repr
 from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.level import level_db, peak_pressure
+from acoustics.resampling import fade
 from acoustics.spectrum import checked_record, line_spectrum
 
 # An octave has the third octave of its name and both neighbours; that of 20 Hz belongs to none.
 OCTAVE_NAMES: tuple[str, ...] = BAND_NAMES[2::3]
 """Names of the 10 octaves by their nominal mid frequencies [Hz], "31.5" to "16000"."""
+LOWEST_HZ = 10.0  # of a velocity that is integrated
+_ENDS_S = 0.1  # of a record that is integrated, faded at each end
 _ROUNDING = 1e-20  # share of a record's mean square that counts as rounding, as for sound
 
 
@@ -152,3 +155,45 @@ def _level(mean_square: float, whole: float, reference_square: float) -> float |
     if not mean_square > _ROUNDING * whole:
         return None
     return level_db(mean_square, reference_square)
+
+
+def velocity_of(
+    acceleration_m_s2: Array, sample_rate_hz: float, lowest_hz: float = LOWEST_HZ
+) -> Array:
+    """Integrate an acceleration that closes nowhere to the velocity above a frequency.
+
+    Parameters
+    ----------
+    acceleration_m_s2 : array (n,), m/s2
+        Acceleration.
+    sample_rate_hz : float, Hz
+        Sample rate.
+    lowest_hz : float, Hz
+        Frequency below which the velocity is left out, because drifts grow there. Default: 10 Hz.
+
+    Returns
+    -------
+    array, m/s
+        A tenth of a second, or an eighth of a shorter record, is faded at each end and left out.
+
+    Raises
+    ------
+    ValueError
+        As `acoustics.spectrum.checked_record`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import velocity_of
+    >>> tone = np.sqrt(2) * np.cos(2 * np.pi * 100 * np.arange(48000) / 48000)  # 1 m/s2 rms
+    >>> round(1e3 * float(np.sqrt(np.mean(velocity_of(tone, 48000) ** 2))), 3)  # mm/s
+    1.592
+    """
+    record = checked_record(acceleration_m_s2, sample_rate_hz, "acceleration_m_s2")
+    ends = min(round(_ENDS_S * sample_rate_hz), len(record) // 8)
+    lines = np.fft.rfft(fade(record - record.mean(), ends))
+    angular = 2.0 * np.pi * np.fft.rfftfreq(len(record), 1.0 / sample_rate_hz)
+    is_kept = angular >= 2.0 * np.pi * lowest_hz
+    velocity = np.zeros_like(lines)
+    velocity[is_kept] = lines[is_kept] / (1j * angular[is_kept])
+    return np.fft.irfft(velocity, len(record))[ends : len(record) - ends]

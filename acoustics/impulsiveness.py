@@ -1,0 +1,282 @@
+"""How impulsive a vibration is: peak, crest factor and kurtosis by band, and the kurtogram.
+
+A fault of a bearing makes short pulses. They show where a band is narrow enough to leave out what
+hides them, and wide enough to keep a pulse short: the kurtogram looks for this band.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from acoustics.arrays import Array, positive, real_array, short_repr
+from acoustics.resampling import band_limit, fade
+from acoustics.spectrum import checked_record
+from acoustics.uncertainty import kurtosis, kurtosis_uncertainty
+
+ENDS_S = 0.02  # that a record is faded at each end, which count for nothing
+_ENDS_SHARE = 1 / 16  # of a record, at most
+_BRANCHES = (2, 3)  # of a band: its thirds stand between its halves and its quarters
+_LEAST_SAMPLES = 32  # independent ones of a band, which are as many as its lines
+_OVERSAMPLING = 2  # of an envelope, so that its square does not fold back
+
+Band = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class BandPulses:
+    """How impulsive a record is within a band.
+
+    Parameters
+    ----------
+    rms : float, unit of the record
+        Root of the mean square.
+    peak : float, unit of the record
+        Largest magnitude of a sample.
+    crest_factor : float or None
+        Peak over rms [-]; noise has 4 to 5, and more in a longer record. None for silence.
+    kurtosis : float or None
+        Mean fourth power over the square of the mean square [-]; noise has 3. None for silence.
+    kurtosis_uncertainty : float or None
+        Standard uncertainty of the kurtosis of noise of this band and length [-].
+    """
+
+    __repr__ = short_repr
+
+    rms: float
+    peak: float
+    crest_factor: float | None
+    kurtosis: float | None
+    kurtosis_uncertainty: float | None
+
+
+def band_pulses(
+    signal: Array, sample_rate_hz: float, bands_hz: Mapping[str, Band]
+) -> dict[str, BandPulses]:
+    """Compute rms, peak, crest factor and kurtosis of a record in bands.
+
+    The record closes nowhere. It is faded at both ends, cut at the edges of the band, and what was
+    faded is left out.
+
+    Parameters
+    ----------
+    signal : array (n,), any unit
+        Record, at least 128 samples.
+    sample_rate_hz : float, Hz
+        Sample rate.
+    bands_hz : mapping
+        Edges of each band by its name [Hz].
+
+    Returns
+    -------
+    dict of BandPulses by the names of the bands.
+
+    Raises
+    ------
+    ValueError
+        As `acoustics.spectrum.checked_record`, for a shorter record, or for an empty band.
+
+    References
+    ----------
+    R. B. Randall and J. Antoni, Rolling element bearing diagnostics - a tutorial, Mechanical
+    Systems and Signal Processing 25 (2011), 485-520, section 4.
+
+    Examples
+    --------
+    >>> import numpy as np, acoustics
+    >>> tone = np.sin(2 * np.pi * 1000 * np.arange(48000) / 48000)
+    >>> pulses = acoustics.band_pulses(tone, 48000, {"medium": (300, 1800)})["medium"]
+    >>> round(pulses.crest_factor, 3), round(pulses.kurtosis, 3)
+    (1.414, 1.5)
+    """
+    record = _open_record(signal, sample_rate_hz)
+    ends = _ends(record, sample_rate_hz)
+    faded = fade(record - record.mean(), ends)
+    found = {}
+    for name, band_hz in bands_hz.items():
+        low, high = band_edges(band_hz, sample_rate_hz)
+        inside = band_limit(faded, sample_rate_hz, (low, high))[ends : len(faded) - ends]
+        found[name] = _pulses_of(inside)
+    return found
+
+
+def _pulses_of(record: Array) -> BandPulses:
+    """Return how impulsive a record is, all of which counts."""
+    rms = math.sqrt(float(np.mean(np.square(record))))
+    peak = float(np.abs(record).max())
+    if not rms > 0:
+        return BandPulses(0.0, 0.0, None, None, None)
+    return BandPulses(
+        rms=rms,
+        peak=peak,
+        crest_factor=peak / rms,
+        kurtosis=kurtosis(record),
+        kurtosis_uncertainty=kurtosis_uncertainty(record),
+    )
+
+
+# ---- kurtogram
+
+
+@dataclass(frozen=True)
+class Kurtogram:
+    """Kurtosis of the envelope in bands of many places and widths.
+
+    Parameters
+    ----------
+    band_hz : (float, float), Hz
+        Edges of the band whose envelope has the largest kurtosis.
+    kurtosis : float
+        Its kurtosis [-]: mean fourth power of the envelope over the square of its mean square, less
+        2; noise has 0, a tone -1.
+    chance : float
+        The largest kurtosis that noise would show in one of as many bands [-], about.
+    low_hz, high_hz, all_kurtoses : arrays (bands,)
+        Edges [Hz] and kurtosis [-] of all bands.
+    """
+
+    __repr__ = short_repr
+
+    band_hz: Band
+    kurtosis: float
+    chance: float
+    low_hz: Array
+    high_hz: Array
+    all_kurtoses: Array
+
+    @property
+    def stands_out(self) -> bool:
+        """Whether the largest kurtosis is more than noise shows by chance."""
+        return self.kurtosis > self.chance
+
+
+def kurtogram(
+    signal: Array, sample_rate_hz: float, band_hz: Sequence[float], least_width_hz: float
+) -> Kurtogram:
+    """Look for the band whose envelope is most impulsive.
+
+    The whole band is divided into 2, 3, 4, 6, 8, 12, 16 parts and so on, as long as a part is wide
+    enough. The cut is that of the lines of the transform.
+
+    Parameters
+    ----------
+    signal : array (n,), any unit
+        Record, at least 128 samples.
+    sample_rate_hz : float, Hz
+        Sample rate.
+    band_hz : (float, float), Hz
+        Edges of the whole band.
+    least_width_hz : float, Hz
+        Least width of a part. Pulses that come at a frequency have a line in the envelope of a band
+        that is wider than this frequency, and stand apart in one that is several times as wide.
+
+    Returns
+    -------
+    Kurtogram
+
+    Raises
+    ------
+    ValueError
+        As `acoustics.spectrum.checked_record`, for a shorter record, or for an empty band.
+
+    References
+    ----------
+    J. Antoni, Fast computation of the kurtogram for the detection of transient faults, Mechanical
+    Systems and Signal Processing 21 (2007), 108-124: the bands of its tree with halves and thirds.
+
+    Examples
+    --------
+    >>> import numpy as np, acoustics
+    >>> t = np.arange(48000) / 48000
+    >>> pulses = np.exp(-2000 * (t % (1 / 90))) * np.sin(2 * np.pi * 4000 * t)
+    >>> noise = 0.2 * np.random.default_rng(1).standard_normal(48000)
+    >>> found = acoustics.kurtogram(pulses + noise, 48000, (500, 20000), 500)
+    >>> found.band_hz[0] < 4000 < found.band_hz[1], found.stands_out
+    (True, True)
+    """
+    record = _open_record(signal, sample_rate_hz)
+    low, high = band_edges(band_hz, sample_rate_hz)
+    width = positive("least_width_hz", least_width_hz)
+    ends = _ends(record, sample_rate_hz)
+    lines = np.asarray(np.fft.rfft(fade(record - record.mean(), ends)), dtype=np.complex128)
+    faded_share = ends / len(record)
+    line_hz = sample_rate_hz / len(record)
+    bands = list[Band]()
+    kurtoses = list[float]()
+    chances = list[float]()
+    for parts in _divisions((high - low) / max(width, _LEAST_SAMPLES * line_hz)):
+        edges = np.linspace(low, high, parts + 1)
+        for first_hz, last_hz in pairwise(edges.tolist()):
+            first, last = math.ceil(first_hz / line_hz), math.ceil(last_hz / line_hz)
+            bands.append((first_hz, last_hz))
+            kurtoses.append(_envelope_kurtosis(lines[first:last], faded_share))
+            chances.append(2 / math.sqrt(max((last - first) * (1 - 2 * faded_share), 1)))
+    best = int(np.argmax(kurtoses))
+    return Kurtogram(
+        band_hz=bands[best],
+        kurtosis=kurtoses[best],
+        # The largest of many numbers of a Gaussian law is about sqrt(2 ln N) standard deviations.
+        chance=chances[best] * math.sqrt(2 * math.log(len(bands) + 1)),
+        low_hz=np.array([band[0] for band in bands]),
+        high_hz=np.array([band[1] for band in bands]),
+        all_kurtoses=np.array(kurtoses),
+    )
+
+
+def _divisions(most: float) -> list[int]:
+    """Return the numbers of parts of a tree with halves and thirds, 1 and others up to a limit."""
+    numbers = {1}
+    scale = 1
+    while scale <= most:
+        numbers |= {scale * branches for branches in _BRANCHES if scale * branches <= most}
+        scale *= 2
+    return sorted(numbers)
+
+
+def _envelope_kurtosis(lines: NDArray[np.complex128], faded_share: float) -> float:
+    """Return the kurtosis of the envelope of the lines of a band; -2 for silence.
+
+    The envelope keeps its shape when the band is shifted to 0 Hz, where few samples hold it.
+    """
+    count = _OVERSAMPLING * len(lines)
+    envelope = np.fft.ifft(lines, count)
+    ends = math.ceil(faded_share * count)
+    square = np.square(np.abs(envelope[ends : count - ends]))
+    mean = float(square.mean())
+    if not mean > 0:
+        return -2.0
+    return float(np.mean(np.square(square))) / mean**2 - 2.0
+
+
+# ---- records and bands
+
+
+def band_edges(band_hz: Sequence[float], sample_rate_hz: float) -> Band:
+    """Return the edges of a band [Hz]; raise ValueError unless they rise from 0 Hz."""
+    edges = real_array("band_hz", band_hz, 1)
+    half = positive("sample_rate_hz", sample_rate_hz) / 2.0
+    if len(edges) != 2 or not 0.0 <= edges[0] < min(edges[1], half):
+        raise ValueError(
+            f"band_hz: got {tuple(band_hz)}, allowed: two edges that rise from 0 to {half:g} Hz"
+        )
+    return float(edges[0]), float(edges[1])
+
+
+def _open_record(signal: Array, sample_rate_hz: float) -> Array:
+    """Return a record that is long enough to be faded at its ends."""
+    record = checked_record(signal, sample_rate_hz)
+    if len(record) < 4 * _LEAST_SAMPLES:
+        raise ValueError(
+            f"signal: got {len(record)} samples, allowed: at least {4 * _LEAST_SAMPLES}"
+        )
+    return record
+
+
+def _ends(record: Array, sample_rate_hz: float) -> int:
+    """Return the samples that are faded at each end."""
+    return min(round(ENDS_S * sample_rate_hz), int(_ENDS_SHARE * len(record)))
