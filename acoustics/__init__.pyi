@@ -12,6 +12,10 @@ from acoustics.bands import MID_HZ as MID_HZ
 from acoustics.bands import band_uncertainty_db as band_uncertainty_db
 from acoustics.bands import reliable as reliable
 from acoustics.bands import third_octave_mean_square as third_octave_mean_square
+from acoustics.impulsiveness import BandPulses as BandPulses
+from acoustics.impulsiveness import Kurtogram as Kurtogram
+from acoustics.impulsiveness import band_pulses as band_pulses
+from acoustics.impulsiveness import kurtogram as kurtogram
 from acoustics.level import SoundLevels as SoundLevels
 from acoustics.level import is_single_event as is_single_event
 from acoustics.level import lae_db as lae_db
@@ -43,6 +47,7 @@ from acoustics.uncertainty import kurtosis_uncertainty as kurtosis_uncertainty
 from acoustics.uncertainty import level_uncertainty as level_uncertainty
 from acoustics.vibration_level import REFERENCES as REFERENCES
 from acoustics.vibration_level import VibrationLevels as VibrationLevels
+from acoustics.vibration_level import velocity_of as velocity_of
 from acoustics.vibration_level import vibration_levels as vibration_levels
 from acoustics.weighting import a_weighting_db as a_weighting_db
 

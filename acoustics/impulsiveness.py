@@ -14,9 +14,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics.arrays import Array, positive, real_array, short_repr
+from acoustics.arrays import Array, positive, short_repr
 from acoustics.resampling import band_limit, fade
-from acoustics.spectrum import checked_record
+from acoustics.spectrum import Band, band_edges, checked_record
 from acoustics.uncertainty import kurtosis, kurtosis_uncertainty
 
 ENDS_S = 0.02  # that a record is faded at each end, which count for nothing
@@ -24,8 +24,6 @@ _ENDS_SHARE = 1 / 16  # of a record, at most
 _BRANCHES = (2, 3)  # of a band: its thirds stand between its halves and its quarters
 _LEAST_SAMPLES = 32  # independent ones of a band, which are as many as its lines
 _OVERSAMPLING = 2  # of an envelope, so that its square does not fold back
-
-Band = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -253,18 +251,7 @@ def _envelope_kurtosis(lines: NDArray[np.complex128], faded_share: float) -> flo
     return float(np.mean(np.square(square))) / mean**2 - 2.0
 
 
-# ---- records and bands
-
-
-def band_edges(band_hz: Sequence[float], sample_rate_hz: float) -> Band:
-    """Return the edges of a band [Hz]; raise ValueError unless they rise from 0 Hz."""
-    edges = real_array("band_hz", band_hz, 1)
-    half = positive("sample_rate_hz", sample_rate_hz) / 2.0
-    if len(edges) != 2 or not 0.0 <= edges[0] < min(edges[1], half):
-        raise ValueError(
-            f"band_hz: got {tuple(band_hz)}, allowed: two edges that rise from 0 to {half:g} Hz"
-        )
-    return float(edges[0]), float(edges[1])
+# ---- records
 
 
 def _open_record(signal: Array, sample_rate_hz: float) -> Array:

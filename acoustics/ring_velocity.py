@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array, short_repr
-from acoustics.impulsiveness import band_edges
-from acoustics.spectrum import checked_record
+from acoustics.spectrum import band_edges, checked_record
 from acoustics.tone_window import (
     REACH,
     SEPARATED,

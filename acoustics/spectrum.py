@@ -4,12 +4,13 @@ The article is Lee, Kim & Kim (2025).
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from acoustics.arrays import Array, real_array, short_repr, within
+from acoustics.arrays import Array, positive, real_array, short_repr, within
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.radiation import I_REF_W_M2, P_REF_PA, intensity
 from acoustics.weighting import a_weighting_db
@@ -18,6 +19,8 @@ MIN_RATE_HZ = 1e-6  # of samples
 MAX_RATE_HZ = 1e12  # of samples
 _PSD_LINE_HZ = 10.0
 _MIN_SEGMENT = 16
+
+Band = tuple[float, float]
 
 # Edges of base-10 twelfth octaves: four to each third octave of acoustics.bands, whose edges are
 # among them (125,).
@@ -66,6 +69,17 @@ class Psd:
     window: str
     line_width_hz: float
     enbw_hz: float
+
+
+def band_edges(band_hz: Sequence[float], sample_rate_hz: float) -> Band:
+    """Return the edges of a band [Hz]; raise ValueError unless they rise from 0 Hz."""
+    edges = real_array("band_hz", band_hz, 1)
+    half = positive("sample_rate_hz", sample_rate_hz) / 2.0
+    if len(edges) != 2 or not 0.0 <= edges[0] < min(edges[1], half):
+        raise ValueError(
+            f"band_hz: got {tuple(band_hz)}, allowed: two edges that rise from 0 to {half:g} Hz"
+        )
+    return float(edges[0]), float(edges[1])
 
 
 def checked_record(record: ArrayLike, sample_rate_hz: float, name: str = "signal") -> Array:

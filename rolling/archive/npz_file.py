@@ -1,8 +1,11 @@
-"""Archives of numpy (.npz) with defined arrays, which are judged before a value is read.
+"""Archives of numpy (.npz), whose arrays are judged before a value is read.
 
-An archive that states other names, types or shapes is refused by these statements, and so is one
-that is packed: a small packed file may become an array of any size. zip keeps a checksum of each
-array, so that damage is noticed when the values are read.
+An archive of this program has defined arrays. One that states other names, types or shapes is
+refused by these statements, and so is one that is packed: a small packed file may become an array
+of any size. zip keeps a checksum of each array, so that damage is noticed when the values are read.
+
+An archive of measured series has arrays of any names, of which those of numbers are read. It may be
+packed, because the size of each array is judged first.
 """
 
 from __future__ import annotations
@@ -11,7 +14,7 @@ import io
 import zipfile
 from collections.abc import Mapping
 from math import prod
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,3 +111,70 @@ def _refuse_declaration(
 def _differing(names: Mapping[str, Any], variables: Mapping[str, Variable]) -> str:
     """Return the first names that are missing or not defined."""
     return ", ".join(sorted(names.keys() ^ variables.keys())[:9])
+
+
+# ---- archives with arrays of any names
+
+
+class NpzArray(NamedTuple):
+    """Array of an archive: its name, and its shape; () for one that holds no real numbers."""
+
+    name: str
+    shape: tuple[int, ...]
+
+
+def npz_arrays(content: bytes, most_bytes: int) -> list[NpzArray]:
+    """Return the arrays of an archive that anybody may have made, of which no value is read.
+
+    Parameters
+    ----------
+    content : bytes
+        The archive.
+    most_bytes : int
+        Largest size of an array.
+
+    Raises
+    ------
+    ValueError
+        An array has another size than it says, a larger one than allowed, or the name of another.
+    Exception
+        The archive is damaged. numpy and zipfile raise errors of any kind then.
+    """
+    found = list[NpzArray]()
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        for member in archive.infolist():
+            name = member.filename.removesuffix(_ENDING)
+            if name in [other.name for other in found]:
+                raise ValueError(f"two arrays with the name {name!r}")
+            if member.file_size > most_bytes:
+                raise ValueError(
+                    f"{name}: an array of {member.file_size:,} bytes, allowed: {most_bytes:,}"
+                )
+            found.append(NpzArray(name, _shape_of_numbers(archive, member)))
+    return found
+
+
+def _shape_of_numbers(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> tuple[int, ...]:
+    """Return the shape of an array of real numbers by its head; () for anything else."""
+    if not member.filename.endswith(_ENDING):
+        return ()
+    with archive.open(member) as stream:
+        if np.lib.format.read_magic(stream) != (1, 0):
+            return ()
+        shape, _, dtype = np.lib.format.read_array_header_1_0(stream, _MAX_HEADER)
+        if dtype.kind not in "fiu":
+            return ()
+        if min(shape, default=0) < 0 or stream.tell() + prod(shape) * dtype.itemsize != (
+            member.file_size
+        ):
+            raise ValueError(f"{member.filename}: has another size than it says")
+    return shape
+
+
+def read_npz_array(content: bytes, name: str) -> NDArray[Any]:
+    """Return an array of an archive by its name, which `npz_arrays` has judged."""
+    with (
+        zipfile.ZipFile(io.BytesIO(content)) as archive,
+        archive.open(f"{name}{_ENDING}") as stream,
+    ):
+        return np.asarray(np.lib.format.read_array(stream, allow_pickle=False))

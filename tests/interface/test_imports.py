@@ -55,6 +55,7 @@ FLOORS = {
             "unbaffled",
         ),
         ("audibility", "ears", "laps", "plots", "uncertainty", "vibration_level", "wav"),
+        ("impulsiveness",),
     ),
 }
 # Methods of public objects that call a function of a higher room. Nothing else climbs.
