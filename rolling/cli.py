@@ -391,7 +391,8 @@ def _compare(given: argparse.Namespace) -> int:
     if given.recording is None:
         _refuse_options_of_bench(given)
     with progress.step(LOADING):
-        from rolling.commands.compare import compare, compare_bench
+        from rolling.commands.compare import RecordedSeries, compare, compare_bench
+        from rolling.recordings.series_files import FileLayout
     if given.recording is None:
         return _print_paths(compare_bench(given.folder))
     paths = compare(
@@ -399,22 +400,30 @@ def _compare(given: argparse.Namespace) -> int:
         given.recording,
         given.calibration,
         given.background,
-        given.quantity or "pressure",
+        given.quantity,
         given.channels,
+        RecordedSeries(
+            layout=FileLayout(given.variables, given.rate),
+            unit=given.unit,
+            healthy=given.healthy,
+            healthy_run=given.healthy_run,
+            healthy_layout=FileLayout(given.healthy_variables, given.healthy_rate or given.rate),
+        ),
     )
     return _print_paths(paths)
 
 
 def _refuse_options_of_bench(given: argparse.Namespace) -> None:
     """Refuse options that a recording needs, where none is given."""
-    for option in ("quantity", "calibration", "background"):
+    for option in ("quantity", "calibration", "background", "unit", "rate", "healthy"):
         if getattr(given, option) is not None:
             given.parser.error(
                 f"--{option}: only goes with a RECORDING; the folder of a bench says it by the"
                 " names of its files and in calibration.txt"
             )
-    if given.channels:
-        given.parser.error("--channel: only goes with a RECORDING")
+    for option, values in (("channel", given.channels), ("variable", given.variables)):
+        if values:
+            given.parser.error(f"--{option}: only goes with a RECORDING")
 
 
 def _surface(given: argparse.Namespace) -> int:

@@ -9,6 +9,8 @@ import numpy as np
 from acoustics.bands import EDGES_HZ
 from acoustics.level import SoundLevels, sound_levels
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from rolling.bearing.kinematics import Kinematics
+from rolling.bearing.lines import envelope_lines
 from rolling.bearing.ring_record import AXIAL, RADIAL
 from rolling.bearing_kind.bearing_run import BearingRun
 from rolling.bearing_kind.octave_parts import octave_parts, parts_of_total, powers_of
@@ -19,6 +21,7 @@ from rolling.recordings.compared_run import (
     faded_record,
     unknown_spread,
 )
+from rolling.recordings.read_vibration import VibrationMarks
 from rolling.recordings.recorded import PRESSURE, MeasuredQuantity, Recording
 from rolling.recordings.run_spread import RunSpread
 from rolling.terminal.whole_files import FolderError
@@ -54,12 +57,27 @@ def records_of_bearing(run: BearingRun, quantity: MeasuredQuantity) -> ComparedR
     if run.numbers.axial_doubt is not None:
         warnings.append(f"along z: {run.numbers.axial_doubt.line}")
     records = []
+    velocity_db = {}
     for axis, samples in zip(DIRECTION_OF, of_ring[quantity.name].T, strict=True):
         record = faded_record(axis, samples, round(run.record.rate_hz), highest_hz, quantity)
         velocities = run.numbers.velocities.by_direction[DIRECTION_OF[axis]]
         spread = _spread_of_motion(record, velocities)
         records.append(ComparedRecord(record, record.seconds, spread))
-    return ComparedRun(records=tuple(records), warnings=tuple(warnings))
+        of_bands = run.numbers.below_bending.by_direction[DIRECTION_OF[axis]]
+        velocity_db[axis] = {
+            band: velocity.uncertainty or 0.0 for band, velocity in of_bands.by_band.items()
+        }
+    marks = VibrationMarks(
+        bands_hz=VELOCITY_BANDS_HZ,
+        lines_hz=pulse_lines_hz(run.kinematics),
+        velocity_db=velocity_db,
+    )
+    return ComparedRun(records=tuple(records), warnings=tuple(warnings), marks=marks)
+
+
+def pulse_lines_hz(kinematics: Kinematics) -> dict[str, float]:
+    """Return the frequencies of pulses of a bearing by the names of their lines [Hz]."""
+    return {line.name: line.frequency_hz for line in envelope_lines(kinematics) if not line.minor}
 
 
 def _compared_up_to(run: BearingRun, highest_hz: float) -> str:

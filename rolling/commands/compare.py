@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from rolling.commands.run import run_scene
 from rolling.figures.picture import csv_bytes, slug
 from rolling.recordings.agreement import sentences
-from rolling.recordings.recorded import quantity_of
-from rolling.recordings.recording_comparison import RecordingComparison, words
+from rolling.recordings.recorded import PRESSURE, quantity_of
+from rolling.recordings.recorded_units import unit_of
+from rolling.recordings.recording_comparison import Healthy, RecordingComparison, words
 from rolling.recordings.recording_comparison import compare as compare_record
+from rolling.recordings.series_files import FileLayout
 from rolling.report import bench as benches
 from rolling.report import recording_page, synthetic_bench
 from rolling.run import folder as folders
@@ -22,13 +24,31 @@ from rolling.terminal.streams import folded
 from rolling.terminal.whole_files import FolderError
 
 
+class RecordedSeries(NamedTuple):
+    """What is said of a recording that is no sound file, and what is healthy.
+
+    layout : FileLayout. Which series of the file are meant, and their rate.
+    unit : str or None. Name of their unit.
+    healthy : Path or None. Recording of the same without its fault, in the same unit.
+    healthy_run : Path or None. Folder of the run without the fault.
+    healthy_layout : FileLayout. As `layout`, of the healthy recording.
+    """
+
+    layout: FileLayout = FileLayout()
+    unit: str | None = None
+    healthy: Path | None = None
+    healthy_run: Path | None = None
+    healthy_layout: FileLayout = FileLayout()
+
+
 def compare(
     folder: Path,
     recording: Path,
     calibration: str | None = None,
     background: Path | None = None,
-    quantity: str = "pressure",
+    quantity: str | None = None,
     channels: Sequence[str] = (),
+    series: RecordedSeries | None = None,
 ) -> list[Path]:
     """Compare a run with a recording: print a table, write it and a page, and return its path.
 
@@ -42,17 +62,25 @@ def compare(
         the recording gets the total level of the run.
     background : Path. Recording of the background alone, which is subtracted. Default: none.
     quantity : str. What is recorded: pressure, acceleration, velocity, displacement or force.
-        Default: pressure.
+        Default: that of the unit, otherwise pressure.
     channels : sequence of str. Names of the run's channels, in the order of the recording's.
         Default: those of the quantity in their order.
+    series : RecordedSeries. What is said of a file of series, and what is healthy. Default:
+        nothing.
 
     Raises
     ------
     FolderError : the folder holds no single run that is done, or a recording cannot be compared.
         Nothing is written.
     """
+    said = series or RecordedSeries()
+    if said.unit is not None:
+        unit = unit_of(said.unit, quantity, calibration)
+        quantity, calibration = unit.quantity, f"{unit.si!r}"
+    quantity = quantity or PRESSURE.name
     quantity_of(quantity)
     run = _run_to_compare(folder)
+    healthy = _healthy(said)
     with progress.step("comparing it with the recording"):
         comparison = compare_record(
             run=run,
@@ -61,8 +89,23 @@ def compare(
             background=background,
             quantity=quantity,
             channels=channels,
+            layout=said.layout,
+            healthy=healthy,
         )
     return [_write_comparison(run, folder, recording, comparison)]
+
+
+def _healthy(said: RecordedSeries) -> Healthy | None:
+    """Return the healthy run and its recording; refuse one without the other."""
+    if said.healthy is None and said.healthy_run is None:
+        return None
+    if said.healthy is None or said.healthy_run is None:
+        raise FolderError(
+            "--healthy and --healthy-run: got one of them, allowed: both; the rise of the run needs"
+            " a run folder of the bearing without its fault, such as by --set"
+            " bearing.surfaces.inner.faults="
+        )
+    return Healthy(_run_to_compare(said.healthy_run), said.healthy, said.healthy_layout)
 
 
 def compare_bench(folder: Path) -> list[Path]:
@@ -122,6 +165,9 @@ def _write_comparison(
     numbers = csv_bytes(comparison.table)
     page = _free_page(folder / f"compare-{slug(recording.name)[:80]}.html", content, numbers)
     whole_files.write_bytes(page.with_suffix(".csv"), numbers)
+    if len(comparison.figures):
+        figures = page.with_name(f"{page.stem}-figures.csv")
+        whole_files.write_bytes(figures, csv_bytes(comparison.figures))
     whole_files.write_bytes(page, content)
     if not progress.is_quiet():
         print(*map(folded, [*sentences(comparison), *comparison.notes]), sep="\n")

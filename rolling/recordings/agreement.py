@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, NOMINAL_HZ
 from acoustics.numbers import rounded_up
+from rolling.recordings.read_vibration import figure_sentences
 from rolling.recordings.recording_comparison import THIRD_OCTAVE, RecordingComparison
 
 CLOSE_DB = 3.0  # within which third octaves agree well
@@ -89,6 +90,9 @@ def sentences(comparison: RecordingComparison) -> list[str]:
         if close is not None and close.bands < whole.bands:
             text = f"within {_decibels(close)} from {_range(close)}, and {text}"
         texts.append(f"{pair.named('Run and recording')} agree {text}.")
+        if len(comparison.figures):
+            of_pair = comparison.figures[comparison.figures["channel"] == pair.name]
+            texts += figure_sentences(of_pair)
     return texts
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.wav import SAMPLE_RATE_HZ
+from rolling.recordings.read_vibration import VibrationMarks
 from rolling.recordings.recorded import PRESSURE, MeasuredQuantity, Recording, fade_window, rms
 from rolling.recordings.run_spread import RunSpread
 
@@ -32,11 +33,13 @@ class ComparedRun(NamedTuple):
     records : tuple of ComparedRecord. One of sound pressure; one for each channel otherwise.
     stated : str. What the levels of the run are of, with what `rolling run` states of them.
     warnings : tuple of str. What a comparison does not tell, as sentences.
+    marks : VibrationMarks or None. What is read beside third octaves; None for nothing.
     """
 
     records: tuple[ComparedRecord, ...]
     stated: str = ""
     warnings: tuple[str, ...] = ()
+    marks: VibrationMarks | None = None
 
 
 def sound_alone(samples: Array, content: str, quantity: MeasuredQuantity) -> ComparedRun:

@@ -17,6 +17,13 @@ from acoustics.radiation import P_REF_PA
 from acoustics.texts import printable
 from acoustics.vibration_level import REFERENCES
 from acoustics.wav import SAMPLE_RATE_HZ as RATE
+from rolling.recordings.series_files import FORMATS as SERIES_FORMATS
+from rolling.recordings.series_files import (
+    FileLayout,
+    MeasuredSeries,
+    is_series_file,
+    read_series,
+)
 from rolling.scene.messages import nearest
 from rolling.terminal.whole_files import FolderError, read_regular
 
@@ -125,30 +132,40 @@ def fade_window(count: int, rate: float = RATE) -> Array:
     return resampling.fade(np.ones(count), min(round(FADE_S * rate), count // 4))
 
 
-def read_channels(path: Path, quantity: MeasuredQuantity = PRESSURE) -> list[Recording]:
-    """Read all channels of a sound file without their means, faded at both ends.
+def read_channels(
+    path: Path, quantity: MeasuredQuantity = PRESSURE, layout: FileLayout | None = None
+) -> list[Recording]:
+    """Read all channels of a recording without their means, faded at both ends.
 
     A channel that is silent, or holds NaN, is refused when it is used: `usable` does so.
 
+    Parameters
+    ----------
+    path : Path. A sound file, or a file of series, by its ending.
+    quantity : MeasuredQuantity. What it holds.
+    layout : FileLayout. What a file of series does not say. Default: nothing.
+
     Raises
     ------
-    FolderError : the file is no sound, or too short, long, slow or fast.
+    FolderError : the file cannot be read, or is too short, long, slow or fast.
     """
-    least_hz = MIN_RATE_HZ if quantity is PRESSURE else MIN_VIBRATION_RATE_HZ
-    try:
-        with soundfile.SoundFile(io.BytesIO(read_regular(path, MAX_BYTES))) as file:
-            rate = file.samplerate
-            seconds = file.frames / rate
-            if not (MIN_S <= seconds <= MAX_S and least_hz <= rate <= MAX_RATE_HZ):
-                allowed = f"{MIN_S:g} to {MAX_S:g} s at {least_hz} to {MAX_RATE_HZ} Hz"
-                raise FolderError(f"{path}: got {seconds:.3g} s at {rate} Hz, allowed: {allowed}")
-            _refuse_many_samples(path, file)
-            samples = file.read(dtype="float64", always_2d=True)
-    except (OSError, RuntimeError) as error:
-        reason = getattr(error, "error_string", getattr(error, "strerror", error))
-        raise FolderError(
-            f"{path}: no sound that can be read ({reason}), allowed: {FORMATS}"
-        ) from error
+    if is_series_file(path):
+        series = read_series(
+            path,
+            layout or FileLayout(),
+            most_bytes=MAX_BYTES,
+            most_sample_bytes=MAX_SAMPLE_BYTES,
+        )
+        samples, rate = series
+        _refuse_length(path, len(samples), rate, quantity)
+        _refuse_many_samples(path, len(samples), rate, samples.shape[1])
+    else:
+        if layout is not None and any(layout):
+            raise FolderError(
+                f"{path}: got --variable or --rate, which only go with {SERIES_FORMATS}"
+            )
+        samples, rate = _read_sound(path, quantity)
+    seconds = len(samples) / rate
     channels = []
     window = fade_window(len(samples), rate)
     for channel in samples.T:
@@ -169,15 +186,39 @@ def read_channels(path: Path, quantity: MeasuredQuantity = PRESSURE) -> list[Rec
     return channels
 
 
-def _refuse_many_samples(path: Path, file: soundfile.SoundFile) -> None:
-    """Refuse a file whose channels together have too many samples, by what its header says."""
-    rate = max(file.samplerate, RATE)
-    seconds = file.frames / file.samplerate
-    size = 8 * file.channels * seconds * rate
-    if size > MAX_SAMPLE_BYTES:
-        longest = MAX_SAMPLE_BYTES / (8 * file.channels * rate)
+def _read_sound(path: Path, quantity: MeasuredQuantity) -> MeasuredSeries:
+    """Read a sound file, which is judged by its header first."""
+    try:
+        with soundfile.SoundFile(io.BytesIO(read_regular(path, MAX_BYTES))) as file:
+            rate = file.samplerate
+            _refuse_length(path, file.frames, rate, quantity)
+            _refuse_many_samples(path, file.frames, rate, file.channels)
+            return MeasuredSeries(file.read(dtype="float64", always_2d=True), rate)
+    except (OSError, RuntimeError) as error:
+        reason = getattr(error, "error_string", getattr(error, "strerror", error))
         raise FolderError(
-            f"{path}: got {seconds:.3g} s of {_counted(file.channels)}, which take"
+            f"{path}: no sound that can be read ({reason}), allowed: {FORMATS}, {SERIES_FORMATS}"
+        ) from error
+
+
+def _refuse_length(path: Path, frames: int, rate: float, quantity: MeasuredQuantity) -> None:
+    """Refuse a recording that is too short, long, slow or fast."""
+    least_hz = MIN_RATE_HZ if quantity is PRESSURE else MIN_VIBRATION_RATE_HZ
+    seconds = frames / rate
+    if not (MIN_S <= seconds <= MAX_S and least_hz <= rate <= MAX_RATE_HZ):
+        allowed = f"{MIN_S:g} to {MAX_S:g} s at {least_hz} to {MAX_RATE_HZ} Hz"
+        raise FolderError(f"{path}: got {seconds:.3g} s at {rate:.6g} Hz, allowed: {allowed}")
+
+
+def _refuse_many_samples(path: Path, frames: int, own_rate: float, channels: int) -> None:
+    """Refuse a recording whose channels together have too many samples."""
+    rate = max(own_rate, RATE)
+    seconds = frames / own_rate
+    size = 8 * channels * seconds * rate
+    if size > MAX_SAMPLE_BYTES:
+        longest = MAX_SAMPLE_BYTES / (8 * channels * rate)
+        raise FolderError(
+            f"{path}: got {seconds:.3g} s of {_counted(channels)}, which take"
             f" {size / 1e6:,.0f} MB, allowed: {MAX_SAMPLE_BYTES / 1e6:,.0f} MB; save fewer"
             f" channels, or a stretch of at most {longest:.3g} s"
         )

@@ -23,6 +23,12 @@ from rolling.kinds.registry import kind_of
 from rolling.numbers.quantity import PART_WORDS, uncertain
 from rolling.recordings.compared_run import ComparedRun
 from rolling.recordings.pairs import RecordPair, pair_records, place_notes, placed_pairs
+from rolling.recordings.read_vibration import (
+    ComparedSides,
+    VibrationFigures,
+    figure_words,
+    vibration_figures,
+)
 from rolling.recordings.record_levels import (
     MODULATION_HZ,
     Bands,
@@ -49,6 +55,7 @@ from rolling.recordings.run_spread import (
     RunSpread,
     TotalSpread,
 )
+from rolling.recordings.series_files import FileLayout
 from rolling.terminal.whole_files import FolderError
 
 MAX_DB = 10.0  # least uncertainty by its record of a band that tells nothing
@@ -61,17 +68,32 @@ FULL_MODULATION = "full modulation"  # the reference of a modulation
 class RecordingComparison(NamedTuple):
     """Table of levels and differences, sentences on them, and the records pair by pair.
 
-    Differences are the run less the recording.
+    Differences are the run less the recording. `figures` has those of a vibration beside its third
+    octaves, or is empty.
     """
 
     table: pd.DataFrame
     notes: list[str]
     pairs: list[RecordPair]
+    figures: pd.DataFrame
 
     @property
     def quantity(self) -> MeasuredQuantity:
         """The quantity that is compared."""
         return self.pairs[0].recording.quantity
+
+
+class Healthy(NamedTuple):
+    """What is healthy: a run, and a recording of it, beside those with a fault.
+
+    run : run of any kind.
+    path : Path. Recording with the unit of the other one.
+    layout : FileLayout. What its file does not say.
+    """
+
+    run: Any
+    path: Path
+    layout: FileLayout = FileLayout()
 
 
 def compare(
@@ -81,6 +103,8 @@ def compare(
     background: Path | None = None,
     quantity: str = PRESSURE.name,
     channels: Sequence[str] = (),
+    layout: FileLayout | None = None,
+    healthy: Healthy | None = None,
 ) -> RecordingComparison:
     """Compare a run with a recording; raise FolderError where nothing can be compared.
 
@@ -93,9 +117,11 @@ def compare(
         recording. Default: none.
     quantity : str. A name of QUANTITIES. Default: pressure.
     channels : sequence of str. Names of the run's channels, as in `pair_records`.
+    layout : FileLayout. What the file of the recording does not say. Default: nothing.
+    healthy : Healthy. The same without a fault, over which the rise is stated. Default: nothing.
     """
     measured = quantity_of(quantity)
-    recorded = read_channels(path, measured)
+    recorded = read_channels(path, measured, layout)
     own = kind_of(run.scene).compared(run, measured)
     pairs = pair_records(own, path, recorded, channels)
     count = len(recorded)
@@ -113,10 +139,58 @@ def compare(
         compared = _compare_pair(pair, of_pair, path, scales[pair.number], noise)
         tables.append(compared.table)
         notes += compared.notes
+    figures = _figures(own, placed.pairs, scales, _healthy_pairs(healthy, measured, channels))
+    notes += [note for of_pair in figures for note in of_pair.notes]
     notes += own.warnings
     clipped = [pair.named("the recording") for pair in pairs if pair.recording.is_clipped]
     notes += [f"{name} is clipped: repeat it with less gain" for name in clipped]
-    return RecordingComparison(table=pd.concat(tables), notes=notes, pairs=placed.pairs)
+    return RecordingComparison(
+        table=pd.concat(tables),
+        notes=notes,
+        pairs=placed.pairs,
+        figures=pd.concat([of_pair.table for of_pair in figures]) if figures else pd.DataFrame(),
+    )
+
+
+def _healthy_pairs(
+    healthy: Healthy | None, quantity: MeasuredQuantity, channels: Sequence[str]
+) -> list[RecordPair]:
+    """Return the pairs of records without a fault; none where none are given."""
+    if healthy is None:
+        return []
+    own = kind_of(healthy.run.scene).compared(healthy.run, quantity)
+    if own.marks is None:
+        raise FolderError(
+            f"--healthy: goes with acceleration and velocity of a bearing, not with {quantity.name}"
+        )
+    recorded = read_channels(healthy.path, quantity, healthy.layout)
+    return pair_records(own, healthy.path, recorded, channels)
+
+
+def _figures(
+    own: ComparedRun,
+    pairs: Sequence[RecordPair],
+    scales: Sequence[FullScale | None],
+    healthy: Sequence[RecordPair],
+) -> list[VibrationFigures]:
+    """Return the figures of vibrations, pair by pair; none where none are marked."""
+    if own.marks is None:
+        return []
+    by_name = {pair.name: pair for pair in healthy}
+    found = []
+    for pair in pairs:
+        scale = scales[pair.number]
+        without = by_name.get(pair.name)
+        sides = ComparedSides(
+            channel=pair.name,
+            run=pair.run,
+            recording=pair.recording,
+            scale=None if scale is None else scale.value,
+            healthy_run=None if without is None else without.run,
+            healthy_recording=None if without is None else without.recording.whole(),
+        )
+        found.append(vibration_figures(sides, own.marks))
+    return found
 
 
 def _background(path: Path, quantity: MeasuredQuantity, number: int, count: int) -> Recording:
@@ -359,6 +433,10 @@ def words(comparison: RecordingComparison) -> dict[str, pd.DataFrame]:
             octaves = rows[is_modulation]["frequency_hz"].map("{:g}".format)
             modulation.insert(0, "octave of modulation, Hz", octaves)
             tables[pair.named("modulation")] = modulation
+        if len(comparison.figures):
+            of_pair = comparison.figures[comparison.figures["channel"] == pair.name]
+            for heading, table in figure_words(of_pair).items():
+                tables[pair.named(heading)] = table
     return tables
 
 

@@ -350,10 +350,11 @@ def _add_compare(commands: Any) -> None:
         name="compare",
         help="compare a run with a recording of the real thing",
         answer="How near is a run to a recording of sound, acceleration or force? The command "
-        "compares third octaves, total levels and modulation, and writes "
-        "RUN/compare-RECORDING.html. Without RECORDING, the folder is a bench with scene, scan, "
-        "recordings and calibration.txt: the command names what is missing, or runs the scene and "
-        "compares. synthetic-bench makes an example.",
+        "compares third octaves, total levels and modulation, and of a bearing its bands, crest "
+        "factor, kurtosis and lines of the envelope. It writes RUN/compare-RECORDING.html. Without "
+        "RECORDING, the folder is a bench with scene, scan, recordings and calibration.txt: the "
+        "command names what is missing, or runs the scene and compares. synthetic-bench makes an "
+        "example.",
     )
     compare.add_argument(
         "folder", type=arguments.path, metavar="RUN", help="run folder, or the folder of a bench"
@@ -363,15 +364,22 @@ def _add_compare(commands: Any) -> None:
         type=arguments.path,
         nargs="?",
         metavar="RECORDING",
-        help="sound file of 0.5 to 120 s at 16 kHz or more (4 kHz of vibrations): WAV, FLAC, OGG,"
-        " MP3, AIFF",
+        help="0.5 to 120 s at 16 kHz or more (4 kHz of vibrations): a sound file (WAV, FLAC, OGG,"
+        " MP3, AIFF), or a file of series (CSV, npz, mat of version 5, UFF)",
     )
     compare.add_argument(
         "--quantity",
         metavar="NAME",
         help="what is recorded: pressure, acceleration, velocity, displacement or force (default:"
-        " pressure)",
+        " that of --unit, otherwise pressure)",
     )
+    compare.add_argument(
+        "--unit",
+        metavar="UNIT",
+        help="unit of the numbers of RECORDING, such as g, m/s2, mm/s or um/s, in place of a"
+        " calibration",
+    )
+    _add_series_options(compare)
     compare.add_argument(
         "--calibration",
         metavar="TONE.wav=LEVEL",
@@ -393,6 +401,38 @@ def _add_compare(commands: Any) -> None:
         metavar="NAME",
         help="channel of the run that goes with the next channel of RECORDING, or - to leave it"
         " out; may stand several times (default: all channels of the quantity, in order)",
+    )
+
+
+def _add_series_options(compare: argparse.ArgumentParser) -> None:
+    """Add what is said of files of series, and of what is healthy."""
+    for prefix, word in (("", "RECORDING"), ("healthy-", "the healthy recording")):
+        compare.add_argument(
+            f"--{prefix}variable",
+            dest=f"{prefix.replace('-', '_')}variables",
+            action="append",
+            default=[],
+            metavar="NAME",
+            help=f"series of {word}, by its name in the file; may stand several times, one for each"
+            " channel (default: the only one; a message lists them)",
+        )
+        compare.add_argument(
+            f"--{prefix}rate",
+            type=arguments.positive,
+            metavar="HZ",
+            help=f"sample rate of {word}, if its file does not say it",
+        )
+    compare.add_argument(
+        "--healthy",
+        type=arguments.path,
+        metavar="RECORDING",
+        help="recording of the same bearing without its fault: the rise by the fault is compared",
+    )
+    compare.add_argument(
+        "--healthy-run",
+        type=arguments.path,
+        metavar="RUN",
+        help="run folder of the bearing without its fault, with --healthy",
     )
 
 

@@ -82,7 +82,9 @@ def test_an_acceleration_in_noise_and_offset_is_recovered_by_a_tone(
     wav = write(tmp_path / "acceleration.wav", own, rate)
     hush = write(tmp_path / "hush.wav", [0 * samples for samples in own], rate)
     calibration = tone(tmp_path / "tone.wav", rate)
-    table, notes, pairs = recording_comparison.compare(run, wav, calibration, hush, "acceleration")
+    table, notes, pairs, _ = recording_comparison.compare(
+        run, wav, calibration, hush, "acceleration"
+    )
     assert [pair.name for pair in pairs] == ["corner", "middle"]
     assert "the recording from 0.300 to 1.300 s has the waveform" in " ".join(notes)
     noise_line = 0.002**2 / (rate / 2)
@@ -102,7 +104,7 @@ def test_full_scale_of_each_channel_and_names_of_channels(run: Run, tmp_path: Pa
     own = [channel.samples for channel in run.channels[:2]]
     wav = write(tmp_path / "swapped.wav", own[::-1], 48000)
     calibration = f"{FULL_SCALE:g},{2 * FULL_SCALE:g}"
-    table, notes, _ = recording_comparison.compare(
+    table, notes, _, _ = recording_comparison.compare(
         run, wav, calibration, None, "acceleration", ["middle", "corner"]
     )
     total = table[table["quantity"] == "all bands"].set_index("channel")["difference_db"]

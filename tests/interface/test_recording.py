@@ -188,7 +188,7 @@ def test_run_and_comparison_state_the_same_uncertainty(
     stated = free.vibration
     assert stated.parts["baffle"] > 5
     assert ("grid" in stated.parts) == estimate
-    table, notes, _ = with_itself(free, tmp_path)
+    table, notes, _, _ = with_itself(free, tmp_path)
     laeq = table[table["quantity"] == "LAeq"].iloc[0]
     assert laeq["run_uncertainty_db"] == pytest.approx(stated.uncertainty, rel=1e-3)
     assert f"which `rolling run` states as {stated.number} dB(A), computed" in notes[0]
@@ -215,7 +215,7 @@ def test_what_the_comparison_cannot_have_is_left_out_by_name(run: Run, tmp_path:
     free = heard_again(run, run.scene.with_(FREE))
     stated = free.vibration
     assert stated.parts["band"] > 0.05
-    table, notes, _ = with_itself(free, tmp_path)
+    table, notes, _, _ = with_itself(free, tmp_path)
     laeq = table[table["quantity"] == "LAeq"].iloc[0]
     without = joined(stated.parts, left_out=["band"])
     assert laeq["run_uncertainty_db"] == pytest.approx(without, rel=1e-3)
@@ -375,7 +375,7 @@ def test_slow_changes_widen_all_bands_alike_and_a_drop_has_none(run: Run, tmp_pa
     soundfile.write(tmp_path / "falling.wav", falling / 10, RATE, "FLOAT")
     tables = []
     for scene in (run.scene, run.scene.with_(drop_mm=0.01)):
-        table, notes, _ = recording_comparison.compare(
+        table, notes, _, _ = recording_comparison.compare(
             replace(run, scene=scene), tmp_path / "falling.wav"
         )
         tables.append(bands(table)["recording_uncertainty_db"])

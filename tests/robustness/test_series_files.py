@@ -120,7 +120,7 @@ def test_what_is_in_a_file_is_said(tmp_path: Path) -> None:
     path.write_bytes(npz(DE=SAMPLES, FE=SAMPLES, rows=np.stack([SAMPLES, 2 * SAMPLES])))
     with pytest.raises(FolderError, match=r"got 4 series.*DE \(6,000 numbers\), FE"):
         read(path)
-    with pytest.raises(FolderError, match="--variable: got sensor; .* has DE"):
+    with pytest.raises(FolderError, match=r"--variable: got sensor; .* has DE"):
         read(path, "sensor", rate_hz=RATE)
     with pytest.raises(FolderError, match="no sample rate in it; give it by --rate"):
         read(path, "DE")
