@@ -63,7 +63,7 @@ def line_lines(numbers: BearingNumbers) -> str:
             "not resolved" if own.um_s is None else bearing_sentences.velocity(own.um_s)
             for own in line.by_direction.values()
         ]
-        rows.append([line.name, f"{line.frequency_hz:.2f}", *velocities])
+        rows.append([line.name, bearing_sentences.hertz(line.frequency_hz), *velocities])
     return columns(rows)
 
 

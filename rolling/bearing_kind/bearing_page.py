@@ -109,7 +109,7 @@ def _view(run: BearingRun, number: int, is_alone: bool) -> dict[str, Any]:
         "envelope_lines": [
             (
                 line.name,
-                f"{line.frequency_hz:.2f}",
+                bearing_sentences.hertz(line.frequency_hz),
                 _height_cell(line.height, line.resolved_by_s, duration_s),
             )
             for line in numbers.envelope_lines
@@ -239,7 +239,7 @@ def _line_heads(numbers: BearingNumbers) -> list[str]:
 
 def line_cells(line: VelocityLine, duration_s: float) -> list[str]:
     """Return the cells of a line: name, meaning, frequency, velocities and heights."""
-    cells = [line.name, line.meaning, f"{line.frequency_hz:.2f}"]
+    cells = [line.name, line.meaning, bearing_sentences.hertz(line.frequency_hz)]
     for own in line.by_direction.values():
         cells.append("" if own.um_s is None else bearing_sentences.velocity(own.um_s))
         cells.append(_height_cell(own.height, own.resolved_by_s, duration_s))

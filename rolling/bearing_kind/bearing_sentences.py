@@ -13,6 +13,7 @@ from rolling.bearing_kind.bearing_doubts import moves
 from rolling.bearing_kind.solved_bearing import bands_below_hz, faulty_bodies
 from rolling.numbers.bearing_numbers import (
     AXIAL_NAMES,
+    MAKERS_REFERENCE,
     BandValues,
     BearingNumbers,
     EnvelopeLine,
@@ -39,6 +40,7 @@ def sentences(scene: BearingScene, numbers: BearingNumbers) -> list[str]:
     """Say what a run has: bands, axial bands, lines that lead, faults, and its departures."""
     texts = [answer(scene, numbers), axial_sentence(numbers)]
     texts += [rigid_sentence(numbers), housing_sentence(numbers)]
+    texts += [pulse_sentence(numbers), class_sentence(numbers)]
     texts += [leading_lines(numbers), unresolved_lines(numbers)]
     texts += fault_sentences(scene, numbers)
     texts += [load_sentence(numbers), film_sentence(numbers)]
@@ -105,6 +107,11 @@ def spread_of_velocity(velocity: Quantity) -> str:
     if velocity.value is None or spread_db is None or velocity.value < NOTHING_UM_S:
         return ""
     return f"± {spread_text(spread_db)} dB"
+
+
+def hertz(frequency_hz: float) -> str:
+    """Write the frequency of a line with five digits."""
+    return f"{frequency_hz:#.5g}"
 
 
 def not_resolved_by(duration_s: float) -> str:
@@ -190,6 +197,38 @@ def housing_sentence(numbers: BearingNumbers) -> str:
         return "The plate of its housing is silent."
     level = uncertain(housing.laeq.value, housing.laeq.uncertainty)
     return f"The plate of its housing is heard at {level} dB(A) at {housing.distance_m:g} m."
+
+
+# ---- as makers and diagnosticians read it
+
+
+def pulse_sentence(numbers: BearingNumbers) -> str:
+    """State the level of acceleration with its reference, crest factor and kurtosis."""
+    pulses = numbers.pulses
+    if pulses is None or pulses.kurtosis is None or pulses.crest_factor is None:
+        return ""
+    spread = spread_text(pulses.kurtosis_uncertainty or 0.0)
+    return (
+        f"Its acceleration along x has {pulses.acceleration_db:.1f} dB re {MAKERS_REFERENCE} from"
+        f" {pulses.lowest_hz:,.0f} to {pulses.highest_hz:,.0f} Hz, with a crest factor of"
+        f" {rounded(pulses.crest_factor)} and a kurtosis of {rounded(pulses.kurtosis)} (noise has 3"
+        f" ± {spread})."
+    )
+
+
+def class_sentence(numbers: BearingNumbers) -> str:
+    """State the class by the limits of makers, or why there is none."""
+    own = numbers.vibration_class
+    if own is None:
+        return ""
+    if own.overall is not None:
+        bands = ", ".join(f"{name} in the {band} band" for band, name in own.by_band.items())
+        return f"By the limits of {own.source}, it is of class {own.overall}: {bands}."
+    text = f"It has no class V0 to V4: {own.none_because}."
+    if own.by_band:
+        bands = " and ".join(f"{name} in the {band} band" for band, name in own.by_band.items())
+        text += f" By the limits of {own.source}, it has {bands}."
+    return text
 
 
 # ---- lines

@@ -14,6 +14,8 @@ from rolling.numbers.quantity import BandQuantity, Quantity
 
 RMS_VELOCITY = "rms velocity"
 UM_PER_S = "um/s"
+MAKERS_REFERENCE_M_S2 = 9.81e-3  # of a level of acceleration: a thousandth of gravity
+MAKERS_REFERENCE = "9.81e-3 m/s2"  # the same in words
 HOUSING = "housing"  # name of the level of a housing plate
 AXIAL_NAMES = (
     *("axial_low", "axial_medium", "axial_high"),
@@ -145,6 +147,61 @@ class EnvelopeLine:
     resolved_by_s: float | None = number(
         "length of a record that would separate it; none where this one does", "s", default=None
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class BandPulseNumbers:
+    """How impulsive the velocity of the ring is in a band."""
+
+    peak_um_s: float = number("largest velocity", UM_PER_S)
+    crest_factor: float | None = number("peak over rms; none at rest", default=None)
+    kurtosis: float | None = number(
+        "mean fourth power over the square of the mean square: 3 for noise; none at rest",
+        default=None,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class PulseNumbers:
+    """Acceleration of the ring along x, and how impulsive it vibrates.
+
+    All end at the first bending mode of the ring. A band that lies above this mode is none.
+    """
+
+    low: BandPulseNumbers | None = group("velocity from 50 to 300 Hz", default=None)
+    medium: BandPulseNumbers | None = group("velocity from 300 to 1,800 Hz", default=None)
+    high: BandPulseNumbers | None = group("velocity from 1,800 to 10,000 Hz", default=None)
+    lowest_hz: float = number("frequency from which on the acceleration counts", "Hz")
+    highest_hz: float = number("frequency up to which it counts", "Hz")
+    acceleration_m_s2: float = number("rms acceleration", "m/s2")
+    acceleration_db: float = number(
+        "level of the rms acceleration, as makers state it", f"dB re {MAKERS_REFERENCE}"
+    )
+    crest_factor: float | None = number("peak of the acceleration over its rms", default=None)
+    kurtosis: float | None = number(
+        "kurtosis of the acceleration: 3 for noise, and more for pulses", default=None
+    )
+    kurtosis_uncertainty: float | None = number(
+        "standard uncertainty of the kurtosis of noise of this spectrum and length", default=None
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class VibrationClass:
+    """Class of vibration by the limits of makers: V0 to V4, above V0, or two that the ± leaves."""
+
+    low: str | None = number("class of the low band", "", default=None)
+    medium: str | None = number("class of the medium band", "", default=None)
+    high: str | None = number("class of the high band", "", default=None)
+    overall: str | None = number("class of the bearing, that of its worst band", "", default=None)
+    none_because: str | None = number("why it has no class", "", default=None)
+    source: str = number("whose limits these are", "", default="")
+
+    @property
+    def by_band(self) -> dict[str, str]:
+        """The classes by the names of those bands that have one."""
+        bands = {"low": self.low, "medium": self.medium, "high": self.high}
+        return {band: name for band, name in bands.items() if name is not None}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -285,6 +342,10 @@ class BearingNumbers:
         Velocity of a ring that stays rigid, in the whole bands.
     lines, envelope_lines : tuple of VelocityLine, tuple of EnvelopeLine
         Lines of the spectrum of the velocity and of its envelope.
+    pulses : PulseNumbers or None
+        Acceleration of the ring, and how impulsive it vibrates; None for a ring at rest.
+    vibration_class : VibrationClass or None
+        Class by the limits of makers, or why there is none; None for a run of an earlier version.
     without_faults : FaultlessNumbers or None
         The same bearing without its single faults; None for one that has none.
     ring, motion, speeds, loads, angles, effort : data classes
@@ -323,6 +384,10 @@ class BearingNumbers:
     velocities: RingVelocities = group("velocity of a ring that stays rigid, in the three bands")
     lines: tuple[VelocityLine, ...] = group("lines of the spectrum")
     envelope_lines: tuple[EnvelopeLine, ...] = group("lines of the envelope")
+    pulses: PulseNumbers | None = group(
+        "acceleration along x, peaks, crest factors and kurtosis", default=None
+    )
+    vibration_class: VibrationClass | None = group("class by the limits of makers", default=None)
     without_faults: FaultlessNumbers | None = group(
         "the same bearing without its single faults", default=None
     )

@@ -37,12 +37,13 @@ from rolling.report.bench import compare_all, read_bench
 from rolling.results.run_result import Run
 from rolling.run.solving import Values, simulate_runs
 from rolling.scene import library
+from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.file import read_as
 from rolling.scene.laws import SelfAffineLaw
 from rolling.scene.messages import nearest
 from rolling.scene.scene import Scene
 from rolling.sound.wavelengths import wavelength_bands
-from rolling.studies import bearing_truths, printed_truths
+from rolling.studies import bearing_truths, printed_truths, recording_truths
 from rolling.studies.output import markdown_table
 from rolling.surface.heights import statistics
 from rolling.terminal import progress
@@ -454,6 +455,14 @@ def bearings() -> PublishedValues:
         yield PublishedValue(rule, item, published, ours)
 
 
+def recordings() -> PublishedValues:
+    """Compare a bearing in a motor, healthy and with pits, with figures of public recordings."""
+    scene = read_as(FOLDER / "recorded-6205.yaml", BearingScene)
+    figures = pd.read_csv(FOLDER / "recorded-6205.csv", comment="#")
+    for rule, item, published, ours in recording_truths.recording_rows(scene, figures):
+        yield PublishedValue(rule, item, published, ours)
+
+
 # ---- slopes of level
 
 
@@ -738,6 +747,7 @@ CASES: dict[str, Callable[[], PublishedValues]] = {
     "surfaces": surfaces,
     "colliding-spheres": colliding_spheres,
     "bearings": bearings,
+    "recordings": recordings,
     "speed-and-roughness": speed_and_roughness,
     "contact-filter": contact_filter,
     "synthetic-recording": synthetic_recording,
