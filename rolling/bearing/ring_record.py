@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
+from acoustics.impulsiveness import Kurtogram, kurtogram
 from acoustics.ring_velocity import (
     VELOCITY_BANDS_HZ,
     NarrowSpectrum,
@@ -144,13 +145,16 @@ class RingRecord:
         radial = np.sqrt(np.sum([np.square(part.rms) for part in parts], axis=0))
         return {RADIAL: NarrowSpectrum(axial.frequency_hz, radial), AXIAL: axial}
 
-    @cached_property
-    def envelope(self) -> NarrowSpectrum:
-        """Spectrum of the squared envelope of the velocity at the sensor, from 1,800 to 10,000 Hz.
+    def envelope(self, band_hz: tuple[float, float]) -> NarrowSpectrum:
+        """Return the spectrum of the squared envelope of the velocity at the sensor in a band [Hz].
 
         A vibration pick-up stands at one place: by default at x, in the middle of the load zone.
         """
-        return squared_envelope_spectrum(self.seen_velocity_m_s[:, 0], self.rate_hz)
+        return squared_envelope_spectrum(self.seen_velocity_m_s[:, 0], self.rate_hz, band_hz)
+
+    def kurtogram(self, band_hz: tuple[float, float], least_width_hz: float) -> Kurtogram:
+        """Return in which part of a band [Hz] the velocity at the sensor is most impulsive."""
+        return kurtogram(self.seen_velocity_m_s[:, 0], self.rate_hz, band_hz, least_width_hz)
 
     def loads_around(self, places: int) -> Array:
         """Return the mean load of a ball at each angle [N], (places,); NaN where none has been."""

@@ -132,7 +132,7 @@ def _beyond(run: BearingRun) -> str:
 
 
 def envelope(run: BearingRun, ax: Axes | None = None) -> Axes:
-    """Plot the spectrum of the squared envelope, from 1,800 to 10,000 Hz, with the lines of faults.
+    """Plot the spectrum of the squared envelope of a band, with the lines of faults.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def envelope(run: BearingRun, ax: Axes | None = None) -> Axes:
     """
     instance("run", run, SolvedBearing)
     ax = axes_of(ax)
-    narrow = run.record.envelope
+    narrow = run.envelope
     highest = highest_envelope_hz(run)
     shown = shown_of_envelope(run)
     x, y = thinned(narrow.frequency_hz[shown], 100 * narrow.rms[shown])
@@ -162,12 +162,13 @@ def envelope(run: BearingRun, ax: Axes | None = None) -> Axes:
     ax.set_ylim(0, 1.3 * max(float(y.max()), _NOTHING_UM_S))
     _draw_lines(ax, lines.envelope_lines(run.kinematics))
     ax.set(xlabel="frequency [Hz]", ylabel="share of the mean square [%]")
-    return finish(ax, f"Envelope from 1,800 to 10,000 Hz: {run_title(run)}", _facts(run))
+    low, high = run.envelope_band.band_hz
+    return finish(ax, f"Envelope from {low:,.0f} to {high:,.0f} Hz: {run_title(run)}", _facts(run))
 
 
 def shown_of_envelope(run: BearingRun) -> NDArray[np.bool_]:
     """Return which lines of the envelope are shown."""
-    narrow = run.record.envelope
+    narrow = run.envelope
     first_hz = _FIRST_LINE * narrow.line_width_hz
     is_low = narrow.frequency_hz <= highest_envelope_hz(run)
     return np.asarray(is_low & (narrow.frequency_hz >= first_hz))
@@ -176,7 +177,7 @@ def shown_of_envelope(run: BearingRun) -> NDArray[np.bool_]:
 def highest_envelope_hz(run: BearingRun) -> float:
     """Return the frequency up to which an envelope is shown [Hz]: some lines of it at least."""
     speeds = run.kinematics
-    narrow = run.record.envelope
+    narrow = run.envelope
     passes = max(speeds.ball_pass_outer_hz, speeds.ball_pass_inner_hz, 2 * speeds.ball_spin_hz)
     highest = max(_ENVELOPE_MULTIPLES * passes, _ENVELOPE_LINES * narrow.line_width_hz)
     return min(highest, float(narrow.frequency_hz[-1]))
@@ -321,7 +322,7 @@ def spectrum_table(run: BearingRun) -> DataFrame:
 
 def envelope_table(run: BearingRun) -> DataFrame:
     """Tabulate the spectrum of the squared envelope over its mean."""
-    narrow = run.record.envelope
+    narrow = run.envelope
     shown = narrow.frequency_hz <= highest_envelope_hz(run)
     return DataFrame({"frequency_hz": narrow.frequency_hz[shown], "share": narrow.rms[shown]})
 

@@ -14,7 +14,7 @@ from rolling.bearing_kind.bearing_check import departures
 from rolling.bearing_kind.bearing_doubts import JudgedBearing, doubts_of
 from rolling.bearing_kind.bearing_sentences import sentences
 from rolling.bearing_kind.housing_numbers import housing_numbers
-from rolling.bearing_kind.line_numbers import envelope_lines, velocity_lines
+from rolling.bearing_kind.line_numbers import envelope_band_numbers, envelope_lines, velocity_lines
 from rolling.bearing_kind.maker_numbers import pulse_numbers, vibration_class
 from rolling.bearing_kind.solved_bearing import SolvedBearing
 from rolling.bearing_kind.velocities import rigid_velocities, velocities_below_bending
@@ -67,6 +67,7 @@ def bearing_numbers(bearing: SolvedBearing, findings: MarchFindings) -> BearingN
         velocities=rigid,
         lines=velocity_lines(bearing),
         envelope_lines=envelope_lines(bearing),
+        envelope_band=envelope_band_numbers(bearing),
         pulses=pulse_numbers(bearing),
         vibration_class=vibration_class(bearing, below_bending.radial, departures(scene)),
         without_faults=findings.without_faults,

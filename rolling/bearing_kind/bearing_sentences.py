@@ -303,16 +303,23 @@ def fault_sentences(scene: BearingScene, numbers: BearingNumbers) -> Iterator[st
         yield _added_by_faults(numbers, numbers.without_faults, len(bodies))
 
 
+def envelope_words(numbers: BearingNumbers) -> str:
+    """Write the band of the envelope behind its word; nothing for a run of an earlier version."""
+    band = numbers.envelope_band
+    return "" if band is None else f" of {band.low_hz:,.0f} to {band.high_hz:,.0f} Hz"
+
+
 def _fault_sentence(numbers: BearingNumbers, body: str, line: EnvelopeLine) -> str:
     """Say whether the line of a body with faults rises in the envelope."""
     duration_s = numbers.motion.duration_s
     ring = "a ball" if body == "balls" else f"the {body} raceway"
     at = f"{line.name}, {rounded(line.frequency_hz, 4)} Hz"
+    band = envelope_words(numbers)
     if line.height is None:
         text = not_resolved_by(duration_s)
         if line.resolved_by_s is not None:
             text = unresolved(duration_s, line.resolved_by_s)
-        return f"The fault of {ring} may have a line in the envelope at {at}: {text}."
+        return f"The fault of {ring} may have a line in the envelope{band} at {at}: {text}."
     size = f"{rounded(line.height)} times its surroundings"
     rises = line.height >= STRONG_LINE
     if numbers.without_faults is not None:
@@ -323,7 +330,7 @@ def _fault_sentence(numbers: BearingNumbers, body: str, line: EnvelopeLine) -> s
             size += f" with the fault, {rounded(before)} times without it"
             rises = rises and line.height >= RISE * before
     verb = "shows" if rises else "does not show"
-    return f"The fault of {ring} {verb} in the envelope at {at}: {size}."
+    return f"The fault of {ring} {verb} in the envelope{band} at {at}: {size}."
 
 
 def _added_by_faults(numbers: BearingNumbers, healthy: FaultlessNumbers, faulty: int) -> str:

@@ -178,7 +178,7 @@ def _without_faults(
     scene = bearing.scene
     motion = moved_ring(scene.model, tracks, scene.moved, wav.SAMPLE_RATE_HZ)
     record = record_of(motion, scene.kinematics, scene.sensor)
-    return without_faults_of_record(record, scene.kinematics)
+    return without_faults_of_record(record, scene.kinematics, bearing.envelope_band.band_hz)
 
 
 def hardness_pa(scene: BearingScene) -> float:

@@ -9,7 +9,12 @@ from rolling.bearing import lines
 from rolling.bearing.lines import BearingLine
 from rolling.bearing.ring_record import AXIAL, DIRECTIONS, NOTHING_UM_S, RADIAL, UM_S
 from rolling.bearing_kind.solved_bearing import SolvedBearing
-from rolling.numbers.bearing_numbers import EnvelopeLine, LineVelocity, VelocityLine
+from rolling.numbers.bearing_numbers import (
+    EnvelopeBandNumbers,
+    EnvelopeLine,
+    LineVelocity,
+    VelocityLine,
+)
 
 LOWEST_HZ = VELOCITY_BANDS_HZ["low"][0]
 HIGHEST_PEAK_HZ = VELOCITY_BANDS_HZ["medium"][1]  # beyond it roughness leads, not waves
@@ -101,12 +106,21 @@ def _simplest(
     return BearingLine(f"{hz:.1f} Hz", meaning, hz, directions=(direction,))
 
 
+def envelope_band_numbers(bearing: SolvedBearing) -> EnvelopeBandNumbers:
+    """Return the band of the envelope, and what chose it."""
+    band = bearing.envelope_band
+    low, high = band.band_hz
+    return EnvelopeBandNumbers(
+        low_hz=low, high_hz=high, chosen_by=band.chosen_by, kurtosis=band.kurtosis
+    )
+
+
 def envelope_lines(bearing: SolvedBearing) -> tuple[EnvelopeLine, ...]:
     """Return the lines of the envelope with their share of its mean, and their height.
 
     Both are unknown of a line that the record does not separate from a stronger one.
     """
-    readings = lines.envelope_readings(bearing.record.envelope, bearing.kinematics)
+    readings = lines.envelope_readings(bearing.envelope, bearing.kinematics)
     return tuple(
         EnvelopeLine(
             name=line.name,

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
-from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ, NarrowSpectrum
 from acoustics.traps import ignoring_underflow
 from rolling.bearing import lines
 from rolling.bearing.geometry import BearingGeometry
@@ -21,6 +22,11 @@ from rolling.kinds.run_folder import RunFolder
 from rolling.scene.bearing_scene import BearingScene
 
 HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
+LOWEST_ENVELOPE_HZ = 300.0  # of a band of the envelope; turns and passes lie below
+PULSES_APART = 4.0  # width of such a band over the fastest line, so that pulses stand apart
+GIVEN = "the scene"
+KURTOGRAM = "the kurtogram"
+DEFAULT = "the high band, because no band is more impulsive than noise"
 
 
 @ignoring_underflow
@@ -32,7 +38,7 @@ class SolvedBearing(RunFolder):
     `BearingRun`.
     """
 
-    MADE_ONCE = ("housing", "lines")
+    MADE_ONCE = ("housing", "lines", "envelope_band", "envelope")
 
     scene: BearingScene
     label: str
@@ -87,6 +93,16 @@ class SolvedBearing(RunFolder):
         bearing_lines = [line for line in bearing_lines if 0 < line.frequency_hz < HIGHEST_HZ]
         return sorted(bearing_lines, key=lambda line: line.frequency_hz)
 
+    @cached_property
+    def envelope_band(self) -> EnvelopeBand:
+        """Band in which pulses are looked for: that of the scene, or of the kurtogram."""
+        return envelope_band_of(self.record, self.kinematics, self.scene.sound.envelope_hz)
+
+    @cached_property
+    def envelope(self) -> NarrowSpectrum:
+        """Spectrum of the squared envelope of the velocity along x in this band."""
+        return self.record.envelope(self.envelope_band.band_hz)
+
     @property
     def waves(self) -> dict[str, list[int]]:
         """Orders of waviness of the bodies that have some, by body."""
@@ -113,6 +129,35 @@ class SolvedBearing(RunFolder):
     def faulty(self) -> list[str]:
         """Bodies whose surface has single faults: balls, inner, outer."""
         return faulty_bodies(self.scene)
+
+
+class EnvelopeBand(NamedTuple):
+    """Band of an envelope, and why it is this one.
+
+    band_hz : (float, float), Hz. Its edges.
+    chosen_by : str. GIVEN, KURTOGRAM, or DEFAULT where no band is more impulsive than noise.
+    kurtosis : float or None. Kurtosis of the envelope by the kurtogram: 0 for noise.
+    """
+
+    band_hz: tuple[float, float]
+    chosen_by: str
+    kurtosis: float | None = None
+
+
+def envelope_band_of(
+    record: RingRecord, kinematics: Kinematics, given_hz: Sequence[float] | None
+) -> EnvelopeBand:
+    """Return the band of the envelope of a record: a given one, or that of the kurtogram."""
+    if given_hz is not None:
+        low, high = given_hz
+        return EnvelopeBand((low, high), GIVEN)
+    passes_hz = max(
+        kinematics.ball_pass_outer_hz, kinematics.ball_pass_inner_hz, 2 * kinematics.ball_spin_hz
+    )
+    found = record.kurtogram((LOWEST_ENVELOPE_HZ, HIGHEST_HZ), PULSES_APART * passes_hz)
+    if not found.stands_out:
+        return EnvelopeBand(VELOCITY_BANDS_HZ["high"], DEFAULT, found.kurtosis)
+    return EnvelopeBand(found.band_hz, KURTOGRAM, found.kurtosis)
 
 
 def bands_below_hz(bending_hz: float) -> dict[str, tuple[float, float]]:

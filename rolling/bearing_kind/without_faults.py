@@ -8,9 +8,14 @@ from rolling.bearing.ring_record import AXIAL, RADIAL, UM_S, RingRecord
 from rolling.numbers.bearing_numbers import BandValues, EnvelopeHeight, FaultlessNumbers
 
 
-def without_faults_of_record(record: RingRecord, kinematics: Kinematics) -> FaultlessNumbers:
-    """Return the numbers of the record of a bearing without its faults."""
-    readings = lines.envelope_readings(record.envelope, kinematics)
+def without_faults_of_record(
+    record: RingRecord, kinematics: Kinematics, envelope_hz: tuple[float, float]
+) -> FaultlessNumbers:
+    """Return the numbers of the record of a bearing without its faults.
+
+    Its envelope has the band [Hz] of the bearing with them.
+    """
+    readings = lines.envelope_readings(record.envelope(envelope_hz), kinematics)
     return FaultlessNumbers(
         radial=_values(record, RADIAL),
         axial=_values(record, AXIAL),

@@ -150,6 +150,19 @@ class EnvelopeLine:
 
 
 @dataclass(frozen=True, kw_only=True)
+class EnvelopeBandNumbers:
+    """Band of the envelope in which faults are looked for."""
+
+    low_hz: float = number("lower edge", "Hz")
+    high_hz: float = number("upper edge", "Hz")
+    chosen_by: str = number("what chose the band", "")
+    kurtosis: float | None = number(
+        "kurtosis of the envelope by the kurtogram: 0 for noise; none for a given band",
+        default=None,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class BandPulseNumbers:
     """How impulsive the velocity of the ring is in a band."""
 
@@ -342,6 +355,8 @@ class BearingNumbers:
         Velocity of a ring that stays rigid, in the whole bands.
     lines, envelope_lines : tuple of VelocityLine, tuple of EnvelopeLine
         Lines of the spectrum of the velocity and of its envelope.
+    envelope_band : EnvelopeBandNumbers or None
+        Band of the envelope; None for a run of an earlier version, which has 1,800 to 10,000 Hz.
     pulses : PulseNumbers or None
         Acceleration of the ring, and how impulsive it vibrates; None for a ring at rest.
     vibration_class : VibrationClass or None
@@ -384,6 +399,7 @@ class BearingNumbers:
     velocities: RingVelocities = group("velocity of a ring that stays rigid, in the three bands")
     lines: tuple[VelocityLine, ...] = group("lines of the spectrum")
     envelope_lines: tuple[EnvelopeLine, ...] = group("lines of the envelope")
+    envelope_band: EnvelopeBandNumbers | None = group("band of the envelope", default=None)
     pulses: PulseNumbers | None = group(
         "acceleration along x, peaks, crest factors and kurtosis", default=None
     )

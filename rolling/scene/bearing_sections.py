@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
+from acoustics.numbers import bracketed
 from rolling.bearing.contact_lines import Angle
 from rolling.bearing.oil_film import USUAL_DENSITY_KG_M3, USUAL_PRESSURE_VISCOSITY_PER_GPA
 from rolling.scene import bearing_rules, library, rules
@@ -18,6 +19,7 @@ from rolling.scene.raceways import BallsSurface, RacewaySurface
 from rolling.scene.sections import DENSITY, YOUNG, Material, Plate, Tolerance
 
 Ring = Literal["inner", "outer"]
+MAX_ENVELOPE_HZ = 20_000.0
 MAX_RPM = 1e6  # the turbines of dentists reach half of it
 
 
@@ -297,6 +299,9 @@ class BearingSound(Section):
         Length [s] of the record to listen to. Default: 5 s, or the duration if it is longer.
     distance_m : float
         Distance of the listener from the plate of the housing [m]
+    envelope_hz : [float, float], optional
+        Edges of the band [Hz] in whose envelope pulses are looked for. Default: the band that the
+        kurtogram chooses.
 
     Examples
     --------
@@ -310,6 +315,18 @@ class BearingSound(Section):
     duration_s: float = Field(default=1.0, gt=0, le=60)
     listen_s: float | None = Field(default=None, ge=0.1, le=120)
     distance_m: float = Field(default=1.0, gt=0)
+    envelope_hz: Annotated[list[float], Field(min_length=2, max_length=2)] | None = None
+
+    @field_validator("envelope_hz")
+    @classmethod
+    def _rising_edges(cls, value: list[float] | None) -> list[float] | None:
+        """Refuse edges that do not rise."""
+        if value is not None and not 0 < value[0] < value[1] <= MAX_ENVELOPE_HZ:
+            raise mistake(
+                f"got {bracketed(value)}, allowed: two edges that rise between 0 and"
+                f" {MAX_ENVELOPE_HZ:,.0f} Hz"
+            )
+        return value
 
 
 class BearingNumerics(Section):

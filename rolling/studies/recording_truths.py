@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,7 +30,7 @@ from rolling.scene.bearing_scene import BearingScene
 
 LOADS_N = ((25.0, 50.0), (50.0, 100.0), (100.0, 200.0))  # axial and radial, which are tried
 HOUSING_KG = (1.0, 30.0)  # bounds of the mass that moves with the outer ring
-_MASSES = 60  # within these bounds that are tried
+_MASSES = 30  # within these bounds that are tried
 END_HZ = {"": VELOCITY_BANDS_HZ["high"][1], ", second record": 5500.0}  # of both kinds of records
 PIT_DEPTH_UM = 280.0  # 0.011 inches, as the source prints it
 PITS_UM = (180.0, 530.0)
@@ -109,7 +109,7 @@ def fitted(scene: BearingScene, bands_um_s: list[float]) -> Fit:
         loaded = scene.with_({"bearing.axial_load_n": axial, "bearing.radial_load_n": radial})
         (run,) = _runs(loaded)
         for mass in masses.tolist():
-            own = read(in_seat(run, mass), run.record.rate_hz, END_HZ[""]).um_s
+            own = _bands_um_s(in_seat(run, mass), run.record.rate_hz, VELOCITY_BANDS_HZ)
             misses = [
                 _decibels(value) - _decibels(wanted)
                 for value, wanted in zip(own.values(), bands_um_s, strict=True)
@@ -154,14 +154,21 @@ def _mobility(model: BearingModel, angular: Array) -> Any:
 def read(acceleration_m_s2: Array, rate_hz: float, end_hz: float) -> Reading:
     """Read bands, kurtosis and envelope of an acceleration up to a frequency."""
     bands_hz = {name: (low, min(high, end_hz)) for name, (low, high) in VELOCITY_BANDS_HZ.items()}
-    bands = velocity_bands(velocity_of(acceleration_m_s2, rate_hz), rate_hz, bands_hz)
     whole = {"all": (bands_hz["low"][0], end_hz)}
     kurtosis = band_pulses(acceleration_m_s2, rate_hz, whole)["all"].kurtosis
     return Reading(
-        um_s={name: _UM_S * rms for name, rms in bands.rms_m_s.items()},
+        um_s=_bands_um_s(acceleration_m_s2, rate_hz, bands_hz),
         kurtosis=math.nan if kurtosis is None else kurtosis,
         envelope=squared_envelope_spectrum(acceleration_m_s2, rate_hz, bands_hz["high"]),
     )
+
+
+def _bands_um_s(
+    acceleration_m_s2: Array, rate_hz: float, bands_hz: Mapping[str, tuple[float, float]]
+) -> dict[str, float]:
+    """Return the velocities of an acceleration in bands [um/s]."""
+    bands = velocity_bands(velocity_of(acceleration_m_s2, rate_hz), rate_hz, bands_hz)
+    return {name: _UM_S * rms for name, rms in bands.rms_m_s.items()}
 
 
 # ---- faults

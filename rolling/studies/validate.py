@@ -166,7 +166,10 @@ def rows_of(case: Case, values: PublishedValues) -> pd.DataFrame:
     frame["difference"] = frame["ours"] - frame["published"]
     side = frame["largest"].where(frame["difference"] > 0, -frame["least"])
     frame["share"] = frame["difference"].abs() / side
-    return frame.assign(holds=frame["difference"].between(frame["least"], frame["largest"]))
+    # A number without a published one, such as a fitted value, is shown only.
+    is_alone = frame["published"].isna() & np.isinf(frame["largest"])
+    is_within = frame["difference"].between(frame["least"], frame["largest"])
+    return frame.assign(holds=is_within | is_alone)
 
 
 def page(tables: Mapping[str, pd.DataFrame], content: Mapping[str, Any]) -> str:
@@ -213,7 +216,8 @@ def _cells(row: pd.Series) -> list[str]:
     ours = f"{row['ours']:.4g}"
     if not math.isnan(row["spread"]):
         ours += f"±{row['spread']:.2g}"
-    difference = f"{row['difference']:+.2g}"
+    has_published = not math.isnan(row["published"])
+    difference = f"{row['difference']:+.2g}" if has_published else "-"
     if not row["holds"]:
         difference += " **beyond**"
     if math.isinf(row["largest"]):
@@ -225,7 +229,7 @@ def _cells(row: pd.Series) -> list[str]:
     return [
         row["quantity"],
         row["unit"],
-        f"{row['published']:.4g}",
+        f"{row['published']:.4g}" if has_published else "-",
         ours,
         difference,
         bound,
