@@ -19,6 +19,7 @@ from rolling.bearing.ring_bending import ORDERS
 from rolling.bearing.static_load import angles_under_loads
 from rolling.bearing.waves import hertz_pressure, semi_axes
 from rolling.bearing_kind import needs
+from rolling.bearing_kind.assumed_worth import assumed_doubt
 from rolling.bearing_kind.bearing_forecast import different_marches, forecast_of, marches_seconds
 from rolling.bearing_kind.contact_plan import (
     ContactPlan,
@@ -490,12 +491,9 @@ def _assumed(scene: BearingScene) -> Iterator[Finding | Doubt]:
     keys = assumed_keys(scene)
     if keys:
         yield Finding("assumed", "assumed", ", ".join(keys))
-        yield Doubt(
-            "assumed",
-            f"assumed: {', '.join(keys)}",
-            Severity.NOTE,
-            advice="give those that you know",
-        )
+    doubt = assumed_doubt(scene)
+    if doubt is not None:
+        yield doubt
     for key, source in sources(scene).items():
         yield Finding(f"source_{key}", key, f"{getattr(scene.bearing, key):g}: {source}")
 

@@ -438,7 +438,7 @@ def test_the_check_says_what_a_designer_asks_for(capsys: pytest.CaptureFixture[s
     assert "63 to 77 N" not in rows["iso_15242"] or "as the standard asks" in rows["iso_15242"]
     assert cli.main(["check", "bearing-6204"]) == 0
     printed = capsys.readouterr().out
-    for words in ("It runs in", "BPFO 92.1 Hz", "881 MPa", "ISO 15242", "Assumed: pitch_diameter"):
+    for words in ("It runs in", "BPFO 92.1 Hz", "881 MPa", "ISO 15242", "Assumed, with how far"):
         assert words in printed
     assert max(map(len, printed.splitlines())) <= 100
     assert cli.main(["check", "-v", "bearing-6204"]) == 0

@@ -1,0 +1,50 @@
+"""What assumed values of a bearing are worth, against the mass and the spring of its ring."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from bearing_runs import WAVY, loads_bearing
+
+from rolling.bearing.linear_ring import linear_ring
+from rolling.bearing_kind.assumed_worth import assumed_doubt, assumed_worth, band_changes_db
+
+SCENE = loads_bearing(WAVY)
+
+
+@pytest.mark.law("Assumed values: a mass rules above the resonance, and nothing below it.")
+def test_a_heavier_ring_moves_less_above_its_resonance() -> None:
+    """A fifth more mass is 1.6 dB far above, and below it hardly moves the resonance."""
+    model = SCENE.model
+    resonance_hz = linear_ring(model).radial_hz
+    bands = {"below": (50.0, resonance_hz / 30), "above": (30 * resonance_hz, 40 * resonance_hz)}
+    heavier = replace(model, ring_mass_kg=1.2 * model.ring_mass_kg)
+    changes = band_changes_db(model, heavier, bands)
+    assert changes["below"] == pytest.approx(0.0, abs=0.01)
+    assert changes["above"] == pytest.approx(-20 * np.log10(1.2), abs=0.01)
+
+
+@pytest.mark.law("Assumed values: five times the loss factor take 7 dB from a band of a resonance.")
+def test_a_loss_factor_is_worth_its_share_of_the_resonance() -> None:
+    worth = assumed_worth(SCENE, "contact_loss_factor")
+    assert worth is not None
+    assert worth.change_db["low"] == pytest.approx(0.0, abs=0.01)
+    assert worth.change_db["high"] == pytest.approx(-10 * np.log10(5), abs=0.7)
+    assert worth.words.startswith("contact_loss_factor (at 0.1: +0.0, +0.0, -")
+
+
+def test_the_doubt_names_the_largest_first_and_no_given_value() -> None:
+    doubt = assumed_doubt(SCENE)
+    assert doubt is not None
+    assert doubt.text.index("contact_loss_factor") < doubt.text.index("ring_mass_kg")
+    given = SCENE.with_({"bearing.contact_loss_factor": 0.05, "bearing.ring_mass_kg": 0.06})
+    rest = assumed_doubt(given)
+    assert rest is None or ("loss_factor" not in rest.text and "ring_mass" not in rest.text)
+
+
+def test_a_value_that_the_scene_does_not_take_has_no_worth() -> None:
+    """A clearance beside a given contact angle is refused, so that none is stated."""
+    assert assumed_worth(SCENE, "radial_clearance_um") is None
+    assert assumed_worth(SCENE, "width_mm") is None
