@@ -23,6 +23,7 @@ ENDS_S = 0.02  # that a record is faded at each end, which count for nothing
 _ENDS_SHARE = 1 / 16  # of a record, at most
 _BRANCHES = (2, 3)  # of a band: its thirds stand between its halves and its quarters
 _LEAST_SAMPLES = 32  # independent ones of a band, which are as many as its lines
+_LEAST_SHARE = 1e-8  # of the power of a record, below which a band holds rounding and onsets
 _OVERSAMPLING = 2  # of an envelope, so that its square does not fold back
 
 
@@ -131,7 +132,7 @@ class Kurtogram:
         Edges of the band whose envelope has the largest kurtosis.
     kurtosis : float
         Its kurtosis [-]: mean fourth power of the envelope over the square of its mean square, less
-        2; noise has 0, a tone -1.
+        2; noise has 0, a tone -1. A band 80 dB below the record has -2.
     chance : float
         The largest kurtosis that noise would show in one of as many bands [-], about.
     low_hz, high_hz, all_kurtoses : arrays (bands,)
@@ -204,6 +205,7 @@ def kurtogram(
     lines = np.asarray(np.fft.rfft(fade(record - record.mean(), ends)), dtype=np.complex128)
     faded_share = ends / len(record)
     line_hz = sample_rate_hz / len(record)
+    least_power = _LEAST_SHARE * float(np.sum(np.square(np.abs(lines))))
     bands = list[Band]()
     kurtoses = list[float]()
     chances = list[float]()
@@ -212,7 +214,7 @@ def kurtogram(
         for first_hz, last_hz in pairwise(edges.tolist()):
             first, last = math.ceil(first_hz / line_hz), math.ceil(last_hz / line_hz)
             bands.append((first_hz, last_hz))
-            kurtoses.append(_envelope_kurtosis(lines[first:last], faded_share))
+            kurtoses.append(_envelope_kurtosis(lines[first:last], faded_share, least_power))
             chances.append(2 / math.sqrt(max((last - first) * (1 - 2 * faded_share), 1)))
     best = int(np.argmax(kurtoses))
     return Kurtogram(
@@ -236,18 +238,21 @@ def _divisions(most: float) -> list[int]:
     return sorted(numbers)
 
 
-def _envelope_kurtosis(lines: NDArray[np.complex128], faded_share: float) -> float:
-    """Return the kurtosis of the envelope of the lines of a band; -2 for silence.
+def _envelope_kurtosis(
+    lines: NDArray[np.complex128], faded_share: float, least_power: float
+) -> float:
+    """Return the kurtosis of the envelope of the lines of a band; -2 for less than a least power.
 
     The envelope keeps its shape when the band is shifted to 0 Hz, where few samples hold it.
     """
+    power = float(np.sum(np.square(np.abs(lines))))
+    if not power > least_power:
+        return -2.0
     count = _OVERSAMPLING * len(lines)
     envelope = np.fft.ifft(lines, count)
     ends = math.ceil(faded_share * count)
     square = np.square(np.abs(envelope[ends : count - ends]))
     mean = float(square.mean())
-    if not mean > 0:
-        return -2.0
     return float(np.mean(np.square(square))) / mean**2 - 2.0
 
 

@@ -18,6 +18,7 @@ from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.page_parts import Part
 from rolling.numbers.quantity import uncertain
 from rolling.recordings import agreement
+from rolling.recordings.read_vibration import RISE, VELOCITY
 from rolling.recordings.recorded import FAINTEST, PRESSURE
 from rolling.recordings.recording_comparison import (
     MODULATION,
@@ -44,7 +45,7 @@ def page(run: Any, comparison: RecordingComparison) -> bytes:
         tables.append((f"{heading[0].upper()}{heading[1:]}", [*table.columns], rows))
     first = {
         "sentences": agreement.sentences(comparison),
-        "bars": _total_bars(comparison),
+        "bars": [*_total_bars(comparison), *_figure_bars(comparison)],
         "sounds": _sounds(comparison),
         "seconds": HEARD_S,
         "is_sound": comparison.quantity is PRESSURE,
@@ -63,8 +64,8 @@ def page(run: Any, comparison: RecordingComparison) -> bytes:
     return made.written()
 
 
-def _total_bars(comparison: RecordingComparison) -> Bars | None:
-    """Return the differences of total levels as bars; None where all were made equal."""
+def _total_bars(comparison: RecordingComparison) -> list[Bars]:
+    """Return the differences of total levels as bars; none where all were made equal."""
     rows = []
     table = comparison.table
     totals = table[~table["quantity"].isin([THIRD_OCTAVE, MODULATION])]
@@ -72,18 +73,45 @@ def _total_bars(comparison: RecordingComparison) -> Bars | None:
         difference_db = float(total.difference_db)
         if abs(difference_db) < _EQUAL_DB:
             continue
-        spread_db = float(total.difference_uncertainty_db)
-        value, _, spread = uncertain(difference_db, spread_db).partition(" ± ")
-        row = Row(
-            name=", ".join(filter(None, (str(total.quantity), str(total.channel)))),
-            value=difference_db,
-            low=difference_db - spread_db,
-            high=difference_db + spread_db,
-            words=f"{value} dB",
-            spread=f"± {spread}" if spread else "",
-        )
-        rows.append(row)
-    return bars_around_zero("Total level, run less recording [dB]", rows) if rows else None
+        name = ", ".join(filter(None, (str(total.quantity), str(total.channel))))
+        rows.append(_bar(name, difference_db, float(total.difference_uncertainty_db)))
+    return [bars_around_zero("Total level, run less recording [dB]", rows)] if rows else []
+
+
+def _figure_bars(comparison: RecordingComparison) -> list[Bars]:
+    """Return velocities of bands, run less recording, and the rise by a fault of both, as bars."""
+    table = comparison.figures
+    if table.empty:
+        return []
+    bars = []
+    velocities = [
+        _bar(f"{row.item}, {row.channel}", float(row.difference), float(row.difference_uncertainty))
+        for row in table[table["figure"] == VELOCITY].itertuples()
+    ]
+    if velocities:
+        bars.append(bars_around_zero("Velocity in bands, run less recording [dB]", velocities))
+    rises = []
+    for row in table[table["figure"] == RISE].itertuples():
+        of = f"{row.item}, {row.channel}"
+        rises.append(_bar(f"run, {of}", float(row.run), float(row.run_uncertainty)))
+        recorded_db = float(row.recording)
+        rises.append(_bar(f"recording, {of}", recorded_db, float(row.recording_uncertainty)))
+    if rises:
+        bars.append(bars_around_zero("Rise of the velocity by the fault [dB]", rises))
+    return bars
+
+
+def _bar(name: str, value_db: float, spread_db: float) -> Row:
+    """Return a number of decibels with its ± as a row of bars."""
+    value, _, spread = uncertain(value_db, spread_db).partition(" ± ")
+    return Row(
+        name=name,
+        value=value_db,
+        low=value_db - spread_db,
+        high=value_db + spread_db,
+        words=f"{value} dB",
+        spread=f"± {spread}" if spread else "",
+    )
 
 
 def _charts(run: Any, comparison: RecordingComparison) -> list[Chart]:

@@ -5,7 +5,7 @@
   table and diagram.
 - `lee2025`: the study of Lee, Kim & Kim (2025), as `rolling reproduce` does; `lee2025_cases` runs
   the scenes, `lee2025_conditions` and `lee2025_statements.toml` judge, `lee2025_figures` draws.
-- `validate`: the program beside published results, as `rolling validate` does; `bearing_truths`
-  and `printed_truths` have the numbers of others that it computes again.
+- `validate`: the program beside published results, as `rolling validate` does; `bearing_truths`,
+  `printed_truths` and `recording_truths` have the numbers of others that it computes again.
 - `output`: tables and pictures of studies in files.
 """

@@ -88,6 +88,14 @@ def test_noise_and_silence_have_no_band_that_stands_out() -> None:
     assert band_pulses(np.zeros(RATE), RATE, BANDS)["low"].kurtosis is None
 
 
+def test_a_knock_in_a_band_of_rounding_does_not_count() -> None:
+    """It is 120 dB below the record, as the onset of a motion may be."""
+    faint = 1e-6 * knocks(8000, 10)
+    tones = sum(np.sin(2 * np.pi * hz * T) for hz in (700.0, 760.0))
+    low, high = kurtogram(tones + faint, RATE, (500, 20000), 500).band_hz
+    assert low < 760 < high
+
+
 def test_odd_records_and_bands_are_refused() -> None:
     with pytest.raises(ValueError, match="at least 128"):
         band_pulses(np.zeros(100), RATE, BANDS)
