@@ -20,6 +20,7 @@ from rolling.bearing.static_load import angles_under_loads
 from rolling.bearing.waves import hertz_pressure, semi_axes
 from rolling.bearing_kind import needs
 from rolling.bearing_kind.assumed_worth import assumed_doubt
+from rolling.bearing_kind.band_edges import edge_doubts
 from rolling.bearing_kind.bearing_forecast import different_marches, forecast_of, marches_seconds
 from rolling.bearing_kind.contact_plan import (
     ContactPlan,
@@ -412,6 +413,7 @@ def _standard(scene: BearingScene) -> Iterator[Finding | Doubt]:
         value = f"not met: {'; '.join(texts)}"
         yield Doubt("iso_15242", f"the bands are not ISO 15242: {'; '.join(texts)}", Severity.NOTE)
     yield Finding("iso_15242", "ISO 15242", value)
+    yield from edge_doubts(scene)
 
 
 def _surfaces(scene: BearingScene) -> Iterator[Finding | Doubt]:

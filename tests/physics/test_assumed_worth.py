@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from bearing_runs import WAVY, loads_bearing
 
-from rolling.bearing.linear_ring import linear_ring
+from rolling.bearing.linear_ring import LinearRing, linear_ring
 from rolling.bearing_kind.assumed_worth import assumed_doubt, assumed_worth, band_changes_db
+from rolling.bearing_kind.band_edges import edge_doubts, moved_edges
 
 SCENE = loads_bearing(WAVY)
 
@@ -48,3 +49,27 @@ def test_a_value_that_the_scene_does_not_take_has_no_worth() -> None:
     """A clearance beside a given contact angle is refused, so that none is stated."""
     assert assumed_worth(SCENE, "radial_clearance_um") is None
     assert assumed_worth(SCENE, "width_mm") is None
+
+
+@pytest.mark.law("Edges of bands: they matter where a resonance stands at one, and nowhere else.")
+def test_a_band_depends_on_an_edge_with_a_resonance() -> None:
+    """A sharp resonance just beyond an edge comes into the band with it."""
+
+    def ring_at(hz: float) -> LinearRing:
+        stiffness = 0.05 * (2 * np.pi * hz) ** 2 * np.eye(3)
+        return LinearRing(mass_kg=0.05, stiffness_n_m=stiffness, loss_factor=0.02)
+
+    moved = list(moved_edges(ring_at(1850.0)))
+    assert {(edge.direction, edge.band) for edge in moved} >= {
+        ("radial", "medium"),
+        ("axial", "medium"),
+    }
+    assert max(edge.change_db for edge in moved) > 3
+    assert not list(moved_edges(ring_at(5000.0)))
+    assert not list(moved_edges(ring_at(40_000.0)))
+
+
+def test_the_check_says_what_an_edge_is_worth() -> None:
+    """The axial resonance of this 6204 under 70 N is 1.9 kHz, beside the edge at 1,800 Hz."""
+    texts = " ".join(doubt.text for doubt in edge_doubts(SCENE))
+    assert "the axial resonance at 1.9 kHz stands near an edge of the medium band" in texts
