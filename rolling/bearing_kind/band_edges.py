@@ -66,10 +66,11 @@ def _level_db(ring: LinearRing, axis: int, low: float, high: float) -> float:
 def edge_doubts(scene: BearingScene) -> Iterator[Doubt]:
     """Doubt bands at whose edge a resonance stands."""
     for edge in moved_edges(linear_ring(scene.model)):
+        resonance = si(edge.resonance_hz, "Hz")
         yield Doubt(
             f"edge_of_{edge.direction}_{edge.band}",
-            f"the {edge.direction} resonance at {si(edge.resonance_hz, 'Hz')} stands near an edge of"
-            f" the {edge.band} band, and edges are ideal here: where ISO 15242 has slopes, the"
+            f"the {edge.direction} resonance at {resonance} stands near an edge of the {edge.band}"
+            " band, and edges are ideal here: where ISO 15242 has slopes, the"
             f" {edge.direction} velocity of this band may differ by {edge.change_db:.1f} dB",
             Severity.NOTE,
         )
