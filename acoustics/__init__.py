@@ -28,7 +28,13 @@ _NAMES = {
         "reliable",
         "third_octave_mean_square",
     ),
-    "acoustics.impulsiveness": ("BandPulses", "Kurtogram", "band_pulses", "kurtogram"),
+    "acoustics.impulsiveness": (
+        "BandPulses",
+        "Kurtogram",
+        "band_pulses",
+        "kurtogram",
+        "pulse_kurtogram",
+    ),
     "acoustics.level": (
         "SoundLevels",
         "is_single_event",

@@ -16,6 +16,7 @@ from acoustics.impulsiveness import BandPulses as BandPulses
 from acoustics.impulsiveness import Kurtogram as Kurtogram
 from acoustics.impulsiveness import band_pulses as band_pulses
 from acoustics.impulsiveness import kurtogram as kurtogram
+from acoustics.impulsiveness import pulse_kurtogram as pulse_kurtogram
 from acoustics.level import SoundLevels as SoundLevels
 from acoustics.level import is_single_event as is_single_event
 from acoustics.level import lae_db as lae_db

@@ -20,6 +20,8 @@ from acoustics.spectrum import Band, band_edges, checked_record
 from acoustics.uncertainty import kurtosis, kurtosis_uncertainty
 
 ENDS_S = 0.02  # that a record is faded at each end, which count for nothing
+LOWEST_PULSE_HZ = 300.0  # of a band in which pulses of a bearing are looked for
+PULSES_APART = 4.0  # width of such a band over the frequency of pulses, at least
 _ENDS_SHARE = 1 / 16  # of a record, at most
 _BRANCHES = (2, 3)  # of a band: its thirds stand between its halves and its quarters
 _LEAST_SAMPLES = 32  # independent ones of a band, which are as many as its lines
@@ -226,6 +228,47 @@ def kurtogram(
         high_hz=np.array([band[1] for band in bands]),
         all_kurtoses=np.array(kurtoses),
     )
+
+
+def pulse_kurtogram(
+    signal: Array, sample_rate_hz: float, highest_hz: float, pulses_hz: float
+) -> Kurtogram:
+    """Look for the band in which pulses of a bearing show best.
+
+    It lies above 300 Hz, because turns and passes of balls have their own lines below, and it is at
+    least four times as wide as pulses are frequent, so that they stand apart.
+
+    Parameters
+    ----------
+    signal : array (n,), any unit
+        Record, at least 128 samples.
+    sample_rate_hz : float, Hz
+        Sample rate.
+    highest_hz : float, Hz
+        Highest frequency that the record resolves.
+    pulses_hz : float, Hz
+        Largest frequency with which pulses may come.
+
+    Returns
+    -------
+    Kurtogram
+
+    Raises
+    ------
+    ValueError
+        As `kurtogram`.
+
+    Examples
+    --------
+    >>> import numpy as np, acoustics
+    >>> t = np.arange(48000) / 48000
+    >>> pulses = np.exp(-2000 * (t % (1 / 90))) * np.sin(2 * np.pi * 4000 * t)
+    >>> low, high = acoustics.pulse_kurtogram(pulses, 48000, 10000, 90).band_hz
+    >>> low >= 300, high - low >= 360
+    (True, True)
+    """
+    band_hz = (LOWEST_PULSE_HZ, highest_hz)
+    return kurtogram(signal, sample_rate_hz, band_hz, PULSES_APART * pulses_hz)
 
 
 def _divisions(most: float) -> list[int]:

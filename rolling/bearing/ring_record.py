@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
-from acoustics.impulsiveness import Kurtogram, kurtogram
+from acoustics.impulsiveness import Kurtogram, pulse_kurtogram
 from acoustics.ring_velocity import (
     VELOCITY_BANDS_HZ,
     NarrowSpectrum,
@@ -152,9 +152,9 @@ class RingRecord:
         """
         return squared_envelope_spectrum(self.seen_velocity_m_s[:, 0], self.rate_hz, band_hz)
 
-    def kurtogram(self, band_hz: tuple[float, float], least_width_hz: float) -> Kurtogram:
-        """Return in which part of a band [Hz] the velocity at the sensor is most impulsive."""
-        return kurtogram(self.seen_velocity_m_s[:, 0], self.rate_hz, band_hz, least_width_hz)
+    def kurtogram(self, highest_hz: float, pulses_hz: float) -> Kurtogram:
+        """Return in which band the velocity at the sensor is most impulsive, for pulses so frequent."""
+        return pulse_kurtogram(self.seen_velocity_m_s[:, 0], self.rate_hz, highest_hz, pulses_hz)
 
     def loads_around(self, places: int) -> Array:
         """Return the mean load of a ball at each angle [N], (places,); NaN where none has been."""

@@ -22,8 +22,6 @@ from rolling.kinds.run_folder import RunFolder
 from rolling.scene.bearing_scene import BearingScene
 
 HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
-LOWEST_ENVELOPE_HZ = 300.0  # of a band of the envelope; turns and passes lie below
-PULSES_APART = 4.0  # width of such a band over the fastest line, so that pulses stand apart
 GIVEN = "the scene"
 KURTOGRAM = "the kurtogram"
 DEFAULT = "the high band, because no band is more impulsive than noise"
@@ -154,7 +152,7 @@ def envelope_band_of(
     passes_hz = max(
         kinematics.ball_pass_outer_hz, kinematics.ball_pass_inner_hz, 2 * kinematics.ball_spin_hz
     )
-    found = record.kurtogram((LOWEST_ENVELOPE_HZ, HIGHEST_HZ), PULSES_APART * passes_hz)
+    found = record.kurtogram(HIGHEST_HZ, passes_hz)
     if not found.stands_out:
         return EnvelopeBand(VELOCITY_BANDS_HZ["high"], DEFAULT, found.kurtosis)
     return EnvelopeBand(found.band_hz, KURTOGRAM, found.kurtosis)

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from acoustics.arrays import Array
-from acoustics.impulsiveness import BandPulses, band_pulses, kurtogram
+from acoustics.impulsiveness import BandPulses, band_pulses, pulse_kurtogram
 from acoustics.numbers import rounded
 from acoustics.ring_velocity import (
     NarrowSpectrum,
@@ -37,8 +37,6 @@ UM_S = 1e6  # micrometres per second in a metre per second
 SLIP = 0.02  # of a line that a recording may have it beside its place: slip, and another speed
 LEAST_HEIGHT = 3.0  # of a peak beside its place, that noise has seldom
 _BELOW = 0.999  # of the highest frequency of a record, where its last band ends
-_LOWEST_HZ = 300.0  # of a band of the envelope; lines of turns and passes lie below
-_WIDTH = 4.0  # of a band of the envelope over the fastest line, so that pulses stand apart
 _LEAST_WIDTH_HZ = 50.0  # of a part of a band, less of which tells nothing
 
 
@@ -74,12 +72,10 @@ class VibrationFigures(NamedTuple):
 
     table : DataFrame. A row for each figure: channel, figure, item, unit, values of run and
         recording, their difference, and their standard uncertainties with their unit.
-    envelope_hz : (float, float), Hz. Band of the envelope.
     notes : list of str. Sentences on them.
     """
 
     table: pd.DataFrame
-    envelope_hz: tuple[float, float]
     notes: list[str]
 
 
@@ -92,14 +88,6 @@ def bands_up_to(
         for name, (low, high) in bands_hz.items()
         if highest_hz - low >= _LEAST_WIDTH_HZ
     }
-
-
-def envelope_band(
-    samples: Array, rate_hz: float, highest_hz: float, lines_hz: Mapping[str, float]
-) -> tuple[float, float]:
-    """Return the band [Hz] of a record in which its pulses show best, by the kurtogram."""
-    width_hz = _WIDTH * max(lines_hz.values())
-    return kurtogram(samples, rate_hz, (_LOWEST_HZ, highest_hz), width_hz).band_hz
 
 
 def read_vibration(
@@ -187,7 +175,8 @@ def vibration_figures(sides: ComparedSides, marks: VibrationMarks) -> VibrationF
     # The envelopes of records of one length have lines of one height over noise.
     count = min(len(record.samples) for record in (sides.run, sides.recording))
     shown = sides.recording.samples[:count]
-    envelope_hz = envelope_band(shown, RATE, highest_hz, marks.lines_hz)
+    fastest_hz = max(marks.lines_hz.values())
+    envelope_hz = pulse_kurtogram(shown, RATE, highest_hz, fastest_hz).band_hz
 
     def read(record: Recording | None, scale: float | None) -> ReadVibration | None:
         """Read a record; None without one."""
@@ -219,7 +208,7 @@ def vibration_figures(sides: ComparedSides, marks: VibrationMarks) -> VibrationF
         f"envelope: of {band_in_words(envelope_hz)}, the band that the kurtogram of the recording"
         f" chooses, over {count / RATE:.3g} s of both"
     ]
-    return VibrationFigures(table=table, envelope_hz=envelope_hz, notes=notes)
+    return VibrationFigures(table=table, notes=notes)
 
 
 class _ReadSide(NamedTuple):
