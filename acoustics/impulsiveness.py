@@ -15,14 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array, positive, short_repr
-from acoustics.resampling import band_limit, fade
+from acoustics.resampling import band_limit
 from acoustics.spectrum import Band, band_edges, checked_record
 from acoustics.uncertainty import kurtosis, kurtosis_uncertainty
 
-ENDS_S = 0.02  # that a record is faded at each end, which count for nothing
+ENDS_S = 0.1  # that a record is faded at each end, which count for nothing
 LOWEST_PULSE_HZ = 300.0  # of a band in which pulses of a bearing are looked for
 PULSES_APART = 4.0  # width of such a band over the frequency of pulses, at least
-_ENDS_SHARE = 1 / 16  # of a record, at most
+_ENDS_SHARE = 1 / 8  # of a record, at most
 _BRANCHES = (2, 3)  # of a band: its thirds stand between its halves and its quarters
 _LEAST_SAMPLES = 32  # independent ones of a band, which are as many as its lines
 _LEAST_SHARE = 1e-8  # of the power of a record, below which a band holds rounding and onsets
@@ -97,7 +97,7 @@ def band_pulses(
     """
     record = _open_record(signal, sample_rate_hz)
     ends = _ends(record, sample_rate_hz)
-    faded = fade(record - record.mean(), ends)
+    faded = _faded(record, ends)
     found = {}
     for name, band_hz in bands_hz.items():
         low, high = band_edges(band_hz, sample_rate_hz)
@@ -204,7 +204,7 @@ def kurtogram(
     low, high = band_edges(band_hz, sample_rate_hz)
     width = positive("least_width_hz", least_width_hz)
     ends = _ends(record, sample_rate_hz)
-    lines = np.asarray(np.fft.rfft(fade(record - record.mean(), ends)), dtype=np.complex128)
+    lines = np.asarray(np.fft.rfft(_faded(record, ends)), dtype=np.complex128)
     faded_share = ends / len(record)
     line_hz = sample_rate_hz / len(record)
     least_power = _LEAST_SHARE * float(np.sum(np.square(np.abs(lines))))
@@ -310,6 +310,16 @@ def _open_record(signal: Array, sample_rate_hz: float) -> Array:
             f"signal: got {len(record)} samples, allowed: at least {4 * _LEAST_SAMPLES}"
         )
     return record
+
+
+def _faded(record: Array, ends: int) -> Array:
+    """Return a record without its mean, so smoothly faded at its ends that no tone leaks far."""
+    half_cosine = 0.5 - 0.5 * np.cos(np.pi * (np.arange(ends) + 0.5) / max(ends, 1))
+    rise = np.square(np.sin(0.5 * np.pi * half_cosine))
+    window = np.ones(len(record))
+    window[:ends] = rise
+    window[len(record) - ends :] = rise[::-1]
+    return np.asarray(window * (record - record.mean()))
 
 
 def _ends(record: Array, sample_rate_hz: float) -> int:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from acoustics.impulsiveness import ENDS_S, band_pulses
 from acoustics.numbers import rounded
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling import __version__
 from rolling.bearing.ring_record import AXIAL, NOTHING_UM_S, RADIAL, UM_S
 from rolling.bearing_kind import bearing_sentences
-from rolling.bearing_kind.band_pulses import band_pulses
 from rolling.numbers.bearing_numbers import LineVelocity
 from rolling.numbers.doubt import Severity
 from rolling.numbers.quantity import Quantity, spread_text
@@ -28,7 +28,6 @@ NOTICE = (
     "its bands, for a reader who compares."
 )
 DEPARTURES = (
-    "No class: a maker's class belongs to a measured bearing, and the program assigns none.",
     "The bands have steep edges instead of the slopes of the standard's filters.",
     "No spikes are counted; crest factor and kurtosis stand beside the peak.",
     "One side of the load was computed; a measurement loads the bearing from both sides.",
@@ -51,8 +50,16 @@ def vibration_sheet(run: BearingRun) -> Sheet:
         notice=NOTICE,
         tables=(_band_table(run), _pulse_table(run), _line_table(run), _envelope_table(run)),
         facts=tuple(_facts(run)),
-        departures=(*DEPARTURES, *not_iso, *doubts),
+        departures=(_class_words(run), *DEPARTURES, *not_iso, *doubts),
     )
+
+
+def _class_words(run: BearingRun) -> str:
+    """State the class of the computed velocities, which no maker has measured."""
+    words = bearing_sentences.class_sentence(run.numbers)
+    if not words:
+        return "No class: the run is of a version that assigned none."
+    return f"{words} A maker's class belongs to a measured bearing."
 
 
 # ---- tables
@@ -101,20 +108,17 @@ def _pulse_table(run: BearingRun) -> SheetTable:
     """Return peak, crest factor and kurtosis of the record of each band and direction."""
     rows = []
     words = bearing_sentences.band_words(run.numbers.ring)
+    bands_hz = {band: run.bands_below_bending_hz[band] for band in words}
     for direction, column in _COLUMN_OF.items():
-        for band in words:
-            pulses = band_pulses(
-                run.record.seen_velocity_m_s[:, column],
-                run.record.rate_hz,
-                run.bands_below_bending_hz[band],
-            )
+        seen = run.record.seen_velocity_m_s[:, column]
+        for band, pulses in band_pulses(seen, run.record.rate_hz, bands_hz).items():
             cells = [SheetCell(value=None, text=NONE)] * 3
-            if pulses is not None and UM_S * pulses.peak >= NOTHING_UM_S:
-                peak = UM_S * pulses.peak
-                spread = pulses.kurtosis_uncertainty
+            peak = UM_S * pulses.peak
+            if pulses.kurtosis is not None and peak >= NOTHING_UM_S:
+                spread = pulses.kurtosis_uncertainty or 0.0
                 cells = [
                     SheetCell(value=peak, unit="um/s", text=f"{rounded(peak)} µm/s"),
-                    SheetCell(value=pulses.crest_factor, text=rounded(pulses.crest_factor)),
+                    SheetCell(value=pulses.crest_factor, text=rounded(pulses.crest_factor or 0.0)),
                     SheetCell(
                         value=pulses.kurtosis,
                         text=f"{rounded(pulses.kurtosis)} (noise: 3 ± {spread_text(spread)})",
@@ -132,7 +136,11 @@ def _line_table(run: BearingRun) -> SheetTable:
     """Return the lines of the spectrum."""
     rows = []
     for line in run.numbers.lines:
-        at = SheetCell(value=line.frequency_hz, unit="Hz", text=f"{line.frequency_hz:.2f} Hz")
+        at = SheetCell(
+            value=line.frequency_hz,
+            unit="Hz",
+            text=f"{bearing_sentences.hertz(line.frequency_hz)} Hz",
+        )
         cells = [at, *(_line_cell(own) for own in line.by_direction.values())]
         rows.append(SheetRow(symbol=line.name, meaning=line.meaning, cells=tuple(cells)))
     heads = ["frequency", *run.numbers.velocities.by_direction]
@@ -141,6 +149,12 @@ def _line_table(run: BearingRun) -> SheetTable:
         heads[-1] += f", {doubt.severity.word}"
     title = "Lines of the spectrum, rms"
     return SheetTable(title=title, heads=tuple(heads), rows=tuple(rows))
+
+
+def _frequency_cell(frequency_hz: float) -> SheetCell:
+    """Return the cell of the frequency of a line."""
+    text = f"{bearing_sentences.hertz(frequency_hz)} Hz"
+    return SheetCell(value=frequency_hz, unit="Hz", text=text)
 
 
 def _line_cell(line: LineVelocity) -> SheetCell:
@@ -155,11 +169,15 @@ def _envelope_table(run: BearingRun) -> SheetTable:
     """Return the lines of the envelope, where faults show."""
     rows = []
     for line in run.numbers.envelope_lines:
-        at = SheetCell(value=line.frequency_hz, unit="Hz", text=f"{line.frequency_hz:.2f} Hz")
+        at = SheetCell(
+            value=line.frequency_hz,
+            unit="Hz",
+            text=f"{bearing_sentences.hertz(line.frequency_hz)} Hz",
+        )
         text = "not resolved" if line.height is None else rounded(line.height)
         height = SheetCell(value=line.height, text=text)
         rows.append(SheetRow(symbol=line.name, meaning=line.meaning, cells=(at, height)))
-    title = "Lines of the envelope along the load, 1,800 to 10,000 Hz"
+    title = f"Lines of the envelope{bearing_sentences.envelope_words(run.numbers)}, along the load"
     return SheetTable(title=title, heads=("frequency", "over surroundings"), rows=tuple(rows))
 
 
@@ -206,7 +224,10 @@ def _facts(run: BearingRun) -> Iterator[tuple[str, str]]:
         "one standard uncertainty of the calculation, in dB; no spread of production or of test"
         " stands",
     )
-    yield "Peaks", "of the record in a band with steep edges, without its ends, up to 0.1 s each"
+    yield (
+        "Peaks",
+        f"of the record in a band with steep edges, without its ends, up to {ENDS_S:g} s each",
+    )
 
 
 def housing_sheet(run: BearingRun) -> Sheet | None:

@@ -42,6 +42,16 @@ def test_knocks_show_in_the_band_of_their_resonance_alone() -> None:
     assert found["high"].crest_factor > found["medium"].crest_factor
 
 
+def test_a_strong_tone_of_another_band_is_no_knock() -> None:
+    """It is 100 dB above them."""
+    faint = 1e-5 * knocks(4000, 20)
+    tone = np.sin(2 * np.pi * 177.3 * T + 0.3)
+    alone = band_pulses(faint, RATE, BANDS)["high"]
+    both = band_pulses(tone + faint, RATE, BANDS)["high"]
+    assert both.peak == pytest.approx(alone.peak, rel=1e-3)
+    assert both.kurtosis == pytest.approx(alone.kurtosis, rel=1e-3) and both.kurtosis > 6
+
+
 def test_ends_that_do_not_meet_are_no_knock() -> None:
     """A drift jumps by 200 times the noise where a transform closes the record."""
     record = 0.01 * noise(2) + 2 * T
