@@ -43,6 +43,8 @@ def moved_edges(ring: LinearRing) -> Iterator[MovedEdge]:
     """Yield bands whose level depends on the place of their edges, for waves of one velocity."""
     for direction, axis in _DIRECTIONS.items():
         resonance_hz = ring.radial_hz if direction == RADIAL else ring.axial_hz
+        if not resonance_hz > 0:  # nothing holds the ring in this direction
+            continue
         for band, (low, high) in VELOCITY_BANDS_HZ.items():
             own = _level_db(ring, axis, low, high)
             moved = [

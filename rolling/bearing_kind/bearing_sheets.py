@@ -136,11 +136,7 @@ def _line_table(run: BearingRun) -> SheetTable:
     """Return the lines of the spectrum."""
     rows = []
     for line in run.numbers.lines:
-        at = SheetCell(
-            value=line.frequency_hz,
-            unit="Hz",
-            text=f"{bearing_sentences.hertz(line.frequency_hz)} Hz",
-        )
+        at = _frequency_cell(line.frequency_hz)
         cells = [at, *(_line_cell(own) for own in line.by_direction.values())]
         rows.append(SheetRow(symbol=line.name, meaning=line.meaning, cells=tuple(cells)))
     heads = ["frequency", *run.numbers.velocities.by_direction]
@@ -169,11 +165,7 @@ def _envelope_table(run: BearingRun) -> SheetTable:
     """Return the lines of the envelope, where faults show."""
     rows = []
     for line in run.numbers.envelope_lines:
-        at = SheetCell(
-            value=line.frequency_hz,
-            unit="Hz",
-            text=f"{bearing_sentences.hertz(line.frequency_hz)} Hz",
-        )
+        at = _frequency_cell(line.frequency_hz)
         text = "not resolved" if line.height is None else rounded(line.height)
         height = SheetCell(value=line.height, text=text)
         rows.append(SheetRow(symbol=line.name, meaning=line.meaning, cells=(at, height)))
