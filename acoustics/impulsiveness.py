@@ -98,12 +98,12 @@ def band_pulses(
     record = _open_record(signal, sample_rate_hz)
     ends = _ends(record, sample_rate_hz)
     faded = _faded(record, ends)
-    found = {}
+    by_band = {}
     for name, band_hz in bands_hz.items():
         low, high = band_edges(band_hz, sample_rate_hz)
         inside = band_limit(faded, sample_rate_hz, (low, high))[ends : len(faded) - ends]
-        found[name] = _pulses_of(inside)
-    return found
+        by_band[name] = _pulses_of(inside)
+    return by_band
 
 
 def _pulses_of(record: Array) -> BandPulses:
@@ -196,8 +196,8 @@ def kurtogram(
     >>> t = np.arange(48000) / 48000
     >>> pulses = np.exp(-2000 * (t % (1 / 90))) * np.sin(2 * np.pi * 4000 * t)
     >>> noise = 0.2 * np.random.default_rng(1).standard_normal(48000)
-    >>> found = acoustics.kurtogram(pulses + noise, 48000, (500, 20000), 500)
-    >>> found.band_hz[0] < 4000 < found.band_hz[1], found.stands_out
+    >>> best = acoustics.kurtogram(pulses + noise, 48000, (500, 20000), 500)
+    >>> best.band_hz[0] < 4000 < best.band_hz[1], best.stands_out
     (True, True)
     """
     record = _open_record(signal, sample_rate_hz)

@@ -140,18 +140,18 @@ def npz_arrays(content: bytes, most_bytes: int) -> list[NpzArray]:
     Exception
         The archive is damaged. numpy and zipfile raise errors of any kind then.
     """
-    found = list[NpzArray]()
+    arrays = list[NpzArray]()
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         for member in archive.infolist():
             name = member.filename.removesuffix(_ENDING)
-            if name in [other.name for other in found]:
+            if name in [other.name for other in arrays]:
                 raise ValueError(f"two arrays with the name {name!r}")
             if member.file_size > most_bytes:
                 raise ValueError(
                     f"{name}: an array of {member.file_size:,} bytes, allowed: {most_bytes:,}"
                 )
-            found.append(NpzArray(name, _shape_of_numbers(archive, member)))
-    return found
+            arrays.append(NpzArray(name, _shape_of_numbers(archive, member)))
+    return arrays
 
 
 def _shape_of_numbers(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> tuple[int, ...]:

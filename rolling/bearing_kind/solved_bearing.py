@@ -152,10 +152,10 @@ def envelope_band_of(
     passes_hz = max(
         kinematics.ball_pass_outer_hz, kinematics.ball_pass_inner_hz, 2 * kinematics.ball_spin_hz
     )
-    found = record.kurtogram(HIGHEST_HZ, passes_hz)
-    if not found.stands_out:
-        return EnvelopeBand(VELOCITY_BANDS_HZ["high"], DEFAULT, found.kurtosis)
-    return EnvelopeBand(found.band_hz, KURTOGRAM, found.kurtosis)
+    kurtogram = record.kurtogram(HIGHEST_HZ, passes_hz)
+    if not kurtogram.stands_out:
+        return EnvelopeBand(VELOCITY_BANDS_HZ["high"], DEFAULT, kurtogram.kurtosis)
+    return EnvelopeBand(kurtogram.band_hz, KURTOGRAM, kurtogram.kurtosis)
 
 
 def bands_below_hz(bending_hz: float) -> dict[str, tuple[float, float]]:

@@ -73,14 +73,14 @@ def compare(
     FolderError : the folder holds no single run that is done, or a recording cannot be compared.
         Nothing is written.
     """
-    said = series or RecordedSeries()
-    if said.unit is not None:
-        unit = unit_of(said.unit, quantity, calibration)
+    given = series or RecordedSeries()
+    if given.unit is not None:
+        unit = unit_of(given.unit, quantity, calibration)
         quantity, calibration = unit.quantity, f"{unit.si!r}"
     quantity = quantity or PRESSURE.name
     quantity_of(quantity)
     run = _run_to_compare(folder)
-    healthy = _healthy(said)
+    healthy = _healthy(given)
     with progress.step("comparing it with the recording"):
         comparison = compare_record(
             run=run,
@@ -89,23 +89,23 @@ def compare(
             background=background,
             quantity=quantity,
             channels=channels,
-            layout=said.layout,
+            layout=given.layout,
             healthy=healthy,
         )
     return [_write_comparison(run, folder, recording, comparison)]
 
 
-def _healthy(said: RecordedSeries) -> Healthy | None:
+def _healthy(given: RecordedSeries) -> Healthy | None:
     """Return the healthy run and its recording; refuse one without the other."""
-    if said.healthy is None and said.healthy_run is None:
+    if given.healthy is None and given.healthy_run is None:
         return None
-    if said.healthy is None or said.healthy_run is None:
+    if given.healthy is None or given.healthy_run is None:
         raise FolderError(
             "--healthy and --healthy-run: got one of them, allowed: both; the rise of the run needs"
             " a run folder of the bearing without its fault, such as by --set"
             " bearing.surfaces.inner.faults="
         )
-    return Healthy(_run_to_compare(said.healthy_run), said.healthy, said.healthy_layout)
+    return Healthy(_run_to_compare(given.healthy_run), given.healthy, given.healthy_layout)
 
 
 def compare_bench(folder: Path) -> list[Path]:

@@ -177,7 +177,7 @@ def _figures(
     if own.marks is None:
         return []
     by_name = {pair.name: pair for pair in healthy}
-    found = []
+    figures = []
     for pair in pairs:
         scale = scales[pair.number]
         without = by_name.get(pair.name)
@@ -189,8 +189,8 @@ def _figures(
             healthy_run=None if without is None else without.run,
             healthy_recording=None if without is None else without.recording.whole(),
         )
-        found.append(vibration_figures(sides, own.marks))
-    return found
+        figures.append(vibration_figures(sides, own.marks))
+    return figures
 
 
 def _background(path: Path, quantity: MeasuredQuantity, number: int, count: int) -> Recording:

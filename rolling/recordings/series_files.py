@@ -98,8 +98,8 @@ def read_series(
     """
     try:
         content = read_regular(path, most_bytes)
-        found = _READERS[path.suffix.lower()](content, most_sample_bytes)
-        chosen = _chosen(path, found, layout.variables)
+        series_list = _READERS[path.suffix.lower()](content, most_sample_bytes)
+        chosen = _chosen(path, series_list, layout.variables)
         columns = [np.asarray(series.read(), dtype=float).ravel() for series in chosen]
     except FolderError:
         raise
@@ -120,19 +120,19 @@ def read_series(
     return MeasuredSeries(np.stack(columns, axis=1), _rate_hz(path, chosen, layout.rate_hz))
 
 
-def _chosen(path: Path, found: Sequence[_Found], names: Sequence[str]) -> list[_Found]:
+def _chosen(path: Path, series_list: Sequence[_Found], names: Sequence[str]) -> list[_Found]:
     """Return the series that are meant: the named ones, or the only one that is long enough."""
-    listed = ", ".join(series.words for series in found[:_MAX_LISTED]) or "nothing of numbers"
-    if len(found) > _MAX_LISTED:
-        listed += f", and {len(found) - _MAX_LISTED} more"
-    by_name = {series.name: series for series in found}
+    listed = ", ".join(series.words for series in series_list[:_MAX_LISTED]) or "nothing of numbers"
+    if len(series_list) > _MAX_LISTED:
+        listed += f", and {len(series_list) - _MAX_LISTED} more"
+    by_name = {series.name: series for series in series_list}
     for name in names:
         if name not in by_name:
             near = nearest(name, [*by_name])
             raise FolderError(f"--variable: got {name}{near}; {path} has {listed}")
     if names:
         return [by_name[name] for name in names]
-    long = [series for series in found if series.length >= LEAST_SAMPLES]
+    long = [series for series in series_list if series.length >= LEAST_SAMPLES]
     if len(long) != 1:
         raise FolderError(
             f"{path}: got {len(long)} series of at least {LEAST_SAMPLES:,} numbers, allowed: one;"
@@ -179,23 +179,23 @@ def _line_of(read: Callable[[], NDArray[Any]], number: int, axis: int) -> NDArra
 
 def _npz(content: bytes, most_bytes: int) -> list[_Found]:
     """Return the series of an archive of numpy."""
-    found = []
+    series_list = []
     for array in npz_arrays(content, most_bytes):
         name = array.name
-        found += _series_of_array(name, array.shape, partial(read_npz_array, content, name))
-    return found
+        series_list += _series_of_array(name, array.shape, partial(read_npz_array, content, name))
+    return series_list
 
 
 def _mat(content: bytes, most_bytes: int) -> list[_Found]:
     """Return the series of a file of MATLAB."""
-    found = []
+    series_list = []
     for variable in mat_variables(content, most_bytes):
-        found += _series_of_array(
+        series_list += _series_of_array(
             variable.name,
             variable.shape,
             partial(read_mat_array, content, variable),
         )
-    return found
+    return series_list
 
 
 def _csv(content: bytes, most_bytes: int) -> list[_Found]:
@@ -256,7 +256,9 @@ def _uff(content: bytes, most_bytes: int) -> list[_Found]:
     try:
         import pyuff
     except ImportError as error:
-        raise ValueError("UFF needs the package pyuff: pip install pyuff") from error
+        raise ValueError(
+            'UFF needs the package pyuff: pip install "rolling-contact-noise[recordings]"'
+        ) from error
     if len(content) > _MAX_UFF_BYTES:
         raise ValueError(f"a file of {len(content):,} bytes, allowed: {_MAX_UFF_BYTES:,}")
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
@@ -266,19 +268,19 @@ def _uff(content: bytes, most_bytes: int) -> list[_Found]:
         file = pyuff.UFF(str(copy))
         numbers = [number for number, kind in enumerate(file.get_set_types()) if int(kind) == 58]
         sets = [file.read_sets(number) for number in numbers]
-    found = list[_Found]()
+    functions = list[_Found]()
     for function in sets:
         values = np.asarray(function["data"])
         is_series = function["func_type"] == _OF_TIME and function["abscissa_spacing"] == _EVEN
         if not is_series or values.ndim != 1 or values.dtype.kind not in "fiu":
             continue
-        name = str(function.get("id1", "")).strip() or f"set {len(found) + 1}"
-        if name in [other.name for other in found]:
-            name = f"{name}, set {len(found) + 1}"
+        name = str(function.get("id1", "")).strip() or f"set {len(functions) + 1}"
+        if name in [other.name for other in functions]:
+            name = f"{name}, set {len(functions) + 1}"
         step_s = float(function["abscissa_inc"])
         rate_hz = 1 / step_s if step_s > 0 else None
-        found.append(_Found(name, len(values), rate_hz, partial(np.asarray, values)))
-    return found
+        functions.append(_Found(name, len(values), rate_hz, partial(np.asarray, values)))
+    return functions
 
 
 _READERS: dict[str, Callable[[bytes, int], list[_Found]]] = {
