@@ -153,7 +153,7 @@ class RingRecord:
         return squared_envelope_spectrum(self.seen_velocity_m_s[:, 0], self.rate_hz, band_hz)
 
     def kurtogram(self, highest_hz: float, pulses_hz: float) -> Kurtogram:
-        """Return in which band the velocity at the sensor is most impulsive, for pulses so frequent."""
+        """Return in which band the velocity at the sensor has most of such frequent pulses."""
         return pulse_kurtogram(self.seen_velocity_m_s[:, 0], self.rate_hz, highest_hz, pulses_hz)
 
     def loads_around(self, places: int) -> Array:
