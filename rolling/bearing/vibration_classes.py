@@ -85,6 +85,7 @@ LIMITS = (
         },
     ),
 )
+_ORDER = [ABOVE, *LIMITS[0].um_s]  # from the worst class to the best
 
 
 class Velocity(NamedTuple):
@@ -106,8 +107,11 @@ class ClassRange(NamedTuple):
 
     @property
     def words(self) -> str:
-        """One class, or both."""
-        return self.worst if self.worst == self.best else f"{self.worst} or {self.best}"
+        """One class, two neighbours, or a range of classes."""
+        if self.worst == self.best:
+            return self.worst
+        are_neighbours = _ORDER.index(self.best) - _ORDER.index(self.worst) == 1
+        return f"{self.worst} {'or' if are_neighbours else 'to'} {self.best}"
 
 
 def limits_of_bore(bore_mm: float) -> BoreLimits | None:
@@ -131,10 +135,9 @@ def class_of_band(limits: BoreLimits, band: str, velocity: Velocity) -> ClassRan
 
 def class_of_bands(bands: Mapping[str, ClassRange]) -> ClassRange:
     """Return the class of a bearing, which is that of its worst band."""
-    order = [ABOVE, *LIMITS[0].um_s]
     return ClassRange(
-        worst=min((own.worst for own in bands.values()), key=order.index),
-        best=min((own.best for own in bands.values()), key=order.index),
+        worst=min((own.worst for own in bands.values()), key=_ORDER.index),
+        best=min((own.best for own in bands.values()), key=_ORDER.index),
     )
 
 

@@ -55,7 +55,7 @@ def test_the_docs_have_the_same_limits() -> None:
         (170, 0.1, "V1"),
         (250, 1.0, "above V0 or V0"),
         (300, 0.5, ABOVE),
-        (300, 6.0, "above V0 or V1"),
+        (300, 6.0, "above V0 to V1"),
     ],
 )
 def test_a_band_has_the_classes_that_its_uncertainty_leaves(
@@ -67,7 +67,7 @@ def test_a_band_has_the_classes_that_its_uncertainty_leaves(
 
 def test_the_worst_band_decides() -> None:
     bands = {"low": ClassRange("V3", "V4"), "high": ClassRange(ABOVE, "V1")}
-    assert class_of_bands(bands).words == "above V0 or V1"
+    assert class_of_bands(bands).words == "above V0 to V1"
 
 
 def test_no_class_beyond_the_limits_that_have_a_source() -> None:
