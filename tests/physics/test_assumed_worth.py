@@ -57,7 +57,12 @@ def test_a_band_depends_on_an_edge_with_a_resonance() -> None:
 
     def ring_at(hz: float) -> LinearRing:
         stiffness = 0.05 * (2 * np.pi * hz) ** 2 * np.eye(3)
-        return LinearRing(mass_kg=0.05, stiffness_n_m=stiffness, loss_factor=0.02)
+        return LinearRing(
+            masses=np.full(3, 0.05),
+            stiffness_n_m=stiffness,
+            springs_n_m=np.zeros(3),
+            loss_factor=0.02,
+        )
 
     moved = list(moved_edges(ring_at(1850.0)))
     assert {(edge.direction, edge.band) for edge in moved} >= {
