@@ -45,6 +45,15 @@ class BandPulses:
         Mean fourth power over the square of the mean square [-]; noise has 3. None for silence.
     kurtosis_uncertainty : float or None
         Standard uncertainty of the kurtosis of noise of this band and length [-].
+
+    Examples
+    --------
+    >>> import acoustics
+    >>> pulses = acoustics.BandPulses(
+    ...     rms=0.5, peak=2.0, crest_factor=4.0, kurtosis=3.1, kurtosis_uncertainty=0.2
+    ... )
+    >>> pulses.crest_factor
+    4.0
     """
 
     __repr__ = short_repr
@@ -139,6 +148,14 @@ class Kurtogram:
         The largest kurtosis that noise would show in one of as many bands [-], about.
     low_hz, high_hz, all_kurtoses : arrays (bands,)
         Edges [Hz] and kurtosis [-] of all bands.
+
+    Examples
+    --------
+    >>> import numpy as np, acoustics
+    >>> noise = np.random.default_rng(1).standard_normal(48000)
+    >>> found = acoustics.kurtogram(noise, 48000, (1800, 10000), 500)
+    >>> found.stands_out
+    False
     """
 
     __repr__ = short_repr
@@ -200,7 +217,7 @@ def kurtogram(
     >>> best.band_hz[0] < 4000 < best.band_hz[1], best.stands_out
     (True, True)
     """
-    record = _open_record(signal, sample_rate_hz)
+    record = _over_largest(_open_record(signal, sample_rate_hz))
     low, high = band_edges(band_hz, sample_rate_hz)
     width = positive("least_width_hz", least_width_hz)
     ends = _ends(record, sample_rate_hz)
@@ -310,6 +327,12 @@ def _open_record(signal: Array, sample_rate_hz: float) -> Array:
             f"signal: got {len(record)} samples, allowed: at least {4 * _LEAST_SAMPLES}"
         )
     return record
+
+
+def _over_largest(record: Array) -> Array:
+    """Return a record over its largest magnitude, whose fourth power does not underflow."""
+    largest = float(np.abs(record).max())
+    return record / largest if largest > 0 else record
 
 
 def _faded(record: Array, ends: int) -> Array:

@@ -18,9 +18,9 @@ from rolling.surface.heights import SurfaceError
 from rolling.surface.markers import Nodes
 from rolling.surface.parameters import roughness, without_plane
 from rolling.surface.period_grid import SAME, HeightGrid, is_other
+from rolling.surface.stylus import ALPHA
 
 NAMES = ("Sa", "Sq", "Ssk", "Sku", "Sdq")  # of the roughness before and after a step
-ALPHA = float(np.sqrt(np.log(2) / np.pi))  # 0.4697, of the Gaussian filter of ISO 16610-61
 NEIGHBOURS = 5  # nodes of each side of the square whose median shows outliers
 ROBUST = 1.4826  # standard deviation of Gaussian numbers over the median of their magnitudes
 REACH = 2.0  # of a Gaussian filter in units of ALPHA times its cut-off: exp(-4 pi) is 3e-6

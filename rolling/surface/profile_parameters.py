@@ -17,11 +17,11 @@ from scipy import fft
 
 from acoustics.arrays import Array
 from rolling.surface.parameters import about_mean, without_plane
+from rolling.surface.stylus import ALPHA
 
 SECTIONS = 5  # of an evaluation length
 MOST_LINES = 64  # across the surface, at equal distances, that are evaluated
 COUNTED = 0.1  # of the largest height or depth, from which on a hill or a dale counts
-_ALPHA = float(np.sqrt(np.log(2) / np.pi))  # of the Gaussian filter of ISO 16610-21
 _REACH = 0.5  # nesting index, left out at each end that is no period
 _LEAST_NODES = 8  # of a section, or of a profile without sections
 _GRADIENT = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60  # over the spacing
@@ -175,7 +175,7 @@ def long_waves(lines: Array, spacing_m: float, index_m: float, is_periodic: bool
     count = len(lines)
     beyond = 0 if is_periodic else round(index_m / spacing_m)
     size = fft.next_fast_len(count + beyond, real=True) if beyond else count
-    gain = np.exp(-np.pi * (_ALPHA * index_m * fft.rfftfreq(size, spacing_m)) ** 2)
+    gain = np.exp(-np.pi * (ALPHA * index_m * fft.rfftfreq(size, spacing_m)) ** 2)
     passed = fft.irfft(fft.rfft(lines, size, axis=0) * gain[:, None], size, axis=0)[:count]
     weights = fft.irfft(fft.rfft(np.ones(count), size) * gain, size)[:count]
     return np.asarray(passed / weights[:, None])

@@ -2,8 +2,7 @@
 
 import math
 
-from rolling.surface.preparation import ALPHA
-
+ALPHA = math.sqrt(math.log(2) / math.pi)  # 0.4697, of the Gaussian filters of ISO 16610
 # Cut-off wavelengths [m] of ISO 4288 for the Ra [m] of random profiles, up to each limit.
 _CUT_OFFS = ((2e-8, 0.08e-3), (1e-7, 0.25e-3), (2e-6, 0.8e-3), (1e-5, 2.5e-3))
 _LONGEST_CUT_OFF_M = 8e-3

@@ -57,6 +57,16 @@ SOUND_DOORS: dict[str, Call] = {
         record, RATE, acoustics.sound_levels(record, RATE), False, 1.0
     ),
     "line_spectrum": lambda record: acoustics.line_spectrum(record, RATE),
+    "band_pulses": lambda record: acoustics.band_pulses(
+        np.tile(record, 4), RATE, {"medium": (300.0, 1800.0)}
+    ),
+    "kurtogram": lambda record: acoustics.kurtogram(
+        np.tile(record, 4), RATE, (300.0, 5000.0), 300.0
+    ),
+    "pulse_kurtogram": lambda record: acoustics.pulse_kurtogram(
+        np.tile(record, 4), RATE, 5000.0, 50.0
+    ),
+    "velocity_of": lambda record: acoustics.velocity_of(record, RATE),
     "loudest_octave": lambda record: acoustics.loudest_octave(record, RATE),
     "modulated_octave": lambda record: acoustics.modulated_octave(record, RATE, 20.0),
     "narrow_spectrum": lambda record: acoustics.narrow_spectrum(np.tile(record, 4), RATE),

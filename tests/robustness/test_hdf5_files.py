@@ -40,6 +40,7 @@ ROOT = Path(__file__).parents[2]
 DOORS = {
     "rolling/archive/hdf5_reader.py",
     "rolling/archive/hdf5_writer.py",
+    "rolling/archive/mat_file.py",  # reads no HDF5, but scipy's reader could
     "rolling/scene/hdf5_files.py",
 }
 PACKAGES = {"h5py", "h5netcdf", "netCDF4", "tables", "pyfive"}
