@@ -161,7 +161,7 @@ def envelope(run: BearingRun, ax: Axes | None = None) -> Axes:
     ax.set_xlim(0, highest)
     ax.set_ylim(0, 1.3 * max(float(y.max()), _NOTHING_UM_S))
     _draw_lines(ax, lines.envelope_lines(run.kinematics))
-    ax.set(xlabel="frequency [Hz]", ylabel="share of the mean square [%]")
+    ax.set(xlabel="frequency [Hz]", ylabel="line over the mean square [%]")
     low, high = run.envelope_band.band_hz
     return finish(ax, f"Envelope from {low:,.0f} to {high:,.0f} Hz: {run_title(run)}", _facts(run))
 
