@@ -105,9 +105,7 @@ def _draw_balls(machine: Machine, scenes: Sequence[BearingScene], scale: float) 
     words = _surface_words(scenes, "balls") or "smooth"
     machine.say(_nearest_ball(scene, pitch, 0.0), f"{balls} balls of {diameters} mm", words)
     carrying = int((loads > _BEARING * largest).sum())
-    words = f"most loaded ball, {carrying} of {len(loads)} carry"
-    if carrying == len(loads):
-        words = "most loaded ball, all carry"
+    words = f"most loaded of {carrying} balls" if carrying > 1 else "the one loaded ball"
     if len(scenes) > 1:
         words += ", in the first run"
     machine.say(_nearest_ball(scene, pitch, DOWN - 0.1), f"{rounded(largest, 3)} N", words)
@@ -210,7 +208,7 @@ def _draw_faults(machine: Machine, scene: BearingScene, scale: float) -> None:
     geometry = scene.geometry
     pitch = scale * geometry.pitch_radius_m
     for body in faulty_bodies(scene):
-        centre, radius, words = CENTRE, 0.0, f"in the {body} raceway"
+        centre, radius, words = CENTRE, 0.0, f"{body} raceway"
         if body == "balls":
             angle = float(geometry.ball_angles()[scene.bearing.surfaces.fault_ball])
             centre = around(CENTRE, pitch, DOWN - angle)
@@ -235,7 +233,7 @@ def _draw_sensor(machine: Machine, scene: BearingScene, scale: float) -> None:
     up = OUTER + 5 if scene.moving_ring == "outer" else scale * scene.bore / 2 - 5
     at = (x, y - up)
     machine.draw("sensor", square(at, 5.0))
-    machine.say((at[0] + 5, at[1]), "velocity", f"of the {scene.moving_ring} ring")
+    machine.say((at[0] + 5, at[1]), "velocity", f"{scene.moving_ring} ring")
 
 
 def _draw_housing(machine: Machine, scenes: Sequence[BearingScene]) -> None:

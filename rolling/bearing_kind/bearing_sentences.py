@@ -325,9 +325,9 @@ def _fault_sentence(numbers: BearingNumbers, body: str, line: EnvelopeLine) -> s
     if numbers.without_faults is not None:
         before = numbers.without_faults.heights.get(line.name, 0.0)
         if before is None:
-            size += f" with the fault, {not_resolved_by(duration_s)} without it"
+            size += f"; {not_resolved_by(duration_s)} without the fault"
         else:
-            size += f" with the fault, {rounded(before)} times without it"
+            size += f"; without the fault {rounded(before)} times"
             rises = rises and line.height >= RISE * before
     verb = "shows" if rises else "does not show"
     return f"The fault of {ring} {verb} in the envelope{band} at {at}: {size}."

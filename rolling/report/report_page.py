@@ -158,6 +158,6 @@ def players(runs: Sequence[Any]) -> list[PlainPlayer]:
 def _player(number: int, sound: HeardSound, gain: float) -> PlainPlayer:
     """Return the player of a sound at a gain; a silent one has no source."""
     seconds = len(sound.samples) / wav.SAMPLE_RATE_HZ
-    words = f"{sound.words}, {seconds:.3g} s; full scale is {rounded(1 / gain, 3)} {sound.unit}"
+    words = f"{sound.words}, {seconds:.3g} s; full scale {rounded(1 / gain, 3)} {sound.unit}"
     src = page_sounds.compressed(gain * sound.samples) if np.any(sound.samples) else None
     return PlainPlayer(run=number, words=words, src=src)
