@@ -99,7 +99,7 @@ def sentences(comparison: RecordingComparison) -> list[str]:
 def _decibels(agreement: Agreement) -> str:
     """Write the largest difference with the largest ± of the differences."""
     spread = rounded_up(agreement.uncertainty_db)
-    return f"{np.ceil(10 * agreement.within_db) / 10:.1f} dB (± {spread} dB)"
+    return f"{np.ceil(10 * agreement.within_db) / 10:.1f} dB (± of a band up to {spread} dB)"
 
 
 def _range(agreement: Agreement) -> str:
