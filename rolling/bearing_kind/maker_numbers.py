@@ -35,11 +35,11 @@ def pulse_numbers(bearing: SolvedBearing) -> PulseNumbers | None:
     }
     if not bands_hz:
         return None
-    by_band = band_pulses(record.velocity_m_s[:, _X], record.rate_hz, bands_hz)
+    by_band = band_pulses(record.seen_velocity_m_s[:, _X], record.rate_hz, bands_hz)
     lowest_hz = VELOCITY_BANDS_HZ["low"][0]
     highest_hz = max(high for _, high in bands_hz.values())
     whole = {"all": (lowest_hz, highest_hz)}
-    of_all = band_pulses(record.acceleration_m_s2[:, _X], record.rate_hz, whole)["all"]
+    of_all = band_pulses(record.seen_acceleration_m_s2[:, _X], record.rate_hz, whole)["all"]
     if UM_S * max(pulses.rms for pulses in by_band.values()) < NOTHING_UM_S:
         return None
     return PulseNumbers(

@@ -138,7 +138,7 @@ def in_seat(run: Any, housing_kg: float) -> Array:
     The free ring is a source with its velocity v and its mobility Y_r on its balls. A mass m takes
     it down to v / (1 + i omega m Y_r).
     """
-    acceleration = run.record.acceleration_m_s2[:, 0]
+    acceleration = run.record.seen_acceleration_m_s2[:, 0]
     count = len(acceleration)
     angular = 2 * np.pi * np.fft.rfftfreq(count, 1 / run.record.rate_hz)
     lines = np.fft.rfft(acceleration - acceleration.mean())
