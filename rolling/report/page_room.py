@@ -58,7 +58,7 @@ def page_room(runs: Sequence[Run]) -> PageRoom:
         diffuse = direct * np.sqrt(energy / _energy(shown))
         gains.append({"direct": round(float(direct), 6), "diffuse": round(float(diffuse), 6)})
     return PageRoom(
-        src=page_sounds.compressed(shown),
+        src=page_sounds.compressed(shown, compression=0.0),
         words=words_of_room(REVERBERATION_S),
         gains=gains,
     )

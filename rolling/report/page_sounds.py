@@ -229,11 +229,12 @@ def lossless(samples: Array) -> str:
     return _embedded(steps, "FLAC", "audio/flac", subtype="PCM_24")
 
 
-def compressed(samples: Array) -> str:
+def compressed(samples: Array, compression: float = MP3) -> str:
     """Return samples within full scale as an MP3 in a data URI, or lossless where none is made."""
     if "MP3" not in soundfile.available_formats():
         return lossless(samples)
-    return _embedded(samples, "MP3", "audio/mpeg", compression_level=MP3, bitrate_mode="VARIABLE")
+    options = {"compression_level": compression, "bitrate_mode": "VARIABLE"}
+    return _embedded(samples, "MP3", "audio/mpeg", **options)
 
 
 def _embedded(samples: Any, form: str, kind: str, **options: Any) -> str:

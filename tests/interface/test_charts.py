@@ -434,9 +434,9 @@ def test_nothing_moves_when_a_chart_is_drawn(pages, opened) -> None:
     with opened(pages("three")) as page:
         page.evaluate("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
         heights = []
-        for share in (0.0, 0.3, 0.6, 1.0):
+        for share in np.linspace(0, 1, 11).tolist():
             page.evaluate("(share) => scrollTo(0, share * document.body.scrollHeight)", share)
             page.wait_for_timeout(150)
             heights.append(page.evaluate("document.body.scrollHeight"))
-        assert page.locator("figure.chart svg .parts").count() >= 5
+        assert page.locator("figure.chart svg .parts").count() > 5
     assert np.ptp(heights) <= 1

@@ -50,7 +50,7 @@ def test_cards_have_drawing_sound_level_and_sentence(path: Path, opened) -> None
         assert page.locator(".card img.field").count() == 7
         assert page.locator(".card .said .two b").count() >= 7
         assert page.evaluate("document.scrollingElement.scrollWidth") <= 390
-        assert page.text_content("h2 small >> nth=0") == '<b> "quoted"'
+        assert page.inner_text("h2 small >> nth=0").replace("\xa0", " ") == '<b> "quoted"'
         assert "waiting" in page.text_content(".notice")
         link = page.locator(".card a")
         assert link.count() == 1
