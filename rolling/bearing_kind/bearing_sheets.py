@@ -136,8 +136,8 @@ def _line_table(run: BearingRun) -> SheetTable:
     """Return the lines of the spectrum."""
     rows = []
     for line in run.numbers.lines:
-        at = _frequency_cell(line.frequency_hz)
-        cells = [at, *(_line_cell(own) for own in line.by_direction.values())]
+        cells = [_frequency_cell(line.frequency_hz)]
+        cells += [_line_cell(own) for own in line.by_direction.values()]
         rows.append(SheetRow(symbol=line.name, meaning=line.meaning, cells=tuple(cells)))
     heads = ["frequency", *run.numbers.velocities.by_direction]
     doubt = run.numbers.axial_doubt

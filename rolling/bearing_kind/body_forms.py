@@ -101,6 +101,6 @@ def points_of_waves(surface: BearingSurface, folder: Path) -> int:
 
     The random waves of a law have no highest order: they go as far as the points of a track.
     """
-    orders = [*(surface.waviness or ())]
+    orders = list(surface.waviness or {})
     orders += [order for order, _, _ in measured_waves(surface, folder)[-1:]]
     return POINTS_PER_WAVE * max(orders, default=0)

@@ -236,8 +236,11 @@ class TurningBearing(MarchesInFiles):
         """Return the vibration sheet, and the declaration of a housing plate."""
         from rolling.bearing_kind.bearing_sheets import housing_sheet, vibration_sheet
 
+        sheets = [vibration_sheet(run)]
         of_housing = housing_sheet(run)
-        return [vibration_sheet(run), *([] if of_housing is None else [of_housing])]
+        if of_housing is not None:
+            sheets.append(of_housing)
+        return sheets
 
     # ---- choices
 

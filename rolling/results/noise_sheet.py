@@ -39,9 +39,12 @@ _LEVEL = "LpA"
 
 def departures(level: Quantity, has_peak: bool) -> list[str]:
     """Return what a declared level lacks, and the doubts that limit it, in sentences."""
+    sentences = list(_DEPARTURES)
+    if has_peak:
+        sentences.append(_NO_C)
     limits = [doubt.line for doubt in level.doubts if doubt.severity > Severity.TRUST]
-    sentences = [*_DEPARTURES, *([_NO_C] if has_peak else [])]
-    return [*sentences, *(f"{line[0].upper()}{line[1:]}." for line in limits)]
+    sentences += [f"{line[0].upper()}{line[1:]}." for line in limits]
+    return sentences
 
 
 def expanded_db(uncertainty_db: float) -> float:
