@@ -97,6 +97,7 @@ def test_every_key_is_described() -> None:
 
 
 NAMED = library.data("bearings")["bearings"]
+PRINTED_PITCH_IN = {"6203": 1.122, "6205": 1.537}  # by the Bearing Data Center of Case Western
 
 
 @pytest.mark.parametrize("name", NAMED)
@@ -106,7 +107,10 @@ def test_a_named_bearing_can_be_assembled_and_loaded_to_its_catalogue_rating(nam
     made = scene.bearing
     assert made.bore_mm is not None and made.outside_diameter_mm is not None
     middle = (made.bore_mm + made.outside_diameter_mm) / 2
-    assert made.pitch_diameter_mm == pytest.approx(middle, rel=0.015)
+    if name in PRINTED_PITCH_IN:
+        assert made.pitch_diameter_mm == pytest.approx(25.4 * PRINTED_PITCH_IN[name], rel=2e-4)
+    else:
+        assert made.pitch_diameter_mm == pytest.approx(middle, rel=0.01)
     rating = NAMED[name]["static_load_rating_n"][0]
     loaded = scene.with_(axial_load_n=0, radial_load_n=rating)
     pressure = largest_pressure(loaded.bearing, loaded.geometry)
