@@ -15,7 +15,7 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 from PIL import Image
-from report_browser import MINUS, data_of, without_browser
+from report_browser import MINUS, data_of, until, without_browser
 from report_runs import runs_of
 
 import rolling.report
@@ -429,6 +429,12 @@ def test_runs_have_one_colour_and_charts_over_time_seek(pages, opened) -> None:
         assert float(line[1:].split(" ")[0]) == pytest.approx(x, abs=1.5)
 
 
+SEEN_ARE_DRAWN = """[...document.querySelectorAll('figure.chart')].every((figure) => {
+  const { top, bottom, width } = figure.getBoundingClientRect();
+  return !width || bottom < 0 || top > innerHeight || figure.querySelector('.frame');
+})"""
+
+
 def test_nothing_moves_when_a_chart_is_drawn(pages, opened) -> None:
     """A chart has its height before it is drawn: the page is as high at its end as at its head."""
     with opened(pages("three")) as page:
@@ -436,7 +442,7 @@ def test_nothing_moves_when_a_chart_is_drawn(pages, opened) -> None:
         heights = []
         for share in np.linspace(0, 1, 11).tolist():
             page.evaluate("(share) => scrollTo(0, share * document.body.scrollHeight)", share)
-            page.wait_for_timeout(150)
+            until(page, SEEN_ARE_DRAWN)
             heights.append(page.evaluate("document.body.scrollHeight"))
         assert page.locator("figure.chart svg .parts").count() > 5
     assert np.ptp(heights) <= 1

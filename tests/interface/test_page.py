@@ -64,6 +64,7 @@ def test_the_first_view_holds_both_numbers_what_follows_and_play(viewport, pages
             for box in shown:
                 place = box.bounding_box()
                 assert place["y"] >= 0 and place["y"] + place["height"] <= viewport["height"]
+        page.locator(".hero figure[data-name=levels] .frame").wait_for(state="attached")
         assert page.locator(".hero figure[data-name=levels] .plot .errors").count() == 2
         for place in (0, 3000, 0):
             page.evaluate(f"window.scrollTo(0, {place})")
