@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from acoustics import loudness_decay
 from acoustics.arrays import Array, refuse_masked
 from acoustics.spectrum import checked_record
 
@@ -28,8 +29,6 @@ _PLAYED_IN_TIME_S = 1.0
 _AFTER_S = 0.2
 _FRAME_S = 0.002  # of mosqito's loudness in time
 _FINE_FRAMES = 4  # of 0.5 ms, in which mosqito computes
-# [s] of sound that are computed together; each second takes 30 MB.
-_TOGETHER_S = 16.0
 _N5_SHARE = 0.05  # of the time
 
 
@@ -179,15 +178,11 @@ def n5_sone(sone: Array, first_s: float, judged_s: float) -> float:
 
 
 def loudness_in_time(records: Sequence[Array], sample_rate_hz: float) -> list[Array] | None:
-    """Return the loudness of records of equal length in frames of 2 ms [sone].
-
-    Nearly all time goes into the decay of the loudness, which mosqito advances by 1/48 ms for all
-    bands of a record at once. It takes as long for the bands of many records, so records go
-    through it together.
+    """Return the loudness of records in frames of 2 ms [sone].
 
     Parameters
     ----------
-    records : sequence of arrays (n,), Pa. Sound pressures of equal length, without a mean.
+    records : sequence of arrays (n,), Pa. Sound pressures, without a mean.
     sample_rate_hz : float, Hz. Sample rate, 48 kHz.
 
     Returns
@@ -206,27 +201,23 @@ def loudness_in_time(records: Sequence[Array], sample_rate_hz: float) -> list[Ar
     """
     import_mosqito()
     _check_varying_rate(sample_rate_hz)
-    together = max(1, int(_TOGETHER_S * sample_rate_hz / len(records[0])))
-    courses: list[Array] = []
     try:
-        for first in range(0, len(records), together):
-            courses += _loudness_of_group(records[first : first + together])
+        return [_course(record) for record in records]
     except ValueError:  # a third octave is too loud
         return None
-    return courses
 
 
-def _loudness_of_group(records: Sequence[Array]) -> list[Array]:
-    """Return the loudness in time of records that mosqito computes together [sone].
+def _course(record: Array) -> Array:
+    """Return the loudness in time of a record [sone], by the steps of mosqito's `loudness_zwtv`.
 
-    A release of mosqito that has its steps elsewhere computes one record after the other.
+    The decay is our own, which has the same digits in a hundredth of the time. A release of mosqito
+    that has its steps elsewhere computes all of it.
     """
     from mosqito.sq_metrics import loudness_zwtv
 
     try:
         from mosqito.sq_metrics.loudness.loudness_zwst._calc_slopes import _calc_slopes
         from mosqito.sq_metrics.loudness.loudness_zwst._main_loudness import _main_loudness
-        from mosqito.sq_metrics.loudness.loudness_zwtv._nonlinear_decay import _nl_loudness
         from mosqito.sq_metrics.loudness.loudness_zwtv._temporal_weighting import (
             _temporal_weighting,
         )
@@ -234,17 +225,11 @@ def _loudness_of_group(records: Sequence[Array]) -> list[Array]:
             _third_octave_levels,
         )
     except ImportError:
-        return [loudness_zwtv(record, VARYING_RATE_HZ, field_type="free")[0] for record in records]
-    core = []
-    for record in records:
-        third_octaves_db = _third_octave_levels(record, VARYING_RATE_HZ)[0]
-        core.append(_main_loudness(third_octaves_db, "free"))
-    decayed = np.split(_nl_loudness(np.concatenate(core)), len(records))
-    courses = []
-    for bands in decayed:
-        total = _calc_slopes(bands)[0]
-        courses.append(_temporal_weighting(total)[::_FINE_FRAMES])
-    return courses
+        return np.asarray(loudness_zwtv(record, VARYING_RATE_HZ, field_type="free")[0])
+    third_octaves_db = _third_octave_levels(record, VARYING_RATE_HZ)[0]
+    core = _main_loudness(third_octaves_db, "free")
+    total = _calc_slopes(loudness_decay.decayed(core))[0]
+    return np.asarray(_temporal_weighting(total)[::_FINE_FRAMES])
 
 
 def heard_fluctuation(pressure_pa: Array, sample_rate_hz: float) -> Array:

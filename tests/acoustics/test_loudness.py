@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from acoustics.loudness import Loudness, VaryingLoudness, loudness, varying_loudness
+from acoustics.loudness_decay import decayed
 from acoustics.radiation import P_REF_PA
 from acoustics.resampling import fade
 
@@ -67,6 +68,20 @@ def test_silence_and_what_has_no_loudness():
 def burst(level_db, n):
     """Return a tone of 1 kHz that rises and falls in 2 ms, without a click."""
     return fade(tone(level_db, n), 96)
+
+
+def test_the_decay_has_the_digits_of_mosqito():
+    """Of bands that rise, fall, rest and knock, and of one that is silent."""
+    from mosqito.sq_metrics.loudness.loudness_zwtv import _nonlinear_decay
+
+    rng = np.random.default_rng(0)
+    core = 0.05 * np.abs(np.cumsum(rng.standard_normal((21, 200)), axis=1))
+    core[5] = 0.0
+    core[6, 50:] = 0.0
+    core[7] = 3.0
+    core[8] *= 1e-6
+    core[9] = np.where(rng.random(200) < 0.05, 5.0 * rng.random(200), 0.0)
+    np.testing.assert_array_equal(decayed(core), _nonlinear_decay._nl_loudness(core))
 
 
 @pytest.mark.law("Loudness: the loudness in time of a steady tone is its stationary loudness.")

@@ -38,6 +38,7 @@ FLOORS = {
         ("radiation",),
         (
             "continued_rows",
+            "loudness_decay",
             "plate_modes",
             "plot_style",
             "rectangular_plate",
