@@ -27,7 +27,7 @@ from rolling.bearing_kind.rough_contacts import (
 from rolling.scene.laws import Roughness, SurfaceFault
 from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
-from rolling.surface.single_faults import RIM, fault_places
+from rolling.surface.single_faults import fault_places
 
 NODES_PER_FAULT = 8.0  # minimum number of nodes in the size of a fault
 STEPS_PER_FAULT = 8.0  # minimum number of steps in it
@@ -103,16 +103,14 @@ def reach_across(fault: SurfaceFault) -> float:
     """Return how far a fault reaches across the track from its place [m]."""
     if fault.crosses:
         return math.inf
-    reach = (RIM if fault.kind == "dent" else 1.0) * fault.size_um / 2
-    angle = math.radians(90.0 if fault.angle_deg is None else fault.angle_deg)
-    return 1e-6 * (reach + abs(math.sin(angle)) * (fault.length_um or 0.0) / 2)
+    placed = fault.in_si
+    return placed.reach_m + abs(math.sin(placed.angle_rad)) * placed.length_m / 2
 
 
 def _reach_along(fault: SurfaceFault) -> float:
     """Return how far a fault reaches along the track from its place [m]."""
-    reach = (RIM if fault.kind == "dent" else 1.0) * fault.size_um / 2
-    angle = math.radians(90.0 if fault.angle_deg is None else fault.angle_deg)
-    return 1e-6 * (reach + abs(math.cos(angle)) * (fault.length_um or 0.0) / 2)
+    placed = fault.in_si
+    return placed.reach_m + abs(math.cos(placed.angle_rad)) * placed.length_m / 2
 
 
 def _stretch(
@@ -140,12 +138,14 @@ def _fault_numbers(
     """Return the grid of the stretch around a fault, which is closed and holds the contact."""
     numbers = kind.numbers
     roughness = law.rq_m if law is not None else 0.0
+    height_um = max(fault.depth_um, fault.rises_um)
     reach_along, reach_beside = overlap_reach(
-        kind.contact, max(kind.loads_n), roughness + fault.depth_um * 1e-6 / HIGHEST
+        kind.contact, max(kind.loads_n), roughness + 1e-6 * height_um / HIGHEST
     )
     # A small fault has fewer nodes where the window would have too many.
     least_um = 1e6 * math.sqrt(4 * reach_along * reach_beside / WINDOW_NODES)
-    wanted_um = min(max(fault.size_um / NODES_PER_FAULT, least_um), fault.size_um / 2)
+    narrowest_um = min(fault.size_um, fault.rim_width_um or fault.size_um)
+    wanted_um = min(max(narrowest_um / NODES_PER_FAULT, least_um), narrowest_um / 2)
     spacing_um = min(numbers.spacing_um, float(f"{wanted_um:.2g}"))
     step_um = min(numbers.spacing_um * numbers.step_nodes, fault.size_um / STEPS_PER_FAULT)
     fitting = [nodes for nodes in STEP_NODES if 1 <= nodes <= step_um / spacing_um]

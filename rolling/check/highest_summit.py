@@ -11,7 +11,6 @@ from rolling.scene.scene import Scene
 # Heights over their rms, above which no summit of a Gaussian or another law is expected.
 GAUSSIAN_SUMMIT = 6.0
 OTHER_SUMMIT = 10.0
-RISING = ("bump", "dent", "step")  # faults that rise above the surface
 
 
 def is_surely_wide_enough(scene: Scene) -> bool:
@@ -21,9 +20,7 @@ def is_surely_wide_enough(scene: Scene) -> bool:
     is_gaussian = bool(scene.laws) and all(law.is_gaussian for law in scene.laws)
     summit = GAUSSIAN_SUMMIT if is_gaussian else OTHER_SUMMIT
     highest = hertz_approach(scene) + summit * cost.roughness(scene)[0]
-    highest += max(
-        (1e-6 * fault.depth_um for fault in scene.faults if fault.kind in RISING), default=0.0
-    )
+    highest += 1e-6 * max((fault.rises_um for fault in scene.faults), default=0.0)
     along = 2 * math.sqrt(2 * scene.radius * highest)
     across = 2 * math.sqrt(2 * scene.radius_across * highest)
     track = scene.track

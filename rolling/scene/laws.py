@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from acoustics.numbers import rounded
+from acoustics.numbers import rounded, rounded_down
 from rolling.scene.messages import Key, mistake, plain_number
 from rolling.scene.models import Section
 from rolling.surface.height_law import (
@@ -300,6 +300,7 @@ HeightLaw = Roughness | SelfAffineLaw
 MAX_FAULTS = 10_000  # of a count
 # Maximum slope of a kind times its size over its depth.
 _STEEPEST = {"pit": 4.0, "dent": 2.8, "step": math.pi / 2}
+_RISING = ("bump", "dent", "step")  # kinds that rise above the surface by themselves
 
 
 class SurfaceFault(Section):
@@ -325,6 +326,12 @@ class SurfaceFault(Section):
         Length of a scratch [um]
     angle_deg : float, optional
         Angle of a scratch to the track [degrees]. Default: 90.
+    rim_height_um : float, optional
+        Height of the ring of raised material around a pit [um]. Default: no rim, because no
+        published height was found for eroded, drilled or spalled pits; that of a dent is always
+        there.
+    rim_width_um : float, optional
+        Width of this ring [um], which begins at the edge of the pit
 
     Examples
     --------
@@ -343,6 +350,8 @@ class SurfaceFault(Section):
     depth_um: float = Field(gt=0, le=1e4)
     length_um: float | None = Field(default=None, gt=0)
     angle_deg: float | None = Field(default=None, ge=-180, le=180)
+    rim_height_um: float | None = Field(default=None, ge=0)
+    rim_width_um: float | None = Field(default=None, gt=0)
 
     @model_validator(mode="after")
     def _one_place(self) -> Self:
@@ -355,6 +364,31 @@ class SurfaceFault(Section):
             raise mistake("length_um: only a scratch has a length")
         if self.kind != "scratch" and self.angle_deg is not None:
             raise mistake("angle_deg: only a scratch has an angle")
+        return self
+
+    @model_validator(mode="after")
+    def _rim_of_a_pit(self) -> Self:
+        """Refuse half a rim, one of another kind, and one that outgrows its pit."""
+        given = {"rim_height_um": self.rim_height_um, "rim_width_um": self.rim_width_um}
+        for key, value in given.items():
+            if value is not None and self.kind != "pit":
+                raise mistake("only a pit has a rim that is stated", at=f".{key}")
+        if self.rim_height_um is None and self.rim_width_um is None:
+            return self
+        if self.rim_height_um is None:
+            raise mistake("missing; a rim has a height", at=".rim_height_um")
+        if self.rim_width_um is None:
+            raise mistake("missing; a rim has a width", at=".rim_width_um")
+        # A paraboloid holds pi R^2 d / 2, and a ring of raised cosines pi h w (R + w / 2).
+        radius = self.size_um / 2
+        ring = self.rim_width_um * (radius + self.rim_width_um / 2)
+        highest = radius**2 * self.depth_um / 2 / ring
+        if self.rim_height_um > highest:
+            raise mistake(
+                f"got {plain_number(self.rim_height_um)}, allowed: at most"
+                f" {rounded_down(highest)}, with which the rim holds all that the pit has lost",
+                at=".rim_height_um",
+            )
         return self
 
     @property
@@ -370,6 +404,8 @@ class SurfaceFault(Section):
             seed=self.seed or 0,
             length_m=(self.length_um or 0.0) * 1e-6,
             angle_rad=math.radians(angle_deg),
+            rim_height_m=(self.rim_height_um or 0.0) * 1e-6,
+            rim_width_m=(self.rim_width_um or 0.0) * 1e-6,
         )
 
     @property
@@ -380,7 +416,15 @@ class SurfaceFault(Section):
     @property
     def steepest(self) -> float:
         """Maximum slope [-]."""
-        return _STEEPEST.get(self.kind, math.pi) * self.depth_um / self.size_um
+        slope = _STEEPEST.get(self.kind, math.pi) * self.depth_um / self.size_um
+        if self.rim_height_um is None or self.rim_width_um is None:
+            return slope
+        return max(slope, math.pi / 2 * self.rim_height_um / (self.rim_width_um / 2))
+
+    @property
+    def rises_um(self) -> float:
+        """Height above the surface [um]; of a dent, at most."""
+        return self.depth_um if self.kind in _RISING else self.rim_height_um or 0.0
 
 
 class SurfaceKind(Section):
@@ -416,11 +460,19 @@ def refuse_misplaced(
                 " um",
                 at=(*at, number, "size_um"),
             )
+        if listed.rim_width_um is not None and listed.rim_width_um < spacing_um:
+            raise mistake(
+                f"got {plain_number(listed.rim_width_um)}, allowed: at least a node of"
+                f" {spacing_um:g} um",
+                at=(*at, number, "rim_width_um"),
+            )
         key = "size_um"
         size = listed.size_um
         if listed.length_um is not None and listed.length_um > size:
             key = "length_um"
             size = listed.length_um
+        if listed.rim_width_um is not None:
+            size += 2 * listed.rim_width_um
         longest = length_um if listed.crosses else min(length_um, width_um)
         if size > longest:
             raise mistake(

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 
-RIM = 4.0  # radii of a dent within which its rim dies out
+RIM_OF_DENT = 4.0  # radii of a dent within which its rim dies out
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,6 +32,8 @@ class SingleFault:
         Length of a scratch.
     angle_rad : float, rad
         Angle of a scratch to the track.
+    rim_height_m, rim_width_m : float, m
+        Height and width of the ring of raised material around a pit, which begins at its edge.
     """
 
     kind: str
@@ -42,6 +44,14 @@ class SingleFault:
     seed: int = 0
     length_m: float = 0.0
     angle_rad: float = math.pi / 2
+    rim_height_m: float = 0.0
+    rim_width_m: float = 0.0
+
+    @property
+    def reach_m(self) -> float:
+        """Distance [m] from the place of a fault, or from the line of a scratch, where it ends."""
+        radii = RIM_OF_DENT if self.kind == "dent" else 1.0
+        return radii * self.size_m / 2 + self.rim_width_m
 
     @property
     def crosses(self) -> bool:
@@ -90,7 +100,7 @@ def _add_patch(
     """Add a fault about a row and a column, in nodes, to the heights [m] around it."""
     size = fault.size_m
     length = fault.length_m
-    reach = (RIM if fault.kind == "dent" else 1.0) * size / 2 + length / 2
+    reach = fault.reach_m + length / 2
     rows = _nodes_near(row, reach / spacing, heights.shape[0])
     columns = _nodes_near(column, reach / spacing, heights.shape[1])
     x = (rows[:, None] - row) * spacing
@@ -105,6 +115,9 @@ def _add_patch(
     share = _fault_profile(fault.kind, 2 * distance / size)
     places = np.ix_(rows % heights.shape[0], columns % heights.shape[1])
     heights[places] += fault.depth_m * share
+    if fault.rim_height_m > 0:
+        from_middle = distance - size / 2 - fault.rim_width_m / 2
+        heights[places] += fault.rim_height_m * _hill(2 * np.abs(from_middle) / fault.rim_width_m)
 
 
 def _nodes_near(middle: float, reach: float, nodes: int) -> NDArray[np.int64]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import pytest
@@ -15,6 +16,12 @@ from rolling.scene.messages import SceneError
 
 PIT = "{kind: pit, at_mm: [0.1, 0], size_um: 10, depth_um: 1}"
 BALL = "sphere.surface"
+
+
+def rimmed(**keys: object) -> str:
+    """Return the pit with further keys."""
+    pit = {"kind": "pit", "at_mm": [0.1, 0], "size_um": 10, "depth_um": 1} | keys
+    return json.dumps(pit)
 
 
 @pytest.mark.parametrize(
@@ -35,6 +42,15 @@ BALL = "sphere.surface"
         (f"surface.faults=[{PIT.replace('at_mm: [0.1, 0]', 'count: 3')}]", "count and seed"),
         (f"surface.faults=[{PIT.replace('pit', 'scratch')}]", "a scratch has a length"),
         (f"surface.faults=[{PIT.replace('kind', 'knd')}]", "faults[0].knd: unknown key"),
+        (f"surface.faults=[{rimmed(rim_height_um=0.1)}]", "rim_width_um: missing; a rim has a"),
+        (f"surface.faults=[{rimmed(rim_width_um=4)}]", "rim_height_um: missing; a rim has a"),
+        (f"surface.faults=[{rimmed(rim_height_um=-1, rim_width_um=4)}]", "rim_height_um: got -1"),
+        (f"surface.faults=[{rimmed(rim_height_um=1, rim_width_um=4)}]", "allowed: at most 0.44"),
+        (f"surface.faults=[{rimmed(rim_height_um=0.1, rim_width_um=1)}]", "rim_width_um: got 1"),
+        (
+            f"surface.faults=[{rimmed(kind='bump', rim_height_um=0.1, rim_width_um=4)}]",
+            "only a pit",
+        ),
         (f"{BALL}={{kind: smooth, faults: [{PIT.replace('0.1', '0.7')}]}}", "0 to 0.628 mm"),
         ("sphere={radius_mm: 0.001, surface: {kind: smooth}}", "nodes of 2 um around the sphere"),
     ],

@@ -44,6 +44,21 @@ def test_the_rim_of_a_dent_holds_its_volume() -> None:
     assert share.max() == pytest.approx(np.exp(-2), rel=0.01)
 
 
+@pytest.mark.law("Faults: a rim has its height, its width and its volume around the edge of a pit.")
+def test_a_rim_stands_around_its_pit() -> None:
+    """A ring of raised cosines of height h and width w holds pi h w (R + w / 2)."""
+    bare = fields("pit")
+    rim = (fields("pit", rim_height_um=0.4, rim_width_um=8) - bare) * 2  # [um]
+    line = rim[200:, MIDDLE]  # by micrometres from the middle
+    expected = np.zeros(len(line))
+    expected[10:19] = 0.2 * (1 - np.cos(np.pi * np.arange(9) / 4))
+    np.testing.assert_allclose(line, expected, atol=1e-12)
+    assert rim[200, MIDDLE + 14] == pytest.approx(0.4)  # all around
+    assert rim.sum() == pytest.approx(np.pi * 0.4 * 8 * 14, rel=0.01)
+    flat = fields("pit", rim_height_um=0, rim_width_um=8)
+    assert np.array_equal(flat, bare)
+
+
 @pytest.mark.parametrize(("angle", "ends"), [(0, (30, 0)), (90, (0, 30)), (45, (21, 21))])
 def test_a_scratch_has_its_length_and_direction(angle: float, ends: tuple[int, int]) -> None:
     share = fields("scratch", length_um=60, angle_deg=angle)
