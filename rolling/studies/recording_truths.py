@@ -1,7 +1,7 @@
 """Case of `rolling validate`: a 6205 in a motor beside public recordings, healthy and with pits.
 
-Only figures of the recordings are here. Loads and housing are fitted on the healthy record alone,
-within bounds that stand below. Faults are then predicted.
+Only figures of the recordings are here. Clearance, loads and housing are fitted on the healthy
+record alone, within bounds that stand below. Faults are then predicted.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,16 +25,25 @@ from acoustics import (
 from acoustics.arrays import Array
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
+from rolling.bearing_kind.bearing_simulation import move_bearing
+from rolling.bearing_kind.contact_plan import contact_plan
+from rolling.bearing_kind.solved_bearing import SolvedBearing
 from rolling.contact.solver import ContactError
+from rolling.kinds.run_folder import RunFolder
 from rolling.run.solving import simulate_runs
 from rolling.scene.bearing_scene import BearingScene
 
-LOADS_N = ((25.0, 50.0), (50.0, 100.0), (100.0, 200.0))  # axial and radial, which are tried
+# What is tried: clearances of a normal bearing, of which usual fits have taken a part, and loads of
+# the rotor of a small motor, its coupling and its spring.
+CLEARANCES_UM = (2.0, 4.0, 8.0)
+AXIAL_LOADS_N = (25.0, 50.0, 100.0)
+RADIAL_LOADS_N = (100.0, 200.0, 400.0)
+ANGLE_DEG = (7.2, 10.2)  # bounds of the angle at which balls roll, by the lines of the recordings
 HOUSING_KG = (1.0, 30.0)  # bounds of the mass that moves with the outer ring
 _MASSES = 30  # within these bounds that are tried
 END_HZ = {"": VELOCITY_BANDS_HZ["high"][1], ", second record": 5500.0}  # of both kinds of records
 PIT_DEPTH_UM = 280.0  # 0.011 inches, as the source prints it
-PITS_UM = (180.0, 530.0)
+PITS_UM = (180.0, 360.0, 530.0)
 PIT_AT_MM = {"inner": [20.0, 0.0], "outer": [0.5, 0.0]}  # in the middle of the load zone, outer
 LINES = {"inner": "ball_pass_inner_hz", "outer": "ball_pass_outer_hz"}
 HEALTHY = "healthy"
@@ -67,8 +77,10 @@ def recording_rows(
     """
     published = {(row.quantity, row.item): float(row.value) for row in figures.itertuples()}
     fit = fitted(scene, [published["healthy band", _item(band)] for band in VELOCITY_BANDS_HZ])
-    yield "fitted axial load", "", math.nan, fit.loads_n[0]
-    yield "fitted radial load", "", math.nan, fit.loads_n[1]
+    bearing = fit.scene.bearing
+    yield "fitted radial clearance", "", math.nan, bearing.radial_clearance_um or 0.0
+    yield "fitted axial load", "", math.nan, bearing.axial_load_n
+    yield "fitted radial load", "", math.nan, bearing.radial_load_n
     yield "fitted mass of the housing", "", math.nan, fit.housing_kg
     own = dict(_own_figures(fit))
     for (quantity, item), value in published.items():
@@ -76,6 +88,21 @@ def recording_rows(
             yield quantity, item, _decibels(value), _decibels(own[quantity, item])
         else:
             yield quantity, item, value, own[quantity, item]
+    for item, ring_item in _both_rings(published):
+        order = published["rise", item] - published["rise", ring_item]
+        yield (
+            "outer over inner",
+            item.removeprefix("outer "),
+            order,
+            own["rise", item] - own["rise", ring_item],
+        )
+
+
+def _both_rings(published: Mapping[tuple[str, str], float]) -> Iterator[tuple[str, str]]:
+    """Yield the rises of the high band by a pit of the outer ring, and of its like in the inner."""
+    for quantity, item in published:
+        if quantity == "rise" and item.startswith("outer") and "high" in item:
+            yield item, item.replace("outer", "inner", 1)
 
 
 def _item(band: str) -> str:
@@ -93,21 +120,21 @@ def _decibels(um_s: float) -> float:
 
 
 class Fit(NamedTuple):
-    """What the healthy record decides: scene with its loads, its run, and mass of the housing."""
+    """What the healthy record decides: clearance and loads, in a scene, and mass of the housing."""
 
     scene: BearingScene
-    run: Any
-    loads_n: tuple[float, float]
     housing_kg: float
 
 
 def fitted(scene: BearingScene, bands_um_s: list[float]) -> Fit:
-    """Fit loads and housing by least squares of the decibels in the three bands."""
+    """Fit clearance, loads and housing by least squares of the decibels in the three bands.
+
+    The contacts respond linearly, so that nothing is marched.
+    """
     masses = np.geomspace(*HOUSING_KG, _MASSES)
     best: tuple[float, Fit] | None = None
-    for axial, radial in LOADS_N:
-        loaded = scene.with_({"bearing.axial_load_n": axial, "bearing.radial_load_n": radial})
-        (run,) = _runs(loaded)
+    for loaded in _within_bounds(scene):
+        run = _linear_run(loaded)
         for mass in masses.tolist():
             own = _bands_um_s(in_seat(run, mass), run.record.rate_hz, VELOCITY_BANDS_HZ)
             misses = [
@@ -116,9 +143,29 @@ def fitted(scene: BearingScene, bands_um_s: list[float]) -> Fit:
             ]
             miss = float(np.square(misses).sum())
             if best is None or miss < best[0]:
-                best = miss, Fit(loaded, run, (axial, radial), mass)
+                best = miss, Fit(scene=loaded, housing_kg=mass)
     assert best is not None  # there are loads and masses
     return best[1]
+
+
+def _within_bounds(scene: BearingScene) -> Iterator[BearingScene]:
+    """Yield the scene with the clearances and loads whose balls roll as the lines have it."""
+    for clearance, axial, radial in itertools.product(CLEARANCES_UM, AXIAL_LOADS_N, RADIAL_LOADS_N):
+        loaded = scene.with_(
+            {
+                "bearing.radial_clearance_um": clearance,
+                "bearing.axial_load_n": axial,
+                "bearing.radial_load_n": radial,
+            }
+        )
+        if ANGLE_DEG[0] <= math.degrees(loaded.model.rolling_angle) <= ANGLE_DEG[1]:
+            yield loaded
+
+
+def _linear_run(scene: BearingScene) -> SolvedBearing:
+    """Return the motion of a healthy bearing whose contacts respond linearly."""
+    place = RunFolder({}, scene, Path())
+    return move_bearing(place, "linear", contact_plan(scene), {})
 
 
 def _runs(scene: BearingScene) -> list[Any]:
@@ -192,16 +239,17 @@ def _with_pits(scene: BearingScene) -> dict[str, BearingScene]:
 
 def _own_figures(fit: Fit) -> Iterator[tuple[tuple[str, str], float]]:
     """Yield the figures of our runs by quantity and item."""
-    rate_hz = fit.run.record.rate_hz
+    (sound,) = _runs(fit.scene)
+    rate_hz = sound.record.rate_hz
     healthy = {
-        record: read(in_seat(fit.run, fit.housing_kg), rate_hz, end_hz)
+        record: read(in_seat(sound, fit.housing_kg), rate_hz, end_hz)
         for record, end_hz in END_HZ.items()
     }
     for band, um_s in healthy[""].um_s.items():
         yield ("healthy band", _item(band)), um_s
     yield ("kurtosis", HEALTHY), healthy[""].kurtosis
     for ring, name in LINES.items():
-        yield ("frequency of the line", ring), getattr(fit.run.kinematics, name)
+        yield ("frequency of the line", ring), getattr(sound.kinematics, name)
     for words, scene in _with_pits(fit.scene).items():
         (run,) = _runs(scene)
         line_hz = getattr(run.kinematics, LINES[words.split()[0]])
