@@ -31,6 +31,7 @@ from rolling.surface.single_faults import fault_places
 
 NODES_PER_FAULT = 8.0  # minimum number of nodes in the size of a fault
 STEPS_PER_FAULT = 8.0  # minimum number of steps in it
+SINKING = 3.0  # of a ball into a hole, over the sagitta of its opening, at most
 
 
 @dataclass(frozen=True)
@@ -132,13 +133,21 @@ def _stretch(
     )
 
 
+def _entered_um(kind: ContactKind, fault: SurfaceFault) -> float:
+    """Return how deep a ball may sink into a fault [um]: not beyond its edges by far."""
+    if fault.kind not in ("pit", "scratch", "groove"):
+        return fault.depth_um
+    sagitta_um = 1e-6 * fault.size_um**2 / (8 * kind.contact.radius_along_m)
+    return min(fault.depth_um, SINKING * sagitta_um)
+
+
 def _fault_numbers(
     kind: ContactKind, fault: SurfaceFault, across_m: float, law: Roughness | None
 ) -> MarchNumbers:
     """Return the grid of the stretch around a fault, which is closed and holds the contact."""
     numbers = kind.numbers
     roughness = law.rq_m if law is not None else 0.0
-    height_um = max(fault.depth_um, fault.rises_um)
+    height_um = max(_entered_um(kind, fault), fault.rises_um)
     reach_along, reach_beside = overlap_reach(
         kind.contact, max(kind.loads_n), roughness + 1e-6 * height_um / HIGHEST
     )

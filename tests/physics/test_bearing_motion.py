@@ -556,6 +556,29 @@ def test_balls_with_mass_follow_linear_theory(
     assert found[0, 2] == pytest.approx(expected, rel=0.02, abs=2e-3 * largest)
 
 
+@pytest.mark.law("Bearing: over a pit, balls with mass come to balls without as their mass falls.")
+def test_lighter_balls_come_to_balls_without_mass_over_a_pit(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The pulse differs by the square of frequency over bounce, which is as the mass.
+
+    Equal steps leave the mass as the only difference.
+    """
+    monkeypatch.setattr("rolling.bearing.limits.LONGEST_RUN_IN_S", 0.004)
+    monkeypatch.setattr("rolling.bearing.ring_motion._steps_per_sample", lambda *_: 200)
+    case = model(axial_load_n=300.0, contact_loss_factor=0.0, film_time_s=5e-6, turns_hz=100.0)
+    tracks = valley(smooth_tracks(case.geometry), 0.2e-6, 0.04)
+    massless = move_ring(case, tracks, 0.004).acceleration_m_s2
+    lags = []
+    for share in (0.04, 0.16):
+        light = replace(case, ball_mass_kg=share * case.ball_mass_kg, ball_inertia=True)
+        pulse = move_ring(light, tracks, 0.004).acceleration_m_s2
+        lags.append(float(np.sqrt(np.square(pulse - massless).mean())))
+    size = float(np.sqrt(np.square(massless).mean()))
+    assert lags[0] < 0.005 * size
+    assert lags[1] / lags[0] == pytest.approx(4.0, rel=0.02)
+
+
 def test_centrifugal_force_relieves_the_inner_raceway() -> None:
     case = model(turns_hz=150.0, ball_inertia=True, axial_load_n=100.0)
     geometry = case.geometry
