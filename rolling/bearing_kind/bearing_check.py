@@ -546,10 +546,11 @@ def _sentences(values: Mapping[str, str]) -> Iterator[str]:
         f"Balls bear {values['ball_loads']}, Hertz pressure {values['inner_pressure']} inner and"
         f" {values['outer_pressure']} outer."
     )
-    yield (
-        f"The ring resonates at {values['ring_resonances']}, and bends from"
-        f" {values['ring_bending'].partition(',')[0]} on."
-    )
+    bending, left_out = (values[key].partition(",")[0] for key in ("ring_bending", "ring_left_out"))
+    text = f"The ring resonates at {values['ring_resonances']}, and bends from {bending} on"
+    if "elastic_resonances" in values:
+        text += f"; what it lacks begins at {left_out}"
+    yield f"{text}."
     if "not met" not in values["iso_15242"]:
         yield f"ISO 15242: {values['iso_15242']}."
 

@@ -355,6 +355,7 @@ def _model_of(run: BearingRun) -> dict[str, Any]:
         "gap": model.gap_m,
         "mass": model.ring_mass_kg,
         "lossFactor": model.contact_loss_factor,
+        "filmTime": model.film_time_s,
         "rpm": run.scene.bearing.speed_rpm,
         "hz": {
             "cage": speeds.cage_hz,

@@ -233,6 +233,8 @@ def _forms(plan: ContactPlan, name: str, body: _Body, points: int) -> list[Array
     surface = body.surface
     radius = radius_of(plan.geometry, body.name)
     contact = contact_of(plan.geometry, name)
+    turn = 2 * np.pi * radius
+    film = film_of(plan, name)
     forms = []
     profile = np.zeros(points)
     if surface.has_form:
@@ -242,23 +244,22 @@ def _forms(plan: ContactPlan, name: str, body: _Body, points: int) -> list[Array
         known = form_heights(without_law(body.form), points)
         random = profile - known
         profile = known
-        forms.append(waves.approach_of_profile(random, radius, contact, plan.loads_n, exponent))
+        rows = waves.approach_of_profile(random, radius, contact, plan.loads_n, exponent)
+        forms.append(rows_through_film(rows, plan.loads_n, turn, film))
     steps = [fault.in_si for fault in surface.faults or () if fault.kind == "step"]
     if steps:
         line = np.zeros((points, 1))
-        add_faults(line, steps, 2 * np.pi * radius / points)
+        add_faults(line, steps, turn / points)
         profile += line[:, 0]
     if profile.any():
         rows = waves.approach_of_profile(profile, radius, contact, plan.loads_n)
-        forms.append(rows_through_film(rows, plan.loads_n, 2 * np.pi * radius, film_of(plan, name)))
+        forms.append(rows_through_film(rows, plan.loads_n, turn, film))
     if isinstance(surface, BallHeightFile) and name not in plan.rough:
         path = plan.folder / surface.path
         heights = read_heights(path, surface.height_unit, "bearing.surfaces")
-        spacing = (2 * np.pi * radius / len(heights), surface.spacing_um * 1e-6)
+        spacing = (turn / len(heights), surface.spacing_um * 1e-6)
         measured = waves.approach_of_heights(heights, spacing, contact, plan.loads_n)
-        measured = rows_through_film(
-            measured, plan.loads_n, 2 * np.pi * radius, film_of(plan, name)
-        )
+        measured = rows_through_film(measured, plan.loads_n, turn, film)
         forms.append(without_eccentricity(measured))
     return forms
 

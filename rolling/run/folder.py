@@ -30,7 +30,7 @@ except ImportError:  # Windows
 SCENE = "scene.yaml"
 PIECES = "pieces"
 KEPT = "heard"  # runs that a command keeps for its end, in the folder of the pieces
-MARK = "# rolling-contact-noise run folder, format 2"  # the first line of scene.yaml begins so
+MARK = f"{file.STORED_MARK}, format 2"  # the first line of scene.yaml begins so
 LOCK = ".lock"
 LOCK_SECONDS = 2.0  # of waiting for `status`, which locks a folder for a moment
 MAX_NAMED = 20  # runs of a state that the status names

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
@@ -15,6 +16,7 @@ from pydantic import (
     ValidationInfo,
     WithJsonSchema,
     field_validator,
+    model_validator,
 )
 
 from rolling.bearing.geometry import BearingGeometry
@@ -47,6 +49,7 @@ from rolling.scene.raceways import Raceway
 from rolling.scene.surfaces import BallHeightFile
 from rolling.scene.swept import DEFAULT_NAME, PATTERN, SceneName, SweptScene
 
+RING_IN_SEAT = "rigid"  # the ring beside a plate
 LISTENED_S = 5.0  # length of a record to listen to, where the scene does not say
 
 
@@ -55,6 +58,9 @@ class BearingQuantities(SweptScene):
 
     SECTION: ClassVar[str] = "bearing"
     TITLE: ClassVar[str] = "Scene of a bearing that turns"
+    FORMER_VALUES: ClassVar[Mapping[str, Any]] = MappingProxyType(
+        {"bearing.angle": "fixed", "bearing.ring": "rigid"}
+    )
 
     name: SceneName = Field(default=DEFAULT_NAME, pattern=PATTERN)
     title: str | None = None
@@ -64,6 +70,17 @@ class BearingQuantities(SweptScene):
     plate: HousingPlate | None = None
     numerics: BearingNumerics = Field(default_factory=BearingNumerics, validate_default=True)
     sound: BearingSound = Field(default_factory=BearingSound)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _hold_in_seat(cls, values: Any) -> Any:
+        """Take a rigid ring beside a plate, whose seat holds it, where the scene names none."""
+        if not isinstance(values, Mapping) or values.get("plate") is None:
+            return values
+        bearing = values.get("bearing")
+        if not isinstance(bearing, Mapping) or bearing.get("ring") is not None:
+            return values
+        return {**values, "bearing": {**bearing, "ring": RING_IN_SEAT}}
 
     @property
     def height_paths(self) -> dict[str, Path]:
@@ -419,6 +436,21 @@ class BearingScene(BearingQuantities):
             if mistakes:
                 raise mistakes_together(mistakes)
         return numerics
+
+    def _data_to_change(self, changes: Mapping[str, Any]) -> dict[str, Any]:
+        data = super()._data_to_change(changes)
+        return self._without_usual_ring(data) if "plate" in changes else data
+
+    def _data_of_runs(self) -> dict[str, Any]:
+        data = super()._data_of_runs()
+        return self._without_usual_ring(data) if "plate" in self.sweep else data
+
+    def _without_usual_ring(self, data: dict[str, Any]) -> dict[str, Any]:
+        """Return plain values without a ring that is the default, which follows the plate."""
+        usual = Bearing.model_fields["ring"].default if self.plate is None else RING_IN_SEAT
+        if self.bearing.ring == usual:
+            del data["bearing"]["ring"]
+        return data
 
     def __copy__(self) -> Self:
         copied = super().__copy__()

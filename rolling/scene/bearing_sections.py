@@ -132,14 +132,15 @@ class Bearing(Section):
         Contact angle without load [degrees], from a plane across the axis. Default: from the radial
         clearance. Under a purely radial load balls touch at an angle of 0.
     angle : str
-        Whether the contact angle stays `fixed`, or is `moving`: the loads and the motion of the
-        ring then turn the line of each contact, as exact geometry of the grooves has it.
+        Whether the contact angle is `moving`, so that the loads and the motion of the ring turn the
+        line of each contact, as exact geometry of the grooves has it, or stays `fixed`.
     ring : str
-        Whether the ring that vibrates is `rigid`, or `elastic`: it then bends in its plane with two
-        and with three waves around it.
+        Whether the ring that vibrates is `elastic`, so that it bends in its plane with two and with
+        three waves around it, or `rigid`. Beside a plate, whose seat holds the ring, the default is
+        rigid.
     tilt : str
-        Whether the ring that vibrates is `held` in its plane, or `free` to tilt, which needs a
-        moving angle.
+        Whether the ring that vibrates is `held` in its plane, as its seat in a machine holds it, or
+        `free` to tilt, as on a test stand. That needs a moving angle.
     sensor_deg : float, optional
         Angle [degrees] from the middle of the load zone at which the radial motion is seen on the
         cylinder of the ring. Default: the mean over all places by power, and signals at 0.
@@ -196,8 +197,8 @@ class Bearing(Section):
     ball_diameter_mm: float = Field(ge=0.1, le=500)
     pitch_diameter_mm: float = Field(gt=0, le=1e4)
     contact_angle_deg: float | None = Field(default=None, ge=0, le=bearing_rules.MAX_ANGLE_DEG)
-    angle: Angle = "fixed"
-    ring: Literal["rigid", "elastic"] = "rigid"
+    angle: Angle = "moving"
+    ring: Literal["rigid", "elastic"] = "elastic"
     tilt: Literal["held", "free"] = "held"
     sensor_deg: float | None = Field(default=None, ge=-360, le=360)
     radial_clearance_um: float | None = Field(default=None, ge=0)

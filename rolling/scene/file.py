@@ -23,6 +23,7 @@ from rolling.scene.values_in_si import motion_of
 from rolling.scene.yaml_text import parse, read_text
 
 SET = "--set"  # place of the overrides in messages
+STORED_MARK = "# rolling-contact-noise run folder"  # the scene of a run folder begins so
 
 # ---- reading, writing, overriding
 
@@ -57,6 +58,9 @@ def loads(
 ) -> Any:
     """Read a scene of a kind from text; raise SceneError with all mistakes of text and overrides.
 
+    The scene of a run folder has every default filled in. What it lacks, the version that wrote it
+    did not know, so it takes what that version did in place of a default of today.
+
     Parameters
     ----------
     text : str
@@ -84,8 +88,20 @@ def loads(
         raise SceneError([f"{where}:1: got {quoted(data)}, allowed: {words}"])
     places = {key: f"{where}:{line}" for key, line in parsed.lines.items()}
     _refuse_other_kind(data, places, model)
+    if text.startswith(STORED_MARK):
+        data = _with_former_values(data, model)
     changed = _with_overrides(data, places, overrides, model)
     return model.from_dict(changed.data, folder, places, [*parsed.mistakes, *changed.mistakes])
+
+
+def _with_former_values(data: dict[str, Any], model: type[SweptScene]) -> dict[str, Any]:
+    """Return the plain values of a stored scene with those of keys that it did not know."""
+    for name, value in model.FORMER_VALUES.items():
+        section, _, key = name.partition(".")
+        known = data.get(section)
+        if isinstance(known, dict) and key not in known:
+            data = data | {section: {**known, key: value}}
+    return data
 
 
 def _refuse_other_kind(

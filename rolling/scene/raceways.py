@@ -78,8 +78,9 @@ class Raceway(RoundSurface):
     wave_exponent : float
         Power s by which amplitudes fall with the order [-]
     wave_crests : str
-        Whether crests of the random waves lie `across` the track, or the waves are `isotropic`: as
-        long across the track as along, so that a contact averages short ones more.
+        Whether crests of the random waves lie `across` the track, as on a ring that turned about
+        its axis when it was made, or the waves are `isotropic`: as long across the track as along,
+        so that a contact averages short ones more.
     roughness_ra_um : float
         Ra [um] that a stylus reads across the lay, with the cut-off
     cut_off_um : float, optional
@@ -185,20 +186,21 @@ class BearingBall(GradedBall):
         Power by which the amplitudes of the orders beyond 15 fall, as random waves that go on from
         those of the form. Default: there are none.
     wave_crests : str
-        Whether crests of the waves beyond order 15 lie `across` the track, or the waves are
-        `isotropic`: as long across the track as along.
+        Whether the waves beyond order 15 are `isotropic`, as long across the track as along, or
+        their crests lie `across` it. Balls are lapped and spin about changing axes, so their waves
+        have no lay.
 
     Examples
     --------
     >>> import rolling
     >>> rolling.BearingBall(grade="G10", wave_exponent=1.0).wave_crests
-    'across'
+    'isotropic'
     """
 
     SECTION: ClassVar[str] = "balls"
 
     wave_exponent: float | None = Field(default=None, ge=0.5, le=4)
-    wave_crests: WaveCrests = "across"
+    wave_crests: WaveCrests = "isotropic"
 
     @property
     def form(self) -> BallForm:

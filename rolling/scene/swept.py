@@ -86,6 +86,9 @@ class SweptScene(Section):
     IN_FILES: ClassVar[str] = "name"
     SECTION: ClassVar[str]  # of the scenes of this kind alone
     TITLE: ClassVar[str]  # of their JSON Schema
+    # What earlier versions did by dotted keys that they did not know, so that their stored scenes,
+    # which have every default filled in, lack them.
+    FORMER_VALUES: ClassVar[Mapping[str, Any]] = MappingProxyType({})
 
     if TYPE_CHECKING:  # fields of each kind of scene, the first and the last of its file
         name: str

@@ -63,6 +63,9 @@ MODEL = f"""
 """
 
 
+OIL = "bearing.oil={viscosity_40_mm2_s: 32}"
+
+
 def rough(seed: int, places: int = 16384) -> BodyTrack:
     """Return a track of waves of random phase up to order 4096, some nanometres high."""
     random = np.random.default_rng(seed)
@@ -73,11 +76,12 @@ def rough(seed: int, places: int = 16384) -> BodyTrack:
 
 
 @pytest.mark.law("Bearing page: the small model has the bands of the program.")
-@pytest.mark.parametrize("angle", ["fixed", "moving"])
-def test_the_small_model_has_the_bands_of_the_program(angle: str) -> None:
+@pytest.mark.parametrize(
+    "words", [["bearing.angle=fixed"], ["bearing.angle=moving", OIL]], ids=["fixed", "moving"]
+)
+def test_the_small_model_has_the_bands_of_the_program(words: list[str]) -> None:
     """Tracks are straight between points, which counts where lines stand on the resonance."""
-    words = ["bearing.speed_rpm=2700", "bearing.radial_load_n=40", f"bearing.angle={angle}"]
-    scene = loads_bearing(WAVY, words)
+    scene = loads_bearing(WAVY, ["bearing.speed_rpm=2700", "bearing.radial_load_n=40", *words])
     smooth = smooth_tracks(scene.geometry)
     tracks = replace(smooth, inner=rough(1), balls_on_outer=tuple(map(rough, range(2, 10))))
     record = record_of(move_ring(scene.model, tracks, 32768 / 48000), scene.kinematics)

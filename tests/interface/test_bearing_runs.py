@@ -32,6 +32,8 @@ from rolling.bearing_kind import bearing_figures, bearing_page
 from rolling.bearing_kind.bearing_lines import band_table
 from rolling.bearing_kind.bearing_run import BearingRun, numbered
 from rolling.bearing_kind.bearing_run_numbers import MarchFindings
+from rolling.bearing_kind.contact_plan import contact_plan
+from rolling.bearing_kind.joined_tracks import bearing_tracks
 from rolling.bearing_kind.line_numbers import envelope_lines
 from rolling.commands.run import refuse_other_contacts
 from rolling.kinds.registry import kind_of
@@ -188,6 +190,8 @@ bearing:
   conformity_outer: 0.525
   speed_rpm: 1797
   axial_load_n: 100
+  angle: fixed
+  ring: rigid
   surfaces:
     outer: {kind: smooth, waviness: {9: 0.05, 10: 0.0001}}
 sound: {duration_s: 0.5, listen_s: 0.5}
@@ -228,6 +232,40 @@ def test_a_line_that_the_record_does_not_resolve_has_no_level() -> None:
     assert of_velocity.loc["2 x ball spin", "note"] == f"radial: {note}"
     cells = bearing_page.line_cells(silent, record.duration_s)
     assert cells[3] == "" and cells[4].replace("\N{NO-BREAK SPACE}", " ") == note
+
+
+FORMER = """\
+name: former
+bearing:
+  named: "6204"
+  speed_rpm: 1800
+  axial_load_n: 70
+  radial_load_n: 100
+  contact_angle_deg: 12
+  radial_clearance_um: null
+  angle: fixed
+  ring: rigid
+  surfaces:
+    balls: {kind: graded, grade: G10, seed: 1}
+    inner: {kind: raceway, finish: superfinished, seed: 2}
+    outer: {kind: smooth, waviness: {8: 0.05}}
+numerics: {window_mm: 2}
+"""
+
+
+@pytest.mark.law("Bearing motion: a dry rigid ring at a fixed angle moves as in version 0.10.")
+def test_a_dry_rigid_ring_at_a_fixed_angle_moves_as_it_did() -> None:
+    """Velocities of some moments, which the program had before rings bent and angles turned."""
+    scene = loads_bearing(FORMER)
+    velocity = move_ring(scene.model, bearing_tracks(contact_plan(scene)), 0.05).velocity_m_s
+    wanted = [
+        [-0.0015079250827790523, 0.002433742459194509, -0.00037981812000227816],
+        [0.001131749791235721, 0.0011332413413210414, 0.0005769319887705822],
+        [0.0001340589377191806, 4.030810377815655e-06, 0.001245388983700253],
+    ]
+    assert velocity[[800, 1500, 2200]] == pytest.approx(np.array(wanted), abs=1e-9)
+    rms = [0.000940321092835759, 0.0008579137649071484, 0.001099156626293807]
+    assert np.sqrt(np.mean(velocity**2, axis=0)) == pytest.approx(rms, rel=1e-6)
 
 
 PIT = "{kind: smooth, faults: [{kind: pit, at_mm: [2, 0], size_um: 300, depth_um: 5}]}"
@@ -329,8 +367,11 @@ def test_a_bearing_with_a_fault_is_also_moved_without_it(tmp_path: Path) -> None
 def test_resound_names_the_key_with_which_rough_contacts_are_others(
     overrides: list[str], named: str | None
 ) -> None:
-    """Contacts that are planned for a rough bearing are known without a march."""
-    before = rolling.read_scene("bearing-6204")
+    """Contacts that are planned for a rough bearing are known without a march.
+
+    A film that parts the surfaces leaves nothing to march, so the bearing is dry.
+    """
+    before = rolling.read_scene("bearing-6204", ["bearing.oil="])
     scene = kind_of(before).resound(before, overrides)
     if named is None:
         refuse_other_contacts(before, scene, overrides)

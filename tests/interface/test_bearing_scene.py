@@ -20,7 +20,8 @@ from rolling.kinds.registry import name_of_file
 from rolling.scene import library
 from rolling.scene.bearing_rules import largest_pressure
 from rolling.scene.bearing_sources import assumed_keys
-from rolling.scene.file import dump, read_as
+from rolling.scene.file import STORED_MARK, dump, read_as
+from rolling.scene.identity import differences
 from rolling.scene.messages import SceneError
 
 TEXT = """\
@@ -35,6 +36,7 @@ bearing:
   speed_rpm: 1800
   axial_load_n: 70
   ring_mass_kg: 0.06
+  angle: fixed
 """
 SIDES = "length_mm: 1000, width_mm: 700"
 
@@ -51,7 +53,33 @@ def bearing(*overrides: str) -> rolling.BearingScene:
     return scene
 
 
-# ---- reading
+# ---- reading and defaults
+
+
+def test_a_bearing_bends_and_turns_its_angle_unless_it_says_otherwise() -> None:
+    """A plate holds its ring, so the default follows it wherever a plate comes or goes."""
+    free = loads_bearing(TEXT.replace("  angle: fixed\n", ""))
+    own = free.bearing
+    assert (own.ring, own.angle, own.tilt) == ("elastic", "moving", "held")
+    plate = {"material": "steel-s235", "length_mm": 300, "width_mm": 200, "thickness_mm": 5}
+    seated = free.with_(plate=plate)
+    assert seated.bearing.ring == "rigid" and seated.with_(plate=None).bearing.ring == "elastic"
+    swept = free.with_({"sweep": {"plate": {"none": None, "housing": plate}}})
+    assert [run.bearing.ring for _, run in swept.runs()] == ["elastic", "rigid"]
+
+
+def test_a_stored_scene_keeps_what_its_version_did() -> None:
+    """Versions before 0.11 wrote every default, and knew neither rings that bend nor angles."""
+    own = loads_bearing(TEXT)
+    old = dump(own).replace("  ring: elastic\n", "").replace("  angle: fixed\n", "")
+    assert "  ring:" not in old and "  angle:" not in old
+    stored = loads_bearing(f"{STORED_MARK}, format 2, written by version 0.9.0\n{old}")
+    assert (stored.bearing.ring, stored.bearing.angle) == ("rigid", "fixed")
+    assert loads_bearing(old).bearing.ring == "elastic"
+    assert differences(stored, loads_bearing(old)) == [
+        'bearing.angle: got "moving", has "fixed"',
+        'bearing.ring: got "elastic", has "rigid"',
+    ]
 
 
 @pytest.mark.parametrize("path", BEARINGS, ids=lambda path: path.stem)
@@ -442,7 +470,7 @@ def test_the_check_says_what_a_designer_asks_for(capsys: pytest.CaptureFixture[s
     assert "63 to 77 N" not in rows["iso_15242"] or "as the standard asks" in rows["iso_15242"]
     assert cli.main(["check", "bearing-6204"]) == 0
     printed = capsys.readouterr().out
-    for words in ("It runs in", "BPFO 92.1 Hz", "881 MPa", "ISO 15242", "Assumed, with how far"):
+    for words in ("It runs in", "BPFO 92.3 Hz", "835 MPa", "ISO 15242", "Assumed, with how far"):
         assert words in printed
     assert max(map(len, printed.splitlines())) <= 100
     assert cli.main(["check", "-v", "bearing-6204"]) == 0

@@ -120,7 +120,7 @@ def test_drawn_lines_scatter_as_they_say() -> None:
 
 @pytest.fixture(scope="module")
 def scene() -> rolling.BearingScene:
-    """Return a 6204 whose raceways have roughness alone, without waves."""
+    """Return a dry 6204 with a rigid ring, whose raceways have roughness alone, without waves."""
     rough = {"kind": "gaussian", "roughness_ra_um": 0.02, "correlation_length_um": 60}
     rough |= {"correlation_length_across_um": 10}
     raceways = {
@@ -128,7 +128,10 @@ def scene() -> rolling.BearingScene:
         for ring, seed in (("inner", 2), ("outer", 3))
     }
     balls = {"kind": "graded", "grade": "G10", "seed": 1}
-    return rolling.read_scene("bearing-6204").with_(raceways | {"bearing.surfaces.balls": balls})
+    former = {"bearing.oil": None, "bearing.tilt": "held"}
+    former |= {"bearing.angle": "fixed", "bearing.ring": "rigid"}
+    surfaces = raceways | {"bearing.surfaces.balls": balls}
+    return rolling.read_scene("bearing-6204").with_(former | surfaces)
 
 
 def noise(rms_m_s: float) -> RingRecord:

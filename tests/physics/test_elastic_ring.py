@@ -358,7 +358,7 @@ def test_a_sensor_sees_its_place() -> None:
 def test_tilts_and_seats_that_do_not_fit_are_refused() -> None:
     given = {"named": "6204", "speed_rpm": 1800, "axial_load_n": 70}
     with pytest.raises(rolling.SceneError, match=r"bearing\.angle moving"):
-        rolling.BearingScene(bearing=given | {"tilt": "free"})
+        rolling.BearingScene(bearing=given | {"angle": "fixed", "tilt": "free"})
     plate = {"material": "steel-s235", "length_mm": 300, "width_mm": 200, "thickness_mm": 5}
     with pytest.raises(rolling.SceneError, match="its seat in the housing holds the ring"):
         rolling.BearingScene(bearing=given | {"ring": "elastic"}, plate=plate)

@@ -97,6 +97,8 @@ def scene(**oil: float) -> rolling.BearingScene:
             "named": "608",
             "speed_rpm": 1800,
             "axial_load_n": 20,
+            "angle": "fixed",
+            "ring": "rigid",
             "surfaces": {
                 "inner": rough | {"seed": 1, "waviness": {150: 0.01}},
                 "outer": rough | {"seed": 2},

@@ -1,4 +1,7 @@
-"""Scenes of bearings that need no march: smooth surfaces with waves, and how they are run."""
+"""Scenes of bearings that need no march: smooth surfaces with waves, and how they are run.
+
+Their ring is rigid at a fixed angle, for which the laws of waves are closed forms.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +24,8 @@ bearing:
   named: "6204"
   speed_rpm: 1800
   axial_load_n: 70
+  angle: fixed
+  ring: rigid
   contact_angle_deg: 12
   radial_clearance_um: null
   surfaces:

@@ -41,9 +41,9 @@ function eigensystem(matrix) {
   return { values: [0, 1, 2].map((k) => Math.max(a[k][k], 0)), vectors };
 }
 
-/** Return the viscous matrix [N s/m] that gives each resonance of a ring on springs its loss factor. */
-function dampingOf({ values, vectors }, mass, lossFactor) {
-  const own = values.map((stiffness) => lossFactor * Math.sqrt(stiffness * mass));
+/** Return the viscous matrix [N s/m] that gives each resonance of a ring on springs its loss factor, and films of oil their time [s] times the stiffness. */
+function dampingOf({ values, vectors }, mass, lossFactor, filmTime) {
+  const own = values.map((stiffness) => lossFactor * Math.sqrt(stiffness * mass) + filmTime * stiffness);
   const entry = (row, column) => own.reduce((sum, value, k) => sum + value * vectors[row][k] * vectors[column][k], 0);
   return [0, 1, 2].map((row) => [0, 1, 2].map((column) => entry(row, column)));
 }
@@ -137,14 +137,14 @@ export function frequenciesAt(bearing, rpm) {
  * Returns velocity [m/s] and acceleration [m/s2] of the ring, means over a sample each, as x, y and z, the loads of all balls [N] at every
  * `loadEvery`-th sample, and the time [s] that the bearing had turned before the first sample. */
 export function moveRing(bearing, settings, samples, loadEvery = 20) {
-  const { balls, stiffness, alpha, curvature, sign, gap, mass, lossFactor, tracks } = bearing;
+  const { balls, stiffness, alpha, curvature, sign, gap, mass, lossFactor, filmTime, tracks } = bearing;
   const { axial, radial } = settings;
   const still = rest(bearing, axial, radial);
   const modes = eigensystem(still.matrix);
   const fastest = Math.sqrt(Math.max(...modes.values) / mass);
   const steps = Math.min(Math.max(Math.ceil(fastest / (RATE * FINE)), 2), MAX_STEPS);
   const step = 1 / (RATE * steps);
-  const damping = dampingOf(modes, mass, lossFactor);
+  const damping = dampingOf(modes, mass, lossFactor, filmTime);
   // Leapfrog steps raise a resonance; a heavier ring lowers it by as much.
   const [mx, my, mz] = [0, 1, 2].map((row) => {
     const half = (Math.sqrt(still.matrix[row][row] / mass) * step) / 2;
