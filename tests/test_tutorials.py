@@ -39,7 +39,7 @@ SHORTER = {
         "simulate(scene)": "simulate(scene, workers=1)",
         'inner.faults": None}))': 'inner.faults": None}), workers=1)',
         "progress=False": "progress=False, workers=1",
-        "with_(plate=plate))": "with_(plate=plate), workers=1)",
+        'tilt="held"))': 'tilt="held"), workers=1)',
         '"bearing-inner-fault", quick': (
             '"bearing-inner-fault", [*quick, "bearing.radial_load_n=0"]'
         ),

@@ -25,7 +25,6 @@ def spectrum(scenes: Mapping[str, Any]) -> Drawn:
     legend_below(figure, ax)
     radial = run.numbers.below_bending.radial
     numbers = {name: f"{rounded(um_s, 2)} µm/s" for name, um_s in radial.um_s.items()}
-    numbers["bending"] = f"{run.scene.ring_bending_hz:,.0f} Hz"
     return Drawn(figure, numbers)
 
 

@@ -78,7 +78,7 @@ def check_bearing(scene: BearingScene) -> Findings:
     >>> import rolling
     >>> findings = rolling.read_scene("bearing-6204").check()
     >>> {row.key: row.value for row in findings}["BPFO"]
-    '92.1 Hz'
+    '92.3 Hz'
     """
     rows: dict[str, list[Finding]] = {}
     doubts: dict[str, list[Doubt]] = {}
@@ -304,6 +304,16 @@ def _bending(scene: BearingScene, resonances_hz: Array) -> Iterator[Finding | Do
     if scene.model.bending:
         resonances = ", ".join(dict.fromkeys(si(hz, "Hz") for hz in resonances_hz))
         yield Finding("elastic_resonances", "resonances of the elastic ring", resonances)
+        own_kg = bending.mass_kg
+        fixed_kg = scene.ring_mass - own_kg
+        if fixed_kg > own_kg:
+            yield Doubt(
+                "fixed_mass",
+                f"{rounded(fixed_kg, 2)} kg are fixed to a ring of {rounded(own_kg, 2)} kg, which"
+                " bends here as if it were free of them",
+                Severity.INDICATIVE,
+                advice="bearing.ring: rigid holds it from bending",
+            )
     first = si(bending.out_of_plane_hz(ORDERS[0]), "Hz")
     text = f"{first}, bending and twist out of the plane, free"
     yield Finding("ring_left_out", "lowest mode of the ring that is left out", text)

@@ -92,8 +92,10 @@ def vibration_class(
             known[band] = vibration_classes.class_of_band(limits, band, own)
     because = ""
     if len(known) < len(VELOCITY_BANDS_HZ):
-        bending = si(bearing.scene.ring_bending_hz, "Hz")
-        because = f"the ring bends from {bending} on, so what it has above is not known"
+        holds = si(bearing.scene.ring_holds_hz, "Hz")
+        because = f"the ring bends from {holds} on, so what it has above is not known"
+        if bearing.model.bending:
+            because = f"the ring lacks modes from {holds} on, so what it has above is not known"
     return VibrationClass(
         **{band: own.words for band, own in known.items()},
         overall=None if because else vibration_classes.class_of_bands(known).words,

@@ -157,7 +157,7 @@ class SweptScene(Section):
         3
         >>> findings = rolling.read_scene("bearing-6204").check()
         >>> {row.key: row.value for row in findings}["BPFO"]
-        '92.1 Hz'
+        '92.3 Hz'
         """
         from rolling.kinds.registry import kind_of
 

@@ -374,6 +374,8 @@ def test_check_states_the_modes_and_what_is_left_out() -> None:
         assert rows["ring_left_out"].startswith("11.6 kHz, bending and twist out of the plane")
         keys = [row.key for row in findings]
         assert keys.count("ring_bending") == (2 if ring == "rigid" else 1)  # one is a doubt
+        heavy = rolling.BearingScene(bearing=given | {"ring": ring, "ring_mass_kg": 0.2})
+        assert ("fixed_mass" in {row.key for row in scene_rules(heavy)}) == (ring == "elastic")
 
 
 def test_a_free_tilt_lowers_the_radial_motion_of_a_thin_ring() -> None:
