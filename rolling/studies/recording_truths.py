@@ -45,17 +45,17 @@ _RANDOM = {
     "correlation_length_across_um": 10,
 }
 _WAVES = {"kind": "raceway", "finish": "superfinished"}
-_SHORT_WAVES = {"kind": "graded", "grade": "G10", "seed": 1, "wave_exponent": 1}
+_BALLS = {"kind": "graded", "grade": "G10", "seed": 1, "wave_exponent": 1}
 _ISOTROPIC = {"wave_crests": "isotropic"}
 # Surfaces are not known either, so the healthy record chooses one of the program's.
 SURFACES: dict[str, dict[str, Any]] = {
-    "superfinished, waves across": {
-        "balls": _SHORT_WAVES,
+    "superfinished": {
+        "balls": _BALLS,
         "inner": _WAVES | {"seed": 2},
         "outer": _WAVES | {"seed": 3},
     },
-    "superfinished, isotropic waves": {
-        "balls": _SHORT_WAVES | _ISOTROPIC,
+    "superfinished, isotropic": {
+        "balls": _BALLS,
         "inner": _WAVES | _ISOTROPIC | {"seed": 2},
         "outer": _WAVES | _ISOTROPIC | {"seed": 3},
     },
