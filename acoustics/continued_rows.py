@@ -11,6 +11,7 @@ stretches as given.
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -70,20 +71,19 @@ class RandomRows:
         lines = np.fft.rfft(fluctuation)[:, self._lowest : (count + 1) // 2] / count
         self.block = next_fast_len(max(count, MIN_BLOCK), True)
         self.blend = min(count, self.block) // 4
-        own = np.arange(lines.shape[1], dtype=float) + self._lowest
+        windows = _windows_of(lines.shape[1], self._lowest, count, self.block)
         power = np.square(np.abs(lines))
         floor = np.maximum(_FLOOR * power.max(axis=1, keepdims=True), np.finfo(float).tiny)
         # Single lines may be silent where a part was subtracted.
-        power = _smoothed(power, _windows(own, own, least=FEW))
+        power = _smoothed(power, windows.few)
         power = np.log(np.maximum(power, floor))
-        smooth = _smoothed(power, _windows(own, own, WIDER))
+        smooth = _smoothed(power, windows.wide)
         self._white = lines * np.exp(-0.5 * smooth)
         ratio = count / self.block
-        place = np.clip(np.arange(1, (self.block + 1) // 2) * ratio, own[0], own[-1])
-        level = np.exp([0.5 * np.interp(place, own, row) for row in smooth])
+        own = np.arange(lines.shape[1], dtype=float) + self._lowest
+        level = np.exp([0.5 * np.interp(windows.place, own, row) for row in smooth])
         self._level = self.block * np.sqrt(ratio) * level
-        windows = _windows(place, own)
-        self._steps = [(line, np.sqrt(weight)) for line, weight in windows if weight.any()]
+        self._steps = windows.steps
 
     def _drawn(self, random: np.random.Generator) -> Array:
         """Draw a block, (rows, block)."""
@@ -144,6 +144,34 @@ def _windows(place: Array, own: Array, wider: int = 1, least: float = 0.0) -> Wi
         index[j] = np.clip(line - own[0], 0, len(own) - 1)
     weights /= weights.sum(axis=0)
     return list(zip(index, weights, strict=True))
+
+
+class _WindowsOfRows(NamedTuple):
+    """Windows of random rows, which depend on their length alone.
+
+    few, wide : list. Windows of the given lines about themselves, for power and level.
+    place : array. Places of the lines of a block among the given ones.
+    steps : list. Indices, and roots of weights, of the given lines about these places.
+    """
+
+    few: Windows
+    wide: Windows
+    place: Array
+    steps: Windows
+
+
+@lru_cache(maxsize=2)  # balls share them, and the raceways are as long
+def _windows_of(lines: int, lowest: int, count: int, block: int) -> _WindowsOfRows:
+    """Return the windows of rows of a length, which have so many lines from a lowest one on."""
+    own = np.arange(lines, dtype=float) + lowest
+    place = np.clip(np.arange(1, (block + 1) // 2) * (count / block), own[0], own[-1])
+    about = _windows(place, own)
+    return _WindowsOfRows(
+        few=_windows(own, own, least=FEW),
+        wide=_windows(own, own, WIDER),
+        place=place,
+        steps=[(line, np.sqrt(weight)) for line, weight in about if weight.any()],
+    )
 
 
 def drawn_lines(places: Array, power: Array) -> float:

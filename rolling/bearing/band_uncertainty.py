@@ -11,6 +11,7 @@ DecibelsOfBands = Mapping[str, Mapping[str, float]]
 # Names of parts.
 RECORD = "record"  # scatter within a record that is short
 WINDOW = "window"  # roughness that is known from a stretch of track
+LINEAR = "linear"  # rough contacts that are not marched
 LOSS_FACTOR = "loss_factor"  # of the contacts, where it is assumed
 FILM = "film"  # how far a film of oil presses waves flat
 FILM_DAMPING = "film_damping"  # how much a film of oil damps

@@ -21,6 +21,7 @@ from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_record import AXIAL, PLACES, RADIAL, UM_S
 from rolling.bearing.static_load import ball_loads
 from rolling.bearing_kind import bearing_sentences
+from rolling.bearing_kind.bearing_tables import SHOWN_HZ, spectrum_table
 from rolling.bearing_kind.pulse_figures import (
     acceleration_signal,
     run_title,
@@ -32,13 +33,10 @@ from rolling.bearing_kind.solved_bearing import SolvedBearing
 from rolling.figures.picture import axes_of, drawable, finish
 from rolling.figures.quantity_figures import has_sweep, quantities, quantity_table
 from rolling.kinds.figure_kind import FigureKind
-from rolling.numbers import views
-from rolling.numbers.bearing_numbers import EnvelopeLine, VelocityLine
 
 if TYPE_CHECKING:
     from rolling.bearing_kind.bearing_run import BearingRun
 
-_SHOWN_HZ = (20.0, 20000.0)
 _DECADES = 5  # of velocity, at most
 _ENVELOPE_LINES = 20  # at least, where the bearing hardly turns in the record
 _ENVELOPE_MULTIPLES = 3.2  # of the highest line of a fault, up to which an envelope is drawn
@@ -76,7 +74,7 @@ def spectrum(run: BearingRun, ax: Axes | None = None) -> Axes:
     largest = 0.0
     for direction, colour in ((AXIAL, COLOURS[1]), (RADIAL, COLOURS[0])):
         narrow = run.record.spectra[direction]
-        shown = (narrow.frequency_hz >= _SHOWN_HZ[0]) & (narrow.frequency_hz <= _SHOWN_HZ[1])
+        shown = (narrow.frequency_hz >= SHOWN_HZ[0]) & (narrow.frequency_hz <= SHOWN_HZ[1])
         um_s = UM_S * narrow.rms[shown]
         largest = max(largest, float(um_s.max()))
         log_hz = np.asarray(np.log(narrow.frequency_hz[shown]), dtype=float)
@@ -88,7 +86,7 @@ def spectrum(run: BearingRun, ax: Axes | None = None) -> Axes:
         ax.plot(np.exp(x), y, color=colour, linewidth=width, label=label)
     ax.set_xscale("log")
     ax.set_yscale("log")
-    ax.set_xlim(*_SHOWN_HZ)
+    ax.set_xlim(*SHOWN_HZ)
     top = 10 ** math.ceil(math.log10(max(largest, _NOTHING_UM_S)) + 0.6)
     ax.set_ylim(top / 10**_DECADES, top)
     bands_hz = run.bands_below_bending_hz
@@ -110,10 +108,10 @@ def spectrum(run: BearingRun, ax: Axes | None = None) -> Axes:
             fontsize=10,
         )
     _draw_lines(ax, run.lines)
-    if run.scene.ring_holds_hz < _SHOWN_HZ[1]:
+    if run.scene.ring_holds_hz < SHOWN_HZ[1]:
         ax.axvspan(
             run.scene.ring_holds_hz,
-            _SHOWN_HZ[1],
+            SHOWN_HZ[1],
             fill=False,
             hatch="//",
             alpha=0.25,
@@ -310,56 +308,11 @@ def static_loads(model: BearingModel, angle: Array) -> Array:
 # ---- tables and files
 
 
-def spectrum_table(run: BearingRun) -> DataFrame:
-    """Tabulate the narrow spectra of the velocity [um/s] up to 20 kHz."""
-    frequency_hz = run.record.spectra[RADIAL].frequency_hz
-    shown = frequency_hz <= _SHOWN_HZ[1]
-    table = {"frequency_hz": frequency_hz[shown]}
-    for direction in (RADIAL, AXIAL):
-        table[f"{direction}_um_s"] = UM_S * run.record.spectra[direction].rms[shown]
-    return DataFrame(table)
-
-
 def envelope_table(run: BearingRun) -> DataFrame:
     """Tabulate the spectrum of the squared envelope over its mean."""
     narrow = run.envelope
     shown = narrow.frequency_hz <= highest_envelope_hz(run)
     return DataFrame({"frequency_hz": narrow.frequency_hz[shown], "share": narrow.rms[shown]})
-
-
-def line_table(run: BearingRun) -> DataFrame:
-    """Tabulate the lines of a run, those of the envelope below, with a note on what is unknown."""
-    numbers = run.numbers
-    duration_s = numbers.motion.duration_s
-    rows = [
-        _cells(line) | {"of": "velocity", "note": _velocity_note(line, duration_s)}
-        for line in numbers.lines
-    ]
-    rows += [
-        _cells(line) | {"of": "envelope", "note": _unresolved(line.resolved_by_s, duration_s)}
-        for line in numbers.envelope_lines
-    ]
-    return DataFrame(rows)
-
-
-def _cells(line: VelocityLine | EnvelopeLine) -> dict[str, Any]:
-    """Return the numbers of a line by the names of their columns."""
-    return {name: cell.value for name, cell in views.columns(line).items()}
-
-
-def _velocity_note(line: VelocityLine, duration_s: float) -> str:
-    """Say in which directions a line is not resolved, and which length would; empty if in none."""
-    notes = []
-    for direction, own in line.by_direction.items():
-        text = _unresolved(own.resolved_by_s, duration_s)
-        if text:
-            notes.append(f"{direction}: {text}")
-    return "; ".join(notes)
-
-
-def _unresolved(resolving_s: float | None, duration_s: float) -> str:
-    """Say that a line is not resolved, and which length would; empty for one that is."""
-    return "" if resolving_s is None else bearing_sentences.unresolved(duration_s, resolving_s)
 
 
 def load_table(run: BearingRun) -> DataFrame:

@@ -1,10 +1,9 @@
 """Forecast of the processor time of the runs of bearings: marches, motions, files and page.
 
 Steps, cold starts and motions are counted from the plans, as `rolling run` does them: a run moves
-its ring once, and once more without its single faults; the first run of a command is moved when its
-first marches are done, too. The time of
-each was measured on runs of 6204 bearings. `tests/benchmarks/forecast_study.py` compares forecasts
-with runs of other bearings.
+its ring once, and once more without its single faults, and has a pilot that moves it for a moment
+first. The time of each was measured on runs of 6204 bearings. `tests/benchmarks/forecast_study.py`
+compares forecasts with runs of other bearings.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from dataclasses import dataclass
 from rolling.bearing._ring_kernels import take_steps
 from rolling.bearing.limits import motion_seconds
 from rolling.bearing_kind.contact_plan import ContactPlan
+from rolling.bearing_kind.first_motion import pilot_of
 from rolling.bearing_kind.joined_tracks import points_of_turn
 from rolling.check import cost, forecast
 from rolling.contact._descent_kernels import descend
@@ -46,7 +46,7 @@ class BearingForecast:
     marches : int. Different marches of contacts; equal ones are marched once for all runs.
     steps : int. Steps of all of them.
     starts : int. Their pieces, each of which begins cold.
-    motions : int. Motions of rings, of all runs.
+    motions : int. Motions of rings, of all runs and their pilots.
     compilations : tuple of str. Parts of the program that have to be compiled: march, motion.
     march_s : float, s. Processor time of the marches, and of making their surfaces once.
     beside_s : float, s. Processor time of all else, which one process does.
@@ -72,13 +72,14 @@ def forecast_of(runs: Sequence[tuple[BearingScene, ContactPlan]]) -> BearingFore
     compilations = _compilations(bool(marches))
     beside_s = forecast.START + forecast.WORKER + sum(COMPILATION[part] for part in compilations)
     motions = 0
-    piloted = set[str]()
     for scene, plan in runs:
-        contacts = {contact_identity(contact) for contact in plan.stages[0]}
-        of_run = motions_of_run(scene, plan, has_pilot=not contacts <= piloted)
-        piloted |= contacts
+        of_run = 2 if scene.has_faults else 1
         motions += of_run
         beside_s += of_run * (motion_seconds(scene.model, scene.moved) + _laying_seconds(plan))
+        pilot = pilot_of(scene)
+        if pilot is not None:
+            motions += 1
+            beside_s += motion_seconds(scene.model, pilot.scene.moved) + _laying_seconds(plan)
         beside_s += FILES + PAGE_RUN + (FILES_SECOND + PAGE_SECOND) * scene.moved
     return BearingForecast(
         marches=len(marches),
@@ -99,12 +100,6 @@ def different_marches(plans: Sequence[ContactPlan]) -> dict[str, Scene]:
             for scene in stage:
                 marches.setdefault(contact_identity(scene), scene)
     return marches
-
-
-def motions_of_run(scene: BearingScene, plan: ContactPlan, has_pilot: bool) -> int:
-    """Return how often a run and its pilot move the ring, with and without faults."""
-    motions = 2 if scene.has_faults else 1
-    return 2 * motions if has_pilot and all(plan.stages) else motions
 
 
 def marches_seconds(marches: Iterable[Scene]) -> float:

@@ -20,6 +20,7 @@ from rolling.numbers.bearing_numbers import (
     FaultlessNumbers,
     RingNumbers,
     VelocityLine,
+    VibrationClass,
 )
 from rolling.numbers.quantity import Quantity, spread_text, uncertain
 from rolling.scene.bearing_scene import BearingScene
@@ -153,6 +154,23 @@ def answer(scene: BearingScene, numbers: BearingNumbers) -> str:
     return f"{opening}: the {moving} ring vibrates radially at {_listed(bands)}, rms."
 
 
+def first_answer(numbers: BearingNumbers) -> str:
+    """Say the radial velocity of each band with its ±, and the classes that bands have."""
+    radial = numbers.below_bending.radial.by_band
+    bands = []
+    for band, words in band_words(numbers.ring).items():
+        spread = spread_of_velocity(radial[band])
+        beside = f" {spread}" if spread else ""
+        bands.append(f"{velocity(radial[band].value)} um/s{beside} ({words})")
+    if not bands:
+        return f"the {numbers.ring.moving} ring bends below all three bands"
+    text = f"radially {_listed(bands)}"
+    own = numbers.vibration_class
+    if own is not None and own.by_band:
+        text += f", by the limits of makers {_listed(_classes(own))}"
+    return text
+
+
 def axial_sentence(numbers: BearingNumbers) -> str:
     """Say how fast the ring vibrates along its axis, and whether that is to be quoted."""
     um_s = numbers.below_bending.axial.um_s
@@ -222,13 +240,17 @@ def class_sentence(numbers: BearingNumbers) -> str:
     if own is None:
         return ""
     if own.overall is not None:
-        bands = ", ".join(f"{name} in the {band} band" for band, name in own.by_band.items())
+        bands = ", ".join(_classes(own))
         return f"By the limits of {own.source}, it is of class {own.overall}: {bands}."
     text = f"It has no class V0 to V4: {own.none_because}."
     if own.by_band:
-        bands = " and ".join(f"{name} in the {band} band" for band, name in own.by_band.items())
-        text += f" By the limits of {own.source}, it has {bands}."
+        text += f" By the limits of {own.source}, it has {' and '.join(_classes(own))}."
     return text
+
+
+def _classes(own: VibrationClass) -> list[str]:
+    """Say the class of each band."""
+    return [f"{name} in the {band} band" for band, name in own.by_band.items()]
 
 
 # ---- lines

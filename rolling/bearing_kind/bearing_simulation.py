@@ -170,9 +170,10 @@ def _without_faults(
 ) -> FaultlessNumbers | None:
     """Return the numbers of the same bearing without its single faults, None where it has none.
 
-    The heights, the seeds and the places of the balls are the same.
+    The heights, the seeds and the places of the balls are the same. A first answer, which lacks
+    marches, does without them.
     """
-    if not bearing.faulty:
+    if not bearing.faulty or not plan.is_marched(marches):
         return None
     tracks = bearing_tracks(plan.without_faults(), marches)
     scene = bearing.scene

@@ -8,7 +8,7 @@ they enter by the linear response of the contact.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -30,6 +30,7 @@ from rolling.bearing_kind.rough_contacts import (
     rough_contact,
 )
 from rolling.check import long_steps, resolution
+from rolling.marches.piece import contact_identity
 from rolling.scene import height_files
 from rolling.scene.bearing_rules import refuse_height_files
 from rolling.scene.bearing_scene import BearingScene
@@ -70,22 +71,28 @@ class ContactPlan:
 
     @property
     def stages(self) -> list[list[Scene]]:
-        """Scenes to march, the most urgent first: all contacts at the middle load, then the rest.
+        """Scenes to march, the most urgent first: faults, rough contacts, then all other loads.
 
-        After the first stage the tracks hold the roughness and the faults at the middle load. That
-        is all for a measured turn, which is long: other loads change its linear response only.
-        A contact that a film of oil parts is not marched, because its linear response acts alone.
+        After the first stage the tracks hold the faults at the middle load, and the roughness by
+        its linear response. After the second one they hold the roughness at the middle load. That
+        is all for a measured turn, which is long: other loads change its linear response only. A
+        contact that a film of oil parts is not marched, because its linear response acts alone.
         """
         touching = [contact for name, contact in self.rough.items() if not self.is_parted(name)]
-        first = [contact.scene for contact in touching]
+        faults: list[Scene] = []
+        rough = [contact.scene for contact in touching]
         rest: list[Scene] = []
         for contact in touching:
             if not contact.scene.height_paths:
                 rest += contact.scenes.values()
         for stretch in self.faults:
-            first += [stretch.with_fault, stretch.without]
+            faults += [stretch.with_fault, stretch.without]
             rest += [scene for pair in stretch.scenes.values() for scene in pair]
-        return [first, rest]
+        return [faults, rough, rest]
+
+    def is_marched(self, marches: Collection[str]) -> bool:
+        """Tell whether all contacts are among marches by their contact identities."""
+        return all(contact_identity(scene) in marches for stage in self.stages for scene in stage)
 
     def is_parted(self, name: str) -> bool:
         """Tell whether a film of oil parts the surfaces of a kind of contact."""

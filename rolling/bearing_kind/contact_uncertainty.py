@@ -17,7 +17,14 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.continued_rows import drawn_lines
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
-from rolling.bearing.band_uncertainty import FILM, WINDOW, BandUncertainty, DecibelsOfBands
+from rolling.bearing import waves
+from rolling.bearing.band_uncertainty import (
+    FILM,
+    LINEAR,
+    WINDOW,
+    BandUncertainty,
+    DecibelsOfBands,
+)
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL, RingRecord
@@ -29,10 +36,20 @@ from rolling.bearing_kind.joined_tracks import (
     acting_rows,
 )
 from rolling.bearing_kind.rough_contacts import RoughContact
+from rolling.in_si.scene_surface import heights
+from rolling.marches.piece import contact_identity
 from rolling.run.march_files import Marches
+from rolling.scene.laws import Roughness
 
 WHOLE_TURN = 0.99  # of a turn, from which on a stretch is all of it
 STEP_HZ = 4.0  # between frequencies at which the mobility of the ring is taken
+# Error of the level of a band where a rough contact is linear [dB], over the root of its rms
+# roughness over the approach, and its largest value. It was read from marches of the inner contact
+# of a 6204 (axial loads of 20, 70 and 400 N), a 608 and a 6305 (70 N) over Ra 0.02 to 0.2 um, with
+# lengths of 60 by 10 and of 20 um: rms differences of six bands of 0.2 to 1.8 dB
+# (`tests/benchmarks/linear_study.py`).
+LINEAR_DB = 4.0
+LARGEST_LINEAR_DB = 2.0
 _DECIBELS = 10 / math.log(10)  # of a relative change of a mean square
 
 
@@ -167,10 +184,39 @@ def contact_uncertainty(
     short = [name for name, contact in plan.rough.items() if not is_whole_turn(plan, contact)]
     if short:
         uncertainty = uncertainty.with_part(WINDOW, _window_db(short, powers, shares))
+    linear_db = {}
+    for name, contact in plan.rough.items():
+        if contact_identity(contact.scene) not in marches and not plan.is_parted(name):
+            linear_db[name] = linear_contact_db(contact)
+    if linear_db:
+        uncertainty = uncertainty.with_part(LINEAR, _of_shares(linear_db, shares))
     if plan.films and powers:
         changes = _FilmChanges(plan, marches, model, powers, record)
         uncertainty = uncertainty.with_part(FILM, changes.decibels)
     return uncertainty
+
+
+def linear_contact_db(contact: RoughContact) -> float:
+    """Return what the linear response of a rough contact leaves uncertain in a band [dB]."""
+    law = contact.scene.surface.law
+    rms_m = law.rq_m if isinstance(law, Roughness) else float(np.std(heights(contact.scene)))
+    approach_m = waves.hertz_approach(contact.contact, contact.middle_load_n)
+    return min(LINEAR_DB * math.sqrt(rms_m / approach_m), LARGEST_LINEAR_DB)
+
+
+def _of_shares(
+    own_db: Mapping[str, float], shares: Mapping[str, Mapping[str, Mapping[str, float]]]
+) -> DecibelsOfBands:
+    """Return what kinds of contact that are uncertain by some decibels leave in each band [dB]."""
+    return {
+        direction: {
+            band: math.hypot(
+                *(decibels * shares[name][direction][band] for name, decibels in own_db.items())
+            )
+            for band in VELOCITY_BANDS_HZ
+        }
+        for direction in DIRECTIONS
+    }
 
 
 @dataclass(frozen=True)

@@ -29,18 +29,18 @@ from rolling.archive.hdf5_writer import to_xarray
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_record import RingRecord, record_of
 from rolling.bearing.tracks import BearingTracks, BodyTrack
-from rolling.bearing_kind import bearing_figures, needs
+from rolling.bearing_kind import bearing_tables, needs
 from rolling.bearing_kind.contact_plan import contact_plan
 from rolling.bearing_kind.moved_ring import moved_ring
 from rolling.bearing_kind.solved_bearing import SolvedBearing
 from rolling.contact.processor_time import ProcessorTime
-from rolling.figures.picture import csv_bytes
 from rolling.kinds.heard_sound import HeardSound, PlainSound
 from rolling.kinds.run_folder import LISTEN, RESULT
 from rolling.marches import effort
 from rolling.numbers.file_facts import BearingFiles
 from rolling.numbers.run_file import StoredBearing
 from rolling.results.provenance import program_provenance
+from rolling.results.runs_table import csv_bytes
 from rolling.results.stored_numbers import with_parts, write_stored
 from rolling.scene.bearing_scene import BearingScene
 from rolling.terminal import whole_files
@@ -351,8 +351,8 @@ def write_run(run: BearingRun) -> None:
     whole_files.write_bytes(folder / RESULT, result_bytes(run))
     write_acceleration(run, folder)
     facts = write_sounds(run, folder)
-    whole_files.write_bytes(folder / SPECTRUM, csv_bytes(bearing_figures.spectrum_table(run)))
-    whole_files.write_bytes(folder / LINES, csv_bytes(bearing_figures.line_table(run)))
+    whole_files.write_bytes(folder / SPECTRUM, csv_bytes(bearing_tables.spectrum_table(run)))
+    whole_files.write_bytes(folder / LINES, csv_bytes(bearing_tables.line_table(run)))
     stored = StoredBearing(
         numbers=run.numbers,
         files=facts,

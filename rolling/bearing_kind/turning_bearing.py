@@ -14,6 +14,7 @@ from rolling.bearing_kind.bearing_check import check_bearing, conclusion, lines_
 from rolling.bearing_kind.bearing_run import BearingRun
 from rolling.bearing_kind.contact_marches import march_of_contact
 from rolling.bearing_kind.contact_plan import contact_plan
+from rolling.bearing_kind.first_motion import pilot_of
 from rolling.bearing_kind.former_bearing import former_bearing
 from rolling.check.findings import Findings
 from rolling.kinds.figure_kind import FigureKind
@@ -88,18 +89,18 @@ class TurningBearing(MarchesInFiles):
     # ---- marches
 
     def marches(self, scene: BearingScene, film: bool = False) -> list[March]:
-        """Return the rough contacts at their middle load and the faults, then all other loads."""
-        first, rest = contact_plan(scene).stages
-        marches = [march_of_contact(contact) for contact in first]
-        return marches + [march_of_contact(contact, is_first=False) for contact in rest]
+        """Return the faults and the rough contacts at their middle load, then all other loads."""
+        faults, rough, rest = contact_plan(scene).stages
+        marches = [march_of_contact(contact) for contact in faults]
+        return marches + [march_of_contact(contact, is_first=False) for contact in rough + rest]
 
     def pilot(self, scene: BearingScene) -> Pilot | None:
-        """Return the run of the contacts at one load, where others change its nonlinear part."""
-        first, rest = contact_plan(scene).stages
-        if not first or not rest:
-            return None
-        marches = [march_of_contact(contact) for contact in first]
-        return Pilot(scene=scene, marches=marches, words="the contacts at one load")
+        """Return a short motion over rough contacts that are linear, which need no march."""
+        return pilot_of(scene)
+
+    def first_answer(self, numbers: BearingNumbers) -> str:
+        """Say the radial velocity of each band with its ±, and the classes by the limits."""
+        return bearing_sentences.first_answer(numbers)
 
     # ---- runs
 

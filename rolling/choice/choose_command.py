@@ -17,8 +17,8 @@ from rolling.choice.choice import Choice
 from rolling.choice.choice_numbers import Contender
 from rolling.choice.choosing import FORMAT
 from rolling.choice.difference import Difference
-from rolling.figures.picture import csv_bytes
 from rolling.numbers.number_files import summary_of
+from rolling.results.runs_table import csv_bytes
 from rolling.run import folder as folders
 from rolling.run.choice_folder import CHOICE, PAGE, PICTURE, RUNS, TABLE
 from rolling.terminal import progress, whole_files

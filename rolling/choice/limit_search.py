@@ -371,8 +371,8 @@ def write_limit(result: Limit) -> list[Path]:
     """Write table, picture and page of the search into its folder, and return the files."""
     from rolling.choice.advice_page import limit_page
     from rolling.choice.advice_pictures import limit_picture
-    from rolling.figures.picture import csv_bytes
     from rolling.figures.settings import left_out_if_it_fails
+    from rolling.results.runs_table import csv_bytes
 
     written = [result.folder / TABLE]
     whole_files.write_bytes(written[0], csv_bytes(result.table()))

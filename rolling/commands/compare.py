@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rolling.commands.run import run_scene
-from rolling.figures.picture import csv_bytes, slug
+from rolling.figures.picture import slug
 from rolling.recordings.agreement import sentences
 from rolling.recordings.recorded import PRESSURE, quantity_of
 from rolling.recordings.recorded_units import unit_of
@@ -16,6 +16,7 @@ from rolling.recordings.recording_comparison import compare as compare_record
 from rolling.recordings.series_files import FileLayout
 from rolling.report import bench as benches
 from rolling.report import recording_page, synthetic_bench
+from rolling.results.runs_table import csv_bytes
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs
 from rolling.scene.height_files import holds

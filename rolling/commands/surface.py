@@ -254,9 +254,9 @@ def _parameters_and_picture(
 
     Both files name their source, so that the command knows its own when it is given again.
     """
-    from rolling.figures.picture import csv_bytes
     from rolling.figures.settings import left_out_if_it_fails
     from rolling.figures.topography import parameter_lines, parameter_table, topography
+    from rolling.results.runs_table import csv_bytes
     from rolling.surface.parameters import is_upper_bound, parameters
 
     heights = described.heights

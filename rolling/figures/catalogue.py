@@ -12,11 +12,12 @@ from typing import Any, NamedTuple
 from matplotlib.axes import Axes
 
 from acoustics.arrays import instance
-from rolling.figures.picture import Picture, csv_bytes, listed, picture, slug
+from rolling.figures.picture import Picture, listed, picture, slug
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.figure_kind import FigureKind
 from rolling.kinds.registry import kind_of_runs
 from rolling.kinds.run_folder import RunFolder
+from rolling.results.runs_table import csv_bytes
 from rolling.scene.messages import nearest
 from rolling.terminal.whole_files import make_below, write_bytes
 

@@ -28,7 +28,7 @@ from rolling.numbers.ball_numbers import Source
 from rolling.results import labels
 from rolling.results.labels import SEED
 from rolling.results.run_result import Run
-from rolling.results.runs_table import without_formulas
+from rolling.results.runs_table import csv_bytes
 
 DPI = 110
 WIDTH_IN = 8.5
@@ -412,12 +412,6 @@ def drawable(text: str) -> str:
         else:
             letters.append(letter.encode("unicode_escape").decode("ascii"))
     return "".join(letters)
-
-
-def csv_bytes(table: DataFrame) -> bytes:
-    """Write a table as CSV, numbers with nine digits; a missing value leaves its cell empty."""
-    safe = without_formulas(table)
-    return str(safe.to_csv(index=False, float_format="%.9g", lineterminator="\n")).encode()
 
 
 def slug(label: str) -> str:

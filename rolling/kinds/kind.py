@@ -50,13 +50,15 @@ class Pilot(NamedTuple):
     """A short run that gives the first answer, and is no part of the run for which it stands.
 
     scene : scene. The scene of the short run.
-    marches : list of March. The marches that it needs, the first ones of its scene.
+    marches : list of March. The marches that it needs, the first ones of its scene, or none.
     words : str. What it has solved, such as 1,000 steps.
+    is_of_one_run : bool. Whether another run with these marches needs a pilot of its own.
     """
 
     scene: Any
     marches: list[March]
     words: str
+    is_of_one_run: bool = False
 
 
 class Kind(ABC):
@@ -172,6 +174,11 @@ class Kind(ABC):
         None, the default, where a scene has none, or is short itself.
         """
         return None
+
+    def first_answer(self, numbers: Any) -> str:
+        """Say what a pilot has found, from its numbers; by default the quantity that leads."""
+        subject, quantity = next(iter(self.quantities(numbers).items()))
+        return f"{subject[:1].lower()}{subject[1:]} {quantity}"
 
     @abstractmethod
     def march_store(

@@ -46,6 +46,7 @@ PART_WORDS: Mapping[str, str] = {
     "band": "the end of the simulated band",
     "instrument": "the instrument of the scan",
     "window": "the stretch of track that stands for the turn",
+    "linear": "rough contacts that are linear",
     "gain": "the gain of rough contacts",
     "loss_factor": "the assumed loss factor of the contacts",
     "surfaces": "the assumed waves around balls and raceways",

@@ -10,10 +10,10 @@ from pandas import DataFrame
 
 from acoustics.texts import printable
 from rolling import __version__
-from rolling.figures.picture import csv_bytes
 from rolling.kinds.page_parts import Part
 from rolling.numbers.sheet import Sheet
 from rolling.report.page_of_parts import PageOfParts
+from rolling.results.runs_table import csv_bytes
 
 FORMAT = 1  # of the JSON
 Sheets = Mapping[str, Sequence[Sheet]]  # of each run, by its label

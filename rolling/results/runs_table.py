@@ -117,6 +117,12 @@ def without_formulas(table: pd.DataFrame) -> pd.DataFrame:
     return named
 
 
+def csv_bytes(table: pd.DataFrame) -> bytes:
+    """Write a table as CSV, numbers with nine digits; a missing value leaves its cell empty."""
+    safe = without_formulas(table)
+    return str(safe.to_csv(index=False, float_format="%.9g", lineterminator="\n")).encode()
+
+
 def seed_statistics(runs: Sequence[RunFolder], over: str = SEED) -> pd.DataFrame:
     """Return statistics of levels and third octaves over runs that differ in one key alone.
 

@@ -30,6 +30,7 @@ except ImportError:  # Windows
 SCENE = "scene.yaml"
 PIECES = "pieces"
 KEPT = "heard"  # runs that a command keeps for its end, in the folder of the pieces
+FIRST_ANSWER = "first-answer.txt"  # in the folder of a run that has nothing else yet
 MARK = f"{file.STORED_MARK}, format 2"  # the first line of scene.yaml begins so
 LOCK = ".lock"
 LOCK_SECONDS = 2.0  # of waiting for `status`, which locks a folder for a moment
@@ -389,6 +390,9 @@ def status(folder: Path) -> str:
     pieces = len(list((folder / PIECES).glob("*/*.npz")))
     if pieces:
         lines.append(f"  {pieces} pieces of unfinished runs are solved")
+    first = sum((run.folder / FIRST_ANSWER).is_file() for run in stored_runs(folder))
+    if first:
+        lines.append(f"  {first} of them with a first answer, in {FIRST_ANSWER}")
     failed = []
     for name, (state, reason) in runs.items():
         if state == "failed":

@@ -236,10 +236,13 @@ def _solve_lacking(
     film = len(runs) <= defaults.MAX_RUNS_ON_PAGE
     marches = [kind.marches(run.scene, film) for run in lacking]
     done = [run for run in runs if run.is_done]
-    piloted = []
+    piloted: list[RunFolder] = []
     if film and ending is not None:
         marched = {identity for run in (*sources, *done) for identity in _identity_of(run)}
-        piloted = [run for run in lacking if not marched.issuperset(_identity_of(run))]
+        for run in lacking:
+            identities = _identity_of(run)
+            if not identities or not marched.issuperset(identities):
+                piloted.append(run)
     pilots = Pilots(kind, folder, piloted, [label_of[run.folder] for run in piloted])
     if pilots.all:  # the whole marches wait for them
         marches = [[march._replace(is_first=False) for march in of_run] for of_run in marches]
@@ -273,6 +276,7 @@ def _solve_lacking(
                     _tell_pilot(pilots, task.pilot, finished.digest, loop, ending)
                     continue
                 count += 1
+                pilots.replace(task.place)
                 if ending is not None and finished.digest:
                     ending.kept.add(task.place, finished.digest)
                     if film:

@@ -28,7 +28,7 @@ from rolling.bearing.band_uncertainty import BandUncertainty
 from rolling.bearing.ring_motion import move_ring
 from rolling.bearing.ring_record import DIRECTIONS, record_of
 from rolling.bearing.tracks import BodyTrack, smooth_tracks
-from rolling.bearing_kind import bearing_figures, bearing_page
+from rolling.bearing_kind import bearing_figures, bearing_page, bearing_tables
 from rolling.bearing_kind.bearing_lines import band_table
 from rolling.bearing_kind.bearing_run import BearingRun, numbered
 from rolling.bearing_kind.bearing_run_numbers import MarchFindings
@@ -205,7 +205,7 @@ def test_orders_are_named_by_their_direction() -> None:
     (said,) = [text for text in run.numbers.sentences if text.startswith("The largest lines")]
     assert "axial outer 9 (107.8 Hz, 140 um/s)" in said
     assert "radial outer 10 (107.8 Hz, 0.049 um/s)" in said
-    rows = bearing_figures.line_table(run).set_index("name")
+    rows = bearing_tables.line_table(run).set_index("name")
     assert rows.loc["outer 9", "radial_um_s"] == 0 == rows.loc["outer 10", "axial_um_s"]
     whole = run.numbers.velocities.axial.low.value
     assert rows.loc["outer 9", "axial_um_s"] == pytest.approx(whole, rel=1e-3)
@@ -226,7 +226,7 @@ def test_a_line_that_the_record_does_not_resolve_has_no_level() -> None:
     assert line_of(run, "outer 9").radial.um_s == pytest.approx(27.75, rel=0.01)
     said = " ".join(run.numbers.sentences)
     assert "Not resolved by 0.5 s" in said and "2 x ball spin (2.1 s would)" in said
-    table = bearing_figures.line_table(run)
+    table = bearing_tables.line_table(run)
     of_velocity = table[table["of"] == "velocity"].set_index("name")
     note = "not resolved by 0.5 s, 2.1 s would"
     assert of_velocity.loc["2 x ball spin", "note"] == f"radial: {note}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -9,12 +10,16 @@ import pytest
 import rolling as rc
 from rolling import figures
 from rolling.ball_kinds import pilot_track
+from rolling.bearing_kind.contact_marches import march_contacts
 from rolling.commands import derived
 from rolling.commands import run as commands
 from rolling.kinds.registry import kind_of
-from rolling.kinds.run_folder import LISTEN, PAGE
+from rolling.kinds.run_folder import LISTEN, PAGE, RunFolder
+from rolling.marches.piece import contact_identity
+from rolling.numbers.bearing_numbers import BandVelocities
 from rolling.report import report_page
 from rolling.results.run_result import Run
+from rolling.results.stored_numbers import read_stored
 from rolling.run import folder as folders
 from rolling.run import pilots, solving
 from rolling.scene.file import loads
@@ -216,21 +221,85 @@ sound: {duration_s: 0.2, listen_s: 0.2}
 """
 
 
-def test_a_bearing_answers_after_its_contacts_at_one_load(tmp_path: Path, said: list[str]) -> None:
+@pytest.fixture
+def stopping(monkeypatch: pytest.MonkeyPatch) -> list[list[Path]]:
+    """Stop a command after its first answer as by Ctrl-C; return the marches that are done then."""
+    marched: list[list[Path]] = []
+    told = pilots.Pilots.tell
+
+    def tell_and_stop(self: pilots.Pilots, pilot: pilots.PilotRun) -> None:
+        told(self, pilot)
+        marched.append([*pilot.run.home.rglob("*.npz")])
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(solving.Pilots, "tell", tell_and_stop)
+    return marched
+
+
+def test_a_bearing_answers_before_its_contacts_are_marched(
+    tmp_path: Path, said: list[str], stopping: list[list[Path]], monkeypatch: pytest.MonkeyPatch
+) -> None:
     scene = loads_bearing(BEARING)
-    pilot = kind_of(scene).pilot(scene)
-    assert pilot is not None
-    marches = kind_of(scene).marches(scene)
-    assert 0 < len(pilot.marches) < len(marches)
-    assert [march.scene for march in pilot.marches] == [
-        march.scene for march in marches[: len(pilot.marches)]
-    ]
-    assert kind_of(scene).pilot(loads_bearing(WAVY)) is None
+    kind = kind_of(scene)
+    pilot = kind.pilot(scene)
+    assert pilot is not None and not pilot.marches
+    assert len(kind.marches(scene)) > 1
+    assert kind.pilot(loads_bearing(WAVY)) is None
     folder = tmp_path / "out"
-    assert not commands.run_scene(scene, folder, workers=1, report=False)
+    with pytest.raises(KeyboardInterrupt):
+        commands.run_scene(scene, folder, workers=1, report=False)
+    assert stopping == [[]]
     (told,) = [line for line in said if line.endswith("; going on")]
-    assert told.startswith("radial ") and told.endswith(
-        ", after the contacts at one load; going on"
-    )
+    for words in (
+        "radially ",
+        " dB (50 to 300 Hz), ",
+        " dB (300 to 1,800 Hz) and ",
+        " dB (1,800 to ",
+        ", after 0.2 s of motion over contacts that are linear",
+    ):
+        assert words in told.replace("\n  ", " ")
     assert f"the first sound: {folder / LISTEN}" in said
-    assert folders.stored_runs(folder)[0].is_done
+    # What a command leaves that was stopped is marked as a first answer.
+    marked = (folder / folders.FIRST_ANSWER).read_text()
+    assert marked.startswith("A first answer, which the whole run will replace: radially ")
+    assert "1 of them with a first answer" in folders.status(folder)
+    assert not folders.stored_runs(folder)[0].is_done
+    (place,) = (folder / folders.PIECES / pilots.FIRST).glob("**/summary.json")
+    first = read_stored(place.parent).numbers.below_bending.radial
+    # The whole run replaces it, and differs from it by less than its ±.
+    monkeypatch.undo()
+    assert not commands.run_scene(scene, folder, workers=1, report=False)
+    assert not (folder / folders.FIRST_ANSWER).exists()
+    whole = rc.open_run(folder).numbers.below_bending.radial
+    for band, quantity in whole.by_band.items():
+        assert "linear" not in quantity.parts
+        assert "linear" in first.by_band[band].parts
+        assert abs(difference_db(first, whole, band)) < first.by_band[band].uncertainty
+
+
+def difference_db(first: BandVelocities, whole: BandVelocities, band: str) -> float:
+    """Return the velocity of a band in a first answer over that of the whole run [dB]."""
+    values = first.by_band[band].value, whole.by_band[band].value
+    assert values[0] is not None and values[1] is not None
+    return 20 * math.log10(values[0] / values[1])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["bearing-6204", "bearing-inner-fault", "bearing-in-oil"])
+def test_first_answers_of_the_library_hold_within_their_uncertainty(name: str) -> None:
+    """What both share, such as assumed surfaces, is left out of the ±."""
+    scene = rc.read_scene(name, ["sound.duration_s=2", "sound.listen_s=2"])
+    kind = kind_of(scene)
+    pilot = kind.pilot(scene)
+    assert pilot is not None
+    marches = march_contacts([march.scene for march in kind.marches(scene)], name=name, workers=0)
+    marched = [marches[contact_identity(march.scene)] for march in kind.marches(scene)]
+    whole = kind.make_run(RunFolder({}, scene, Path()), "", marched)
+    place = RunFolder({}, pilot.scene, Path())
+    first = kind.make_run(place, "", marched[: len(pilot.marches)])
+    for band, quantity in first.numbers.below_bending.radial.by_band.items():
+        parts = [quantity.parts.get(source, 0.0) for source in ("record", "linear")]
+        decibels = difference_db(
+            first.numbers.below_bending.radial, whole.numbers.below_bending.radial, band
+        )
+        assert abs(decibels) <= 2 * math.hypot(*parts)

@@ -15,7 +15,6 @@ from made_numbers import computed, released
 from scene_text import TINY
 
 from rolling.commands.derived import write_table
-from rolling.figures.picture import csv_bytes
 from rolling.kinds.run_folder import RunFolder
 from rolling.numbers import views
 from rolling.numbers.ball_numbers import RunNumbers
@@ -24,7 +23,7 @@ from rolling.results.labels import labels
 from rolling.results.level_words import number_texts
 from rolling.results.run_lines import doubt_lines, error_line, further_lines, levels_table
 from rolling.results.run_result import make_run, write_run
-from rolling.results.runs_table import bands_table, runs_table, seed_statistics
+from rolling.results.runs_table import bands_table, csv_bytes, runs_table, seed_statistics
 from rolling.results.stored_numbers import read_stored
 from rolling.scene import file
 from rolling.terminal.streams import FILE_WIDTH, columns

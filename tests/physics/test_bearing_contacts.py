@@ -319,7 +319,7 @@ def test_a_fault_stands_at_its_place_in_the_tracks() -> None:
         numerics=rolling.BearingNumerics(window_mm=1, spacing_um=10),
         fault_ball=2,
     )
-    tracks = bearing_tracks(plan, marched(plan.stages[0]))
+    tracks = bearing_tracks(plan, marched(plan.stages[0] + plan.stages[1]))
     track = tracks.inner
     angle = track.approach_m[1].argmax() / track.points * 2 * np.pi
     assert angle * INNER.radius_m == pytest.approx(10e-3, abs=30e-6)
@@ -397,7 +397,7 @@ def test_a_measured_turn_is_marched_whole(tmp_path: Path) -> None:
         numerics=rolling.BearingNumerics(window_mm=1),
         folder=tmp_path,
     )
-    tracks = bearing_tracks(plan, marched(plan.stages[0]))
+    tracks = bearing_tracks(plan, marched(plan.stages[0] + plan.stages[1]))
     for track in (tracks.balls_on_inner[0], tracks.balls_on_outer[0]):
         line = track.approach_m[1]
         waves_of_line = 2 * np.fft.rfft(line)[:12] / len(line)
@@ -452,7 +452,9 @@ def test_twice_the_roughness_of_balls_is_6_db_in_the_high_band() -> None:
             }
         )
         plan = contact_plan(scene)
-        motion = move_ring(scene.model, bearing_tracks(plan, marched(plan.stages[0])), 0.25)
+        motion = move_ring(
+            scene.model, bearing_tracks(plan, marched(plan.stages[0] + plan.stages[1])), 0.25
+        )
         bands = velocity_bands(motion.velocity_m_s[:, 0], motion.rate_hz)
         levels.append(20 * np.log10(bands.rms_m_s["high"]))
     assert levels[1] - levels[0] == pytest.approx(6.02, abs=0.3)  # 0.1 to 0.2 dB of open contact

@@ -129,7 +129,7 @@ def test_a_film_that_presses_all_waves_is_the_linear_bearing(
     """The march of touching surfaces has no part in it."""
     plan = contact_plan(scene(**THICK))
     assert all(film.weight == 1.0 for film in plan.films.values())
-    assert plan.stages == [[], []]  # so it is not made
+    assert plan.stages == [[], [], []]  # so it is not made
     uncertainty = BandUncertainty()
     doubts = contact_doubts(plan, {}, inf, uncertainty)
     assert "unmarched_contacts" not in [doubt.key for doubt in doubts]
@@ -173,7 +173,7 @@ def test_waves_act_through_a_film() -> None:
 def test_thin_films_leave_the_march() -> None:
     plan = contact_plan(scene(**THIN))
     assert all(film.ratio < 1 for film in plan.films.values())
-    assert len(plan.stages[0]) == 2
+    assert len(plan.stages[1]) == 2
     marches = marched(plan)
     contact = plan.rough["outer"]
     dry = acting_rows(replace(plan, films={}), contact, marches)

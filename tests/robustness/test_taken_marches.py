@@ -169,7 +169,7 @@ def taken(plan: ContactPlan, folder: Path, source: Path) -> Marches:
     """Return the marches of a bearing that takes those of another folder."""
     note = TakenMarches(source)
     contacts = contacts_of(plan)
-    for contact in plan.stages[1]:
+    for contact in plan.stages[2]:
         take_march(note, march_of_contact(contact))
     with progress.begin(progress.Level.NORMAL):
         for line in note.lines():
@@ -193,7 +193,7 @@ def test_a_bearing_takes_the_marches_of_its_healthy_sister(
     said = " ".join(capsys.readouterr().err.split())
     assert f"{marched}: 3 marches are taken: inner at" in said
     assert "6 marches are not taken" in said and "has an equal contact" in said
-    for contact in plan.stages[1]:
+    for contact in plan.stages[2]:
         identity = contact_identity(contact)
         march = marches[identity]
         assert march.effort.march_s == 0
@@ -233,7 +233,7 @@ STRANGE: dict[str, Callable[[Path], object]] = {
 
 @pytest.mark.parametrize("damage", STRANGE)
 def test_a_strange_march_is_not_taken(damage: str, plan: ContactPlan, marched: Path) -> None:
-    scene = plan.stages[1][0]
+    scene = plan.stages[2][0]
     identity = contact_identity(scene)
     path = march_files.march_path(marched, identity)
     STRANGE[damage](path)
@@ -248,7 +248,7 @@ def test_a_strange_march_is_marched_anew(
     marched_pieces: list[Piece],
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    strange = plan.stages[1][0]
+    strange = plan.stages[2][0]
     STRANGE["another identity"](march_files.march_path(marched, contact_identity(strange)))
     marches = taken(plan, tmp_path / "own", marched)
     assert len(marches) == 3
