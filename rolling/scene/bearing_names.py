@@ -5,6 +5,7 @@ clearance group set the radial clearance, by the table of ISO 5753-1 and the bor
 """
 
 import re
+import unicodedata
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
@@ -16,6 +17,7 @@ _WITHOUT_EFFECT = (
     r"|M|MA|MB|J|TN9?|TNH?|TVH|P[0-6]|P6X|ABEC[13579]|E"
 )
 _SUFFIX = re.compile(rf"({'|'.join(_GROUPS)}|{_WITHOUT_EFFECT})")
+_DASHES = re.compile("[\u2010-\u2015\u2212]")  # hyphens and dashes of text programs, and a minus
 _BETWEEN = re.compile(r"[\s/_.-]+")
 EXAMPLES = "-2RS, ZZ, 2Z and C3"
 
@@ -26,11 +28,18 @@ class Designation(NamedTuple):
     basic : str. Basic designation, such as 6204.
     group : str. Clearance group of ISO 5753-1.
     strange : str. First part of the suffixes that is not understood, empty for none.
+    groups : tuple of str. All clearance groups of the name, of which there is one at most.
     """
 
     basic: str
     group: str
     strange: str
+    groups: tuple[str, ...] = ()
+
+    @property
+    def is_understood(self) -> bool:
+        """Whether all suffixes are known, and state one clearance."""
+        return not self.strange and len(self.groups) <= 1
 
 
 def parsed(name: str, known: Iterable[str]) -> Designation | None:
@@ -38,21 +47,25 @@ def parsed(name: str, known: Iterable[str]) -> Designation | None:
 
     A suffix may follow without a sign between, as in 62042RS.
     """
-    text = name.strip().upper()
+    text = _plain(name)
     basics = [basic for basic in known if text.startswith(basic)]
     if not basics:
         return None
     basic = max(basics, key=len)
-    group = NORMAL
-    for part in _BETWEEN.split(text[len(basic) :]):
+    parts = _BETWEEN.split(text[len(basic) :])
+    groups = dict[str, None]()  # in their order
+    for part in parts:
         rest = part
         while rest:
             suffix = _longest(rest)
+            if not suffix and parts[0].isdigit():  # 63004 is another bearing, not 6300
+                return None
             if not suffix:
-                return Designation(basic, group, part)
-            group = _GROUPS.get(suffix, group)
+                return Designation(basic, NORMAL, part)
+            if suffix in _GROUPS:
+                groups[_GROUPS[suffix]] = None
             rest = rest[len(suffix) :]
-    return Designation(basic, group, "")
+    return Designation(basic, next(iter(groups), NORMAL), "", tuple(groups))
 
 
 def _longest(text: str) -> str:
@@ -83,17 +96,69 @@ def clearance_um(bore_mm: float, group: str, table: Mapping[Any, Mapping[str, An
 
 
 def nearest_basic(name: str, known: Iterable[str]) -> str:
-    """Return the known basic designation that is nearest to a misspelt name, or nothing.
+    """Return the known basic designation that is nearest in size to a name, or nothing.
 
-    The last two digits of a bearing are its bore; those before are its series. Letters that look
-    like digits are read as these.
+    Bores are compared first, then diameter series. Letters that look like digits are read as these.
     """
-    digits = re.match(r"\d*", _as_digits(name))
-    given = digits[0] if digits else ""
-    series = [other for other in known if other[:-2] == given[:-2]]
-    return min(series, key=lambda other: abs(int(other) - int(given)), default="")
+    size = _size(_digits(name))
+    if size is None:
+        return ""
+    known_sizes = {basic: known_size for basic in known if (known_size := _size(basic))}
+    return min(
+        known_sizes,
+        key=lambda basic: (
+            abs(known_sizes[basic].bore_mm - size.bore_mm),
+            abs(known_sizes[basic].series - size.series),
+        ),
+        default="",
+    )
 
 
-def _as_digits(name: str) -> str:
-    """Return a name whose letters O, I and L stand for the digits that they look like."""
-    return name.strip().upper().translate(str.maketrans("OIL", "011"))
+def prefix_of(name: str) -> str:
+    """Return the letters before the digits of a name, such as W of W6204; empty without some."""
+    text = _plain(name)
+    letters = re.match(r"[^\d]*", text)
+    has_digits = re.search(r"\d", text) is not None
+    return letters[0].strip(" -") if letters and has_digits else ""
+
+
+class _Size(NamedTuple):
+    """Size that a basic designation states: bore [mm], and diameter series, 8 and 9 below 0."""
+
+    bore_mm: int
+    series: int
+
+
+_SMALL_BORES = {0: 10, 1: 12, 2: 15, 3: 17}  # mm, by their codes; larger ones have 5 mm a code
+
+
+def _size(digits: str) -> _Size | None:
+    """Return the size of the digits of a basic designation, None of too few or too many.
+
+    The last two are the code of the bore, and the one before is the diameter series. Of three
+    digits that begin with 6 the last one is the bore.
+    """
+    if not 3 <= len(digits) <= 5:
+        return None
+    if len(digits) == 3 and digits[0] == "6":
+        return _Size(int(digits[2]), _series(digits[1]))
+    code = int(digits[-2:])
+    return _Size(_SMALL_BORES.get(code, 5 * code), _series(digits[-3]))
+
+
+def _series(digit: str) -> int:
+    """Return a diameter series in the order of outside diameters: 8 and 9 are below 0."""
+    return int(digit) - 10 if digit in "89" else int(digit)
+
+
+def _digits(name: str) -> str:
+    """Return the first digits of a name; letters O, I and L stand for those that they look like."""
+    text = _plain(name)
+    beginning = text[len(prefix_of(name)) :].lstrip(" -")
+    found = re.match(r"\d*", beginning.translate(str.maketrans("OIL", "011")))
+    return found[0] if found else ""
+
+
+def _plain(name: str) -> str:
+    """Return a name in capital letters, with plain digits, spaces and hyphens."""
+    return _DASHES.sub("-", unicodedata.normalize("NFKC", name)).strip().upper()

@@ -319,8 +319,9 @@ def _unknown_name(given: Any, by_name: Name) -> str:
         if designation is None:
             near = bearing_names.nearest_basic(str(given), known)
         else:
-            words += f"; the suffix {quoted(designation.strange)} is not understood"
             near = designation.basic
+        if near:
+            words += _not_understood(str(given), designation)
     else:
         # The material alone stands for the first of its kinds: "glass" for "glass-soda-lime".
         forms = {name.partition("-")[0]: name for name in reversed(known)}
@@ -332,6 +333,17 @@ def _unknown_name(given: Any, by_name: Name) -> str:
     return words
 
 
+def _not_understood(given: str, designation: bearing_names.Designation | None) -> str:
+    """Write which part of the name of a bearing is not understood; empty for another size."""
+    if designation is None:
+        prefix = bearing_names.prefix_of(given)
+        return f"; the prefix {quoted(prefix)} is not understood" if prefix else ""
+    if designation.strange:
+        return f"; the suffix {quoted(designation.strange)} is not understood"
+    groups = " and ".join(designation.groups)
+    return f"; {groups} are two clearances, and a bearing has one"
+
+
 def bearing_entry(name: str) -> dict[str, Any] | None:
     """Return the entry of a bearing by its name with suffixes, None for an unknown one.
 
@@ -339,7 +351,7 @@ def bearing_entry(name: str) -> dict[str, Any] | None:
     """
     table = data(BEARINGS)
     designation = bearing_names.parsed(name, table[BEARINGS])
-    if designation is None or designation.strange:
+    if designation is None or not designation.is_understood:
         return None
     entry = table[BEARINGS][designation.basic]
     bore_mm = entry["bore_mm"][0]

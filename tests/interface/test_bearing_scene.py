@@ -175,6 +175,8 @@ def test_all_series_are_there_and_their_balls_hold_iso_76_and_can_be_filled_in()
         ("6206-C4", 32),
         ("6310/P5 C5", 59),
         ("6310 CN", 14.5),
+        ("6204\N{NON-BREAKING HYPHEN}2RS", 12.5),
+        ("6204\N{EN DASH}c3", 20.5),
     ],
 )
 def test_suffixes_are_understood_and_c3_sets_the_clearance(name: str, clearance_um: float) -> None:
@@ -203,23 +205,32 @@ def test_values_beside_a_name_win_and_another_name_brings_its_own() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "nearest"),
+    ("name", "nearest", "reason"),
     [
-        ("6211", "6210"),
-        ("6320", "6310"),
-        ("609", "608"),
-        ("62O4", "6204"),
-        ("6204-2SR", "6204"),
-        ("6204Q", "6204"),
+        ("6211", "6210", ""),
+        ("6320", "6310", ""),
+        ("609", "608", ""),
+        ("688", "608", ""),
+        ("62O4", "6204", ""),
+        ("7204", "6204", ""),
+        ("16004", "6004", ""),
+        ("63004-2RS", "6004", ""),
+        ("62206", "6206", ""),
+        ("W6204", "6204", 'the prefix "W" is not understood; '),
+        ("NU 304", "6304", 'the prefix "NU" is not understood; '),
+        ("6204-2SR", "6204", 'the suffix "2SR" is not understood; '),
+        ("6204Q", "6204", 'the suffix "Q" is not understood; '),
+        ("6204-C3/C4", "6204", "C3 and C4 are two clearances, and a bearing has one; "),
     ],
 )
-def test_the_nearest_name_is_of_the_same_series(name: str, nearest: str) -> None:
+def test_the_nearest_name_is_the_nearest_size(name: str, nearest: str, reason: str) -> None:
     text = faults(f"bearing.named={name}")[0]
-    assert f"nearest: {nearest};" in text and "give balls, ball_diameter_mm" in text
+    assert f"C3; {reason}nearest: {nearest}; in place of a name give balls, " in text
 
 
-def test_a_name_of_another_series_has_no_nearest_one() -> None:
-    assert "nearest" not in faults("bearing.named=7210")[0]
+@pytest.mark.parametrize("name", ["60", "C3", "2RS", "R8", "ball"])
+def test_a_name_without_a_size_has_no_nearest_one(name: str) -> None:
+    assert "nearest" not in faults(f"bearing.named={name}")[0]
 
 
 # ---- geometry
