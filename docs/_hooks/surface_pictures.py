@@ -12,7 +12,8 @@ from matplotlib.axes import Axes
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from rolling.in_si import measured, scene_surface
+from rolling.in_si import scene_surface
+from rolling.scene import height_grid
 
 SHOWN_UM = 200.0  # of a made surface, along and across
 SHADES = 48  # of a map of heights, so that its image is small
@@ -44,7 +45,7 @@ def made(scenes: Mapping[str, Any]) -> Drawn:
 def scan(scenes: Mapping[str, Any]) -> Drawn:
     """Draw a scan as the instrument measured it, and as it lies under the ball."""
     scene = scenes["scan"]
-    raw = measured.read(scene.height_path)
+    raw = height_grid.read(scene.height_path)
     prepared = scene_surface.scene_surface(scene)
     along_um, across_um = (1e6 * np.array(raw.spacing_m) * raw.heights.shape).tolist()
     centred = 1e6 * (raw.heights - np.nanmean(raw.heights))

@@ -11,7 +11,7 @@ from rolling.check.finding import Finding
 from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.in_si.scene_surface import SceneSurface, scene_surface
 from rolling.numbers.doubt import Doubt, Severity
-from rolling.scene.height_files import is_instrument
+from rolling.scene.height_files import is_array
 from rolling.scene.height_grid import read
 from rolling.scene.laws import HeightLaw, SelfAffineLaw
 from rolling.scene.messages import TABLES
@@ -93,9 +93,12 @@ def _form(surface: SceneSurface) -> Iterator[Finding | Doubt]:
 
 def _file(path: Path, surface: HeightFile) -> Iterator[Finding]:
     """State channel, nodes and spacing of the file of an instrument."""
-    if not is_instrument(path):
+    if is_array(path):
         return
     measured = read(path, surface.channel, surface.height_unit, surface.xy_unit)
+    if measured.taken:
+        yield Finding("file", "measurement", measured.taken)
+        return
     rows, columns = measured.heights.shape
     dy, dx = (si(step, "m") for step in measured.spacing_m or ())
     value = f"{columns} x {rows} nodes (x, y) of {dx} x {dy}"

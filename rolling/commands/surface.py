@@ -20,7 +20,8 @@ from rolling.in_si.scene_surface import scene_surface
 from rolling.results.roughness_sheet import MADE_HEIGHTS
 from rolling.scene import height_files
 from rolling.scene.file import read_as
-from rolling.scene.height_files import HeightFormatError, is_instrument
+from rolling.scene.height_files import is_array
+from rolling.scene.height_format import HeightFormatError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Instrument
 from rolling.surface import character
@@ -38,7 +39,7 @@ def surface(
     overrides: Sequence[str] = (),
     spacing_um: float | None = None,
     channel: str | None = None,
-    unit: str = "m",
+    unit: str | None = None,
     xy_unit: str | None = None,
     *,
     along: str | None = None,
@@ -198,13 +199,16 @@ def _surface_of_scene(path: Path, overrides: Sequence[str]) -> _DescribedSurface
 
 def _surface_of_file(path: Path, options: FileOptions) -> _DescribedSurface:
     """Read and level a file of heights, and print the doubts about it."""
-    if not is_instrument(path):
+    if is_array(path):
         with suppress(HeightFormatError):  # which is told where the file is read
             along, across = height_files.nodes(path)
             _refuse_many(along * across)
     read = described_file(path, options)
+    if read.taken:
+        progress.line(printable(f"{path}: taken for {read.taken}"))
     for doubt in read.doubts:
         progress.line(printable(f"warning: {path}: {doubt}"))
+    _refuse_many(read.heights.size)
     words = "less its least-squares plane"
     gaps = np.count_nonzero(np.isnan(read.heights))
     if gaps:

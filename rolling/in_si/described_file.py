@@ -5,7 +5,7 @@ beside them count as unmeasured, and the ball rolls along the same axis. So the 
 printed of a file are those of the scene.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,8 @@ from rolling.in_si.in_metres import HIGHEST, LARGEST_RA
 from rolling.in_si.offered_lines import PROFILE_NODES, Offer, line
 from rolling.in_si.plate_file import prepared_file
 from rolling.scene import height_grid
-from rolling.scene.height_files import TRIPLES, UNITS, HeightFormatError, is_instrument
+from rolling.scene.height_files import is_instrument, is_period, takes_units
+from rolling.scene.height_format import UNITS, HeightFormatError
 from rolling.scene.messages import SceneError
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import markers, preparation
@@ -32,7 +33,7 @@ class FileOptions:
 
     spacing_um: float | None = None
     channel: str | None = None
-    height_unit: str = "m"
+    height_unit: str | None = None
     xy_unit: str | None = None
     along: str | None = None
     tip_radius_um: float | None = None
@@ -46,12 +47,14 @@ class DescribedFile:
     steps : (2,) array, m. Spacings along and across.
     doubts : list of str. A sentence for each doubt about the file.
     keys : dict. Keys of the section `surface` of a scene that rolls over the file.
+    taken : str. What of a text was taken for what; empty for other files.
     """
 
     heights: Array
     steps: Array
     doubts: list[str]
     keys: dict[str, Any]
+    taken: str = ""
 
 
 def described_file(path: Path, options: FileOptions) -> DescribedFile:
@@ -62,21 +65,18 @@ def described_file(path: Path, options: FileOptions) -> DescribedFile:
     FolderError : the heights cannot be used, or an option does not go with the file.
     """
     read = _read(path, options)
-    has_own_unit = is_instrument(path) and path.suffix.lower() != TRIPLES
-    unit = "m" if has_own_unit else options.height_unit
-    suspects = markers.suspected(read.heights / UNITS[unit], unit)
-    doubts = measured.doubts(path, read, options.xy_unit or options.height_unit, "--xy-unit")
-    heights = read.heights
+    suspects = markers.suspected(read.numbers, read.unit)
+    doubts = measured.doubts(path, read, "--xy-unit", "--height-unit")
     if suspects:
         doubts.append(markers.sentence(suspects, "file"))
-        marks = [marker.value for marker in suspects]
-        heights = np.where(np.isin(heights / UNITS[unit], marks), np.nan, heights)
+    heights = markers.without(read.numbers, suspects) * UNITS[read.unit]
     _refuse_unusable(path, heights, doubts)
+    _ask_for_unit(path, read, options)
     if suspects:
         heights, _ = preparation.without_outliers(heights, markers.OUTLIERS)
     level = without_plane(heights)
     if np.nanmean(np.abs(level)) > LARGEST_RA:
-        option = "" if has_own_unit else "--height-unit: "
+        option = "" if is_instrument(path) else "--height-unit: "
         text = f"Ra would be more than {LARGEST_RA:g} m"
         raise FolderError(f"{path}: {option}{'; '.join([text, *doubts])}")
     steps = np.array(read.spacing_m)
@@ -88,25 +88,53 @@ def described_file(path: Path, options: FileOptions) -> DescribedFile:
     keys = _keys(path, options, bool(suspects), has_gaps)
     if is_profile:
         keys["width_um"] = float(f"{PROFILE_NODES * 1e6 * steps[0]:.10g}")
-    return DescribedFile(heights=level, steps=steps, doubts=doubts, keys=keys)
+    return DescribedFile(heights=level, steps=steps, doubts=doubts, keys=keys, taken=read.taken)
 
 
 def _read(path: Path, options: FileOptions) -> height_grid.Measured:
     """Read a file whose spacing it holds or an option gives; refuse both and neither."""
-    if options.xy_unit is not None and path.suffix.lower() != TRIPLES:
-        raise FolderError(f"{path}: --xy-unit: only goes with a {TRIPLES} file")
+    if options.xy_unit is not None and not takes_units(path):
+        raise FolderError(f"{path}: --xy-unit: only goes with a text such as .csv or .xyz")
     try:
-        read = measured.read(path, options.channel, options.height_unit, options.xy_unit)
+        read = height_grid.read(path, options.channel, options.height_unit, options.xy_unit)
     except HeightFormatError as error:
-        raise FolderError(error.of(path)) from error
+        words = error.of(path).replace("the key xy_unit says", "--xy-unit says")
+        raise FolderError(words) from error
     if read.spacing_m is None:
         if options.spacing_um is None:
-            raise FolderError(f"{path}: --spacing-um: missing; the file holds no spacing")
+            raise FolderError(f"{path}: --spacing-um: missing; {_lacking(read, options)}")
         step = 1e-6 * options.spacing_um
-        return height_grid.Measured(read.heights, (step, step))
+        return replace(read, spacing_m=(step, step))
     if options.spacing_um is not None:
         raise FolderError(f"{path}: --spacing-um: the file holds its own spacing")
     return read
+
+
+def _lacking(read: height_grid.Measured, options: FileOptions) -> str:
+    """Write what a file without a spacing lacks, and what a text was taken for."""
+    words = "the file holds no spacing"
+    if options.height_unit is None and not read.names_unit:
+        words += ", nor a unit of its heights, which --height-unit gives (default: m)"
+    return f"{words} (taken for {read.taken})" if read.taken else words
+
+
+def _ask_for_unit(path: Path, read: height_grid.Measured, options: FileOptions) -> None:
+    """Raise FolderError for a text without a unit whose heights cannot be metres.
+
+    Several units may fit, so that only a person can tell.
+    """
+    if options.height_unit is not None or read.names_unit or not takes_units(path):
+        return
+    steepest = measured.steepness(read)
+    if steepest <= measured.STEEP or (read.xy_unit and not read.names_xy_unit):
+        return
+    likely = [name for name, size in UNITS.items() if steepest * size <= measured.STEEP]
+    choice = " or ".join(likely)
+    raise FolderError(
+        f"{path}: --height-unit: missing; the file names no unit of its heights, and in m half of"
+        f" the neighbours were steeper than {rounded(steepest, 2)}: give --height-unit {choice}"
+        f" (taken for {read.taken})"
+    )
 
 
 def _refuse_unusable(path: Path, heights: Array, doubts: list[str]) -> None:
@@ -127,15 +155,14 @@ def _keys(path: Path, options: FileOptions, has_marks: bool, has_gaps: bool) -> 
         "along": options.along,
         "spacing_um": options.spacing_um,
         "xy_unit": options.xy_unit,
+        "height_unit": options.height_unit,
     }
     keys |= {name: value for name, value in given.items() if value is not None}
-    if options.height_unit != "m":
-        keys["height_unit"] = options.height_unit
     if has_marks:
         keys["outliers"] = markers.OUTLIERS
     if has_marks or has_gaps:
         keys["unmeasured"] = "fill"
-    if not is_instrument(path):
+    if is_period(path):
         keys["periodic"] = "blend"  # as a measurement, which does not close
     if options.tip_radius_um is not None:
         keys["instrument"] = {"tip_radius_um": options.tip_radius_um}

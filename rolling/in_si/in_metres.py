@@ -6,7 +6,8 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from rolling.scene.height_files import UNITS, HeightFormatError, numbers
+from rolling.scene.height_files import numbers
+from rolling.scene.height_format import UNITS, HeightFormatError
 from rolling.scene.messages import plain_number
 from rolling.surface import markers
 from rolling.surface.heights import SurfaceError

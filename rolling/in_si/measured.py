@@ -1,4 +1,4 @@
-"""Heights in files of all formats, read and written in SI, and heights of numpy arrays.
+"""Doubts about measured heights, files of heights that are written, and heights of numpy arrays.
 
 A scene knows files. An array is written to a folder of this process under the digest of its bytes,
 where the workers read it, and a saved run has a copy.
@@ -22,7 +22,7 @@ from acoustics.traps import ignoring_underflow
 from rolling.contact.track import MIN_NODES
 from rolling.in_si.in_metres import in_metres
 from rolling.scene import height_files, height_grid
-from rolling.scene.height_files import UNITS, HeightFormatError
+from rolling.scene.height_format import UNITS, HeightFormatError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import markers
@@ -76,31 +76,45 @@ def read(
 
 
 def doubts(
-    path: Path, measured: height_grid.Measured, xy_unit: str, key: str = "surface.xy_unit"
+    path: Path,
+    measured: height_grid.Measured,
+    xy_key: str = "surface.xy_unit",
+    height_key: str = "surface.height_unit",
 ) -> list[str]:
     """Return a sentence for each doubt about the columns and the units of a file of text.
 
-    The key is that which sets the unit of x and y.
+    The keys are those which set the unit of x and y, and of the heights.
     """
-    if path.suffix.lower() != height_files.TRIPLES or measured.spacing_m is None:
-        return height_files.doubts(path)
-    slopes = []
-    for axis, step in enumerate(measured.spacing_m):
-        differences = np.abs(np.diff(measured.heights, axis=axis))
-        known = differences[~np.isnan(differences)]
-        if known.size:
-            slopes.append(float(np.median(known)) / step)
-    steepest = max(slopes, default=0.0)
-    if steepest <= STEEP:
-        return []
-    likely = [
-        unit for unit, size in UNITS.items() if FLAT <= steepest * UNITS[xy_unit] / size <= USUAL
-    ]
+    sentences = height_files.doubts(path)
+    steepest = steepness(measured)
+    if not height_files.takes_units(path) or steepest <= STEEP:
+        return sentences
+    key = height_key
+    whose = "heights"
+    size = UNITS[measured.unit]
+    likely = [name for name, of in UNITS.items() if FLAT <= steepest * of / size <= USUAL]
+    if measured.xy_unit and not measured.names_xy_unit:
+        key = xy_key
+        whose = "x and y"
+        size = UNITS[measured.xy_unit]
+        likely = [name for name, of in UNITS.items() if FLAT <= steepest * size / of <= USUAL]
     advice = f"{key} {' or '.join(likely)}" if likely else key
     return [
-        f"half of the neighbouring heights are steeper than {rounded(steepest, 2)}, with x and y in"
-        f" {xy_unit}: set {advice} if x and y are in another unit than z"
+        *sentences,
+        f"half of the neighbouring heights are steeper than {rounded(steepest, 2)}, with"
+        f" {whose} in {measured.xy_unit if key == xy_key else measured.unit}: set {advice} if"
+        f" {whose} are in that unit",
     ]
+
+
+def steepness(measured: height_grid.Measured) -> float:
+    """Return the median slope between neighbours along the steeper axis; 0 without a spacing."""
+    slopes = []
+    for axis, step in enumerate(measured.spacing_m or ()):
+        differences = np.abs(np.diff(measured.numbers, axis=axis))
+        if not np.isnan(differences).all():
+            slopes.append(float(np.nanmedian(differences)) * UNITS[measured.unit] / step)
+    return max(slopes, default=0.0)
 
 
 def write(path: Path, heights_m: Array, spacing_m: tuple[float, float]) -> None:
@@ -199,7 +213,7 @@ def HeightArray(heights: Any, *, spacing_um: float, **keys: Any) -> HeightFile:
         raise ValueError(f"heights: got an array of shape {values.shape}, {allowed}")
     positive("spacing_um", spacing_um, 1e15)
     surface = HeightFile(path=COPY, spacing_um=float(spacing_um), **keys)
-    unit = surface.height_unit
+    unit = surface.height_unit or "m"
     checked = values
     if surface.outliers is not None:  # the preparation replaces marks of unmeasured points
         checked = markers.without(values, markers.suspected(np.atleast_2d(values), unit))

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.in_si import measured
 from rolling.in_si.in_metres import in_metres
-from rolling.scene.height_files import TRIPLES, HeightFormatError, is_instrument
-from rolling.scene.height_grid import height_grid, is_turned
+from rolling.scene import height_grid
+from rolling.scene.height_files import is_instrument
+from rolling.scene.height_format import HeightFormatError
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import markers
 from rolling.surface.heights import SurfaceError
@@ -29,7 +29,7 @@ def prepared_file(path: Path, surface: HeightFile) -> tuple[Array, Levelling, li
     SurfaceError
         The heights cannot be used.
     """
-    grid = height_grid(path, surface)
+    grid = height_grid.height_grid(path, surface)
     marked = None
     if surface.outliers is not None:
         _, marked = suspected(path, surface)
@@ -58,15 +58,13 @@ def read(path: Path, surface: HeightFile) -> Array:
     cannot be used with them. Raise SurfaceError for unusable heights, and for unmeasured points
     that may not be filled.
     """
-    values = _values(path, surface)
-    unit = "m" if is_instrument(path) else surface.height_unit
-    has_own_unit = is_instrument(path) and path.suffix.lower() != TRIPLES
+    values, unit = _values(path, surface)
     metres = partial(
         in_metres,
         unit=unit,
         name=str(path),
         has_gaps=surface.unmeasured == "fill",
-        has_own_unit=has_own_unit,
+        has_own_unit=is_instrument(path),
     )
     try:
         return metres(values)
@@ -82,17 +80,16 @@ def suspected(path: Path, surface: HeightFile) -> tuple[tuple[Marker, ...], Node
 
     The nodes that hold them, (along, across), come with them.
     """
-    values = _values(path, surface)
-    unit = "m" if is_instrument(path) else surface.height_unit
+    values, unit = _values(path, surface)
     suspects = markers.suspected(values, unit)
     return suspects, np.isin(values, [suspect.value for suspect in suspects])
 
 
-def _values(path: Path, surface: HeightFile) -> Array:
-    """Read the numbers of a file, (along, across), in m where it is of an instrument."""
-    unit = surface.height_unit if is_instrument(path) else "m"
+def _values(path: Path, surface: HeightFile) -> tuple[Array, str]:
+    """Read the numbers of a file, (along, across), and their unit."""
     try:
-        values = measured.read(path, surface.channel, unit, surface.xy_unit).heights
+        read = height_grid.read(path, surface.channel, surface.height_unit, surface.xy_unit)
     except HeightFormatError as error:
         raise SurfaceError(error.of(path)) from error
-    return values.T if is_turned(values.shape, surface) else values
+    values = read.numbers
+    return (values.T if height_grid.is_turned(values.shape, surface) else values), read.unit

@@ -18,9 +18,8 @@ import numpy as np
 from acoustics.arrays import Array, short_repr
 from rolling.in_si import in_metres, measured, plate_file
 from rolling.in_si.plate_file import prepared_file
-from rolling.scene import height_files, surfaces
+from rolling.scene import height_files, height_grid, surfaces
 from rolling.scene.height_files import reason_of
-from rolling.scene.height_grid import height_grid
 from rolling.scene.kept import Kept
 from rolling.scene.laws import HeightLaw
 from rolling.scene.messages import SceneError
@@ -222,7 +221,7 @@ def _seen(scene: Scene, plate: Array) -> InstrumentSight | None:
         return None
     if scene.surface.instrument is None:
         return None
-    steps = height_grid(path, scene.surface).steps
+    steps = height_grid.height_grid(path, scene.surface).steps
     file_spacing = steps[0] if scene.surface.width_um is not None else max(steps)
     return sight(plate, scene.spacing, scene.surface.instrument.in_si, file_spacing)
 
@@ -253,8 +252,8 @@ def _suspicions(scene: Scene) -> Iterator[str]:
     ball = scene.sphere.surface
     path = scene.height_path
     if path is not None and isinstance(plate, surfaces.HeightFile):
-        read = measured.read(path, plate.channel, plate.height_unit, plate.xy_unit)
-        yield from measured.doubts(path, read, plate.xy_unit or plate.height_unit)
+        read = height_grid.read(path, plate.channel, plate.height_unit, plate.xy_unit)
+        yield from measured.doubts(path, read)
         if plate.outliers is None:
             suspects, _ = plate_file.suspected(path, plate)
             if suspects:

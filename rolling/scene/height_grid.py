@@ -7,6 +7,7 @@ made periodic. They follow from the shape and the spacing of the file and from t
 surface.
 """
 
+import io
 import math
 import warnings
 import zipfile
@@ -23,14 +24,15 @@ from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
 from rolling.contact.track import MAX_NODES, MIN_NODES, Track
 from rolling.scene import height_files
-from rolling.scene.height_files import MAX_BYTES, TRIPLES, UNITS, HeightFormatError, is_instrument
+from rolling.scene.height_files import MAY_BE_TEXT, is_array, is_instrument, is_text
+from rolling.scene.height_format import MAX_BYTES, UNITS, HeightFormatError
 from rolling.scene.messages import first_line, mistake, plain_number, quoted, shortened
 from rolling.scene.surfaces import HeightFile, refuse_width
+from rolling.scene.text_heights import text_heights
 from rolling.surface.period_grid import SAME, HeightGrid, Pair, is_other
+from rolling.terminal.whole_files import open_regular
 
 _INSTALL = 'pip install "rolling-contact-noise[surfaces]"'
-_OFF_GRID = 0.05  # of a spacing that a point of a regular grid may lie off its node
-_SPARSE = 4  # nodes of a grid for each point of a file, at most
 _REASON = 120  # letters of an error of a reader
 _SPACINGS = 1e-12, 1.0  # [m]
 
@@ -40,30 +42,66 @@ _Channels = dict[str, Callable[[], tuple[Any, Sequence[float]]]]
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """Heights as an instrument measured them."""
+    """Heights as an instrument measured them.
+
+    Attributes
+    ----------
+    numbers : (rows, columns) array
+        Heights in their unit, (along, across), NaN at unmeasured points.
+    spacing_m : tuple of float, or None
+        Spacings [m] along and across; None: the file has none.
+    unit : str
+        Unit of UNITS of the numbers.
+    names_unit : bool
+        Whether the file or its format names that unit.
+    xy_unit : str
+        Unit of UNITS of the places in a text; empty for other files.
+    names_xy_unit : bool
+        Whether the file or its format names that unit.
+    channels : tuple of str
+        Names of the channels with heights.
+    taken : str
+        What of a text was taken for what; empty for other files.
+    """
 
     __repr__ = short_repr
 
-    heights: Array  # [m], shape (rows, columns) = (along, across), NaN at unmeasured points
-    spacing_m: tuple[float, float] | None  # [m] along and across; None: the file has none
-    channels: tuple[str, ...] = ()  # names of the channels with heights
+    numbers: Array
+    spacing_m: tuple[float, float] | None
+    unit: str = "m"
+    names_unit: bool = True
+    xy_unit: str = ""
+    names_xy_unit: bool = True
+    channels: tuple[str, ...] = ()
+    taken: str = ""
+
+    @property
+    def heights(self) -> Array:
+        """Heights [m]."""
+        if self.unit == "m":
+            return self.numbers
+        heights = np.multiply(self.numbers, UNITS[self.unit])
+        heights.flags.writeable = False
+        return heights
 
 
 def read(
-    path: Path, channel: str | None = None, unit: str = "m", xy_unit: str | None = None
+    path: Path, channel: str | None = None, unit: str | None = None, xy_unit: str | None = None
 ) -> Measured:
-    """Read the heights of a channel, by default the first; the last files are kept.
+    """Read the heights of a file of any format; the last files are kept.
 
     Parameters
     ----------
     path : Path
-        File of a format of INSTRUMENTS.
+        File of an instrument, an array of numpy, or a text.
     channel : str, optional
-        Name of the channel.
-    unit : str
-        Unit of UNITS of the heights in a file of triples x, y, z; other files have their own.
+        Name of a channel of an instrument's file, by default the first with heights.
+    unit : str, optional
+        Unit of UNITS of the heights in arrays and texts. Default: the unit that a text names,
+        and m where it names none.
     xy_unit : str, optional
-        Unit of x and y in a file of triples. Default: that of the heights.
+        Unit of the places in a text. Default: the unit that it names, and that of the heights
+        where it names none.
 
     Raises
     ------
@@ -74,7 +112,7 @@ def read(
     height_files.refuse_missing(path)
     status = path.stat()
     stamp = status.st_mtime_ns, status.st_size, status.st_ino
-    return _read(path, channel, unit, xy_unit or unit, stamp)
+    return _read(path, channel, unit, xy_unit, stamp)
 
 
 def missing(ending: str, error: ModuleNotFoundError) -> str:
@@ -84,21 +122,23 @@ def missing(ending: str, error: ModuleNotFoundError) -> str:
 
 @lru_cache(maxsize=2)
 def _read(
-    path: Path, channel: str | None, unit: str, xy_unit: str, stamp: tuple[int, ...]
+    path: Path, channel: str | None, unit: str | None, xy_unit: str | None, stamp: tuple[int, ...]
 ) -> Measured:
     """Read a file that was last written at a stamp."""
+    if not is_instrument(path):
+        if channel is not None:
+            raise HeightFormatError(f"a {path.suffix.lower()} file has no channels")
+        return _text(path, unit, xy_unit) if is_text(path) else _array(path, unit or "m")
     ending = path.suffix.lower()
+    if ending in MAY_BE_TEXT and _is_text(path):
+        return _text(path, unit, xy_unit)
     try:
         _refuse_large(path, stamp[1])
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of readers about the contents of the file
-            if ending == TRIPLES:
-                channels = _triples(path, unit, xy_unit)
+            with _judged(path):
+                channels = _channels_of_package(path, ending)
                 heights, spacing = _chosen(channels, channel)
-            else:
-                with _judged(path):
-                    channels = _channels_of_package(path, ending)
-                    heights, spacing = _chosen(channels, channel)
     except HeightFormatError:
         raise
     except ModuleNotFoundError as error:
@@ -110,15 +150,57 @@ def _read(
         raise HeightFormatError("holds no heights")
     values[~np.isfinite(values)] = np.nan
     along, across = (float(f"{step:.12g}") for step in spacing)  # units leave noise
-    if not all(_SPACINGS[0] <= step <= _SPACINGS[1] for step in (along, across)):
-        got = f"got a spacing of {along:g} m along and {across:g} m across"
-        advice = ""
-        if ending == TRIPLES:
-            advice = f"; the key xy_unit says the unit of x and y, here {xy_unit}"
-        limits = f"{_SPACINGS[0]:g} to {_SPACINGS[1]:g} m"
-        raise HeightFormatError(f"{got}, allowed: {limits}{advice}")
+    _refuse_spacing(along, across)
     values.flags.writeable = False
-    return Measured(values, (along, across), tuple(channels))
+    return Measured(values, (along, across), channels=tuple(channels))
+
+
+def _refuse_spacing(along: float, across: float, advice: str = "") -> None:
+    """Refuse spacings [m] that no surface is measured with."""
+    if all(_SPACINGS[0] <= step <= _SPACINGS[1] for step in (along, across)):
+        return
+    got = f"got a spacing of {along:g} m along and {across:g} m across"
+    limits = f"{_SPACINGS[0]:g} to {_SPACINGS[1]:g} m"
+    raise HeightFormatError(f"{got}, allowed: {limits}{advice}")
+
+
+def _array(path: Path, unit: str) -> Measured:
+    """Read an array of numpy, which holds neither spacing nor unit."""
+    values = height_files.numbers(path)
+    with np.errstate(over="ignore", invalid="ignore"):  # such heights are refused later
+        numbers = np.array(values, dtype=np.float64)
+    numbers[~np.isfinite(numbers)] = np.nan
+    numbers.flags.writeable = False
+    return Measured(numbers, None, unit=unit, names_unit=False)
+
+
+def _text(path: Path, unit: str | None, xy_unit: str | None) -> Measured:
+    """Read a text with the units and the spacing that it names; given units win."""
+    text = text_heights(path)
+    own_unit = unit or text.unit or "m"
+    spacing = None
+    of_places = xy_unit or text.steps_unit or own_unit
+    if text.steps is not None:
+        along, across = (float(f"{step * UNITS[of_places]:.12g}") for step in text.steps)
+        advice = f"; the key xy_unit says the unit of x and y, here {of_places}"
+        _refuse_spacing(along, across, advice)
+        spacing = along, across
+    return Measured(
+        numbers=text.numbers,
+        spacing_m=spacing,
+        unit=own_unit,
+        names_unit=text.unit is not None,
+        xy_unit=of_places if spacing is not None else "",
+        names_xy_unit=text.steps_unit is not None,
+        taken=text.taken,
+    )
+
+
+def _is_text(path: Path) -> bool:
+    """Tell whether a file begins with letters, as an export of an instrument does."""
+    with io.BufferedReader(open_regular(path)) as file:
+        begin = file.read(4096)
+    return not any(byte < 9 or 13 < byte < 26 for byte in begin)
 
 
 def _judged(path: Path) -> AbstractContextManager[None]:
@@ -240,55 +322,6 @@ def _of_channel(channel: Any) -> tuple[Any, list[float]]:
     return heights, [steps[-1], steps[0]]
 
 
-def _triples(path: Path, unit: str, xy_unit: str) -> _Channels:
-    """Return the heights of a text of triples x, y, z on a regular grid, z in a unit of its own."""
-    table = height_files.numbers_of_text(path)
-    if table.ndim != 2 or table.shape[1] != 3:
-        raise HeightFormatError(f"got {table.shape[1]} numbers on a line, allowed: x, y, z")
-    has_no_place = np.isnan(table[:, :2]).any(axis=1)
-    if has_no_place.any():
-        point = has_no_place.argmax() + 1
-        raise HeightFormatError(f"the point {point} has no place, only z may be nan")
-    x = _axis(table[:, 0], "x")
-    y = _axis(table[:, 1], "y")
-    if y.size * x.size > _SPARSE * len(table) + _SPARSE:
-        words = f"{len(table)} points on {y.size} x {x.size} nodes are no regular grid"
-        raise HeightFormatError(words)
-    heights = np.full((y.size, x.size), np.nan)
-    heights[y.nodes, x.nodes] = table[:, 2]
-    if len(np.unique(y.nodes * x.size + x.nodes)) < len(table):
-        raise HeightFormatError("several points lie on the same node, allowed: a regular grid")
-    # A line of points has the spacing of its only axis across as well.
-    along = (y.spacing or x.spacing) * UNITS[xy_unit]
-    across = (x.spacing or y.spacing) * UNITS[xy_unit]
-    return {"heights": lambda: (heights * UNITS[unit], [along, across])}
-
-
-class _Axis(NamedTuple):
-    """Nodes of points along an axis, their number, and their spacing, 0 for a single one."""
-
-    nodes: Any
-    size: int
-    spacing: float
-
-
-def _axis(values: Array, name: str) -> _Axis:
-    """Return the nodes of places along an axis; refuse places that lie on no regular grid."""
-    places = np.unique(values)
-    if len(places) == 1:
-        return _Axis(np.zeros(len(values), dtype=int), size=1, spacing=0.0)
-    span = places[-1] - places[0]
-    count = round(float(span / np.median(np.diff(places))))
-    step = float(span / count)
-    nodes = np.rint((values - places[0]) / step)
-    off = np.abs(values - places[0] - nodes * step)
-    if off.max() > _OFF_GRID * step:
-        point = int(off.argmax())
-        words = f"the point {point + 1} with {name} = {values[point]:g} lies on no regular grid"
-        raise HeightFormatError(words)
-    return _Axis(nodes.astype(int), size=count + 1, spacing=step)
-
-
 # ---- grid of a file
 
 
@@ -317,7 +350,8 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
     if surface.spacing_um is not None:
         spacing = surface.spacing_um * 1e-6
     else:
-        assert own_steps is not None  # refused before for files without a spacing
+        if own_steps is None:
+            raise mistake("missing; the file names no spacing", at="surface.spacing_um")
         spacing = min(own_steps)
     steps = own_steps or (spacing, spacing)
     is_profile = shape[1] == 1
@@ -408,7 +442,7 @@ def _period(count: int, spacing: float, surface: HeightFile) -> NodesOfSide:
 
 def _shape_and_steps(path: Path, surface: HeightFile) -> tuple[Pair, tuple[float, float] | None]:
     """Read the shape of a file, and the spacings [m] of a file that has its own."""
-    if not is_instrument(path):
+    if is_array(path):
         return height_files.nodes(path), None
     measured = read(path, surface.channel, surface.height_unit, surface.xy_unit)
     rows, columns = measured.heights.shape
@@ -464,7 +498,7 @@ def mistakes_at(path: Path, name: str, at: str) -> Iterator[None]:
     """Raise a mistake at a key where a file holds no heights; `name` is its path in the scene."""
     try:
         yield
-    except height_files.HeightFormatError as error:
+    except HeightFormatError as error:
         missing = isinstance(error.__cause__, FileNotFoundError)
         place = f" (looked in {path.parent.absolute()})" if missing else ""
         raise mistake(f"{error.of(shortened(name))}{place}", at=at) from error

@@ -4,7 +4,8 @@ import math
 import re
 from pathlib import Path
 
-from rolling.scene.height_files import UNITS, HeightFormatError, reason_of
+from rolling.scene.height_files import reason_of
+from rolling.scene.height_format import UNITS, HeightFormatError
 from rolling.scene.messages import quoted
 from rolling.scene.surfaces import LARGEST_UM
 from rolling.terminal.whole_files import read_regular

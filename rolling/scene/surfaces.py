@@ -14,10 +14,11 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 from acoustics.numbers import rounded
 from rolling.contact.track import MAX_NODES, MIN_NODES
 from rolling.scene import library
-from rolling.scene.height_files import TRIPLES, is_instrument
+from rolling.scene.height_files import is_array, is_instrument, is_period, takes_units
 from rolling.scene.laws import Roughness, SelfAffineLaw, SurfaceFault, SurfaceKind
 from rolling.scene.messages import TABLES, is_number, mistake, plain_number, quoted
 from rolling.scene.models import Section
+from rolling.scene.text_heights import TRIPLES
 from rolling.surface.ball_form import WAVE_NODES, BallForm
 from rolling.surface.instrument import InstrumentLimits
 
@@ -195,19 +196,20 @@ class HeightFile(SurfaceKind):
     kind : "file"
         Heights from a file; the track is the file
     path : str
-        File of heights, relative to the scene file: an array (.npy, .npz, .csv, .txt), .xyz, or a
-        format of a measuring instrument
+        File of heights, relative to the scene file: an array (.npy, .npz), a text (.csv, .txt,
+        .xyz), or a format of a measuring instrument
     channel : str, optional
         Channel of a measuring instrument's file. Default: the first with heights.
     along : str, optional
         Axis of the file along the track. y (default): a row of the file lies across.
-    height_unit : str
-        Unit of the heights of an array, or of .xyz
+    height_unit : str, optional
+        Unit of the heights of an array or a text. Default: the unit that a text names, else m.
     xy_unit : str, optional
-        Unit of x and y in .xyz. Default: that of the heights.
+        Unit of x and y in a text with places. Default: the unit that it names, else that of the
+        heights.
     spacing_um : float, optional
         Node spacing [um]. A file with spacings of its own is resampled to it. Default: the file's
-        finer spacing.
+        finer spacing; an array, and a text that names none, need it.
     outliers : float, optional
         Limit beyond which a node counts as unmeasured. It is the difference from the median of the
         5 x 5 neighbours, in robust standard deviations of the heights about their plane.
@@ -224,8 +226,8 @@ class HeightFile(SurfaceKind):
         Cut-off wavelength [um] of the Gaussian L-filter, which removes longer waves
     periodic : str, optional
         How a measurement becomes one period. blend: the end of each side fades into its beginning.
-        mirror: each side continues backwards. none: the file is a period. Default: none for an
-        array, otherwise blend.
+        mirror: each side continues backwards. none: the file is a period. Default: none for
+        .npy, .npz, .csv and .txt, otherwise blend.
     overlap_um : float, optional
         Length [um] of the blend, up to half a side. Default: a tenth of each side.
     width_um : float, optional
@@ -248,7 +250,7 @@ class HeightFile(SurfaceKind):
     path: str = Field(min_length=1)
     channel: str | None = None
     along: Literal["x", "y"] | None = None
-    height_unit: Literal["m", "mm", "um", "nm"] = "m"
+    height_unit: Literal["m", "mm", "um", "nm"] | None = None
     xy_unit: Literal["m", "mm", "um", "nm"] | None = None
     spacing_um: float | None = Field(default=None, gt=0)
     outliers: float | None = Field(default=None, ge=3)
@@ -265,24 +267,24 @@ class HeightFile(SurfaceKind):
     @model_validator(mode="after")
     def _fits_format(self) -> Self:
         ending = Path(self.path).suffix.lower()
-        if not is_instrument(self.path):
-            if self.spacing_um is None:
-                raise mistake(
-                    "missing; files of arrays and of rows of text do not hold their spacing",
-                    at="surface.spacing_um",
-                )
-            if self.channel is not None:
-                raise mistake(
-                    f"only goes with a file of an instrument, not {ending}", at="surface.channel"
-                )
-        elif ending != TRIPLES and self.height_unit != "m":
+        if is_array(self.path) and self.spacing_um is None:
+            raise mistake(
+                "missing; files of arrays do not hold their spacing", at="surface.spacing_um"
+            )
+        if not is_instrument(self.path) and self.channel is not None:
+            raise mistake(
+                f"only goes with a file of an instrument, not {ending}", at="surface.channel"
+            )
+        has_own_units = is_instrument(self.path) and not takes_units(self.path)
+        if has_own_units and self.height_unit not in (None, "m"):
             raise mistake(
                 f"got {quoted(self.height_unit)}, but a {ending} file holds its own units",
                 at="surface.height_unit",
             )
-        if self.xy_unit is not None and ending != TRIPLES:
+        if self.xy_unit is not None and not takes_units(self.path):
             raise mistake(
-                f"only goes with a {TRIPLES} file, not {ending or 'one without an ending'}",
+                f"only goes with a text such as .csv or {TRIPLES}, not"
+                f" {ending or 'one without an ending'}",
                 at="surface.xy_unit",
             )
         if self.outliers is not None and self.unmeasured != "fill":
@@ -312,7 +314,7 @@ class HeightFile(SurfaceKind):
         """Way in which the heights become periodic: blend, mirror or none."""
         if self.periodic is not None:
             return self.periodic
-        return "blend" if is_instrument(self.path) else "none"
+        return "none" if is_period(self.path) else "blend"
 
 
 Surface = Annotated[Gaussian | Smooth | HeightFile | SelfAffine, Field(discriminator="kind")]

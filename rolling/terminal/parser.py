@@ -463,13 +463,12 @@ def _add_surface(commands: Any) -> None:
         "--height-unit",
         dest="unit",
         choices=["m", "mm", "um", "nm"],
-        default="m",
-        help="unit of the heights, if FILE has none (default: m)",
+        help="unit of the heights, if FILE names none or another one (default: m)",
     )
     surface.add_argument(
         "--xy-unit",
         choices=["m", "mm", "um", "nm"],
-        help="unit of x and y of an .xyz file (default: that of the heights)",
+        help="unit of x and y of a text, if FILE names none (default: that of the heights)",
     )
     surface.add_argument(
         "--along",

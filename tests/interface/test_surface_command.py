@@ -16,6 +16,7 @@ from rolling import cli, read_scene
 from rolling.commands.replaced import source_name
 from rolling.in_si import measured, scene_surface
 from rolling.in_si.offered_lines import pair_of_scene
+from rolling.scene import height_grid
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 from rolling.surface.character import character, plasticity_index
@@ -55,7 +56,7 @@ def test_the_parameters_of_a_file_are_printed_and_written(
     """They are the numbers of the measured nodes less their plane, to the nine digits of a CSV."""
     assert cli.main(["surface", "scan.xyz"]) == 0
     said = capsys.readouterr().out
-    read = measured.read(Path("scan.xyz"))
+    read = height_grid.read(Path("scan.xyz"))
     direct = parameters(without_plane(read.heights), read.spacing_m or ())
     written = table("outputs/scan.xyz-surface/surface.csv")
     assert [*written] == [*NAMES]
@@ -272,7 +273,7 @@ def test_the_index_ranks_finishes_that_never_yield() -> None:
         (["scan.xyz", "--save", "none/z.npy"], "--save none/z.npy: no such folder"),
         (["plate.yaml", "--spacing-um", "1"], "only for a file of heights"),
         (["plate.yaml", "--set", "surface.sed=1"], "nearest: surface.seed"),
-        (["flat.npy", "--spacing-um", "1", "--xy-unit", "mm"], "only goes with a .xyz file"),
+        (["flat.npy", "--spacing-um", "1", "--xy-unit", "mm"], "--xy-unit: only goes with a text"),
         (["flat.npy"], "--spacing-um: missing"),
         (["gaps.npy", "--spacing-um", "1"], "holds no heights"),
         (["metres.npy", "--spacing-um", "1"], "--height-unit: Ra would be more than 0.001 m"),

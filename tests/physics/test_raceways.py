@@ -28,7 +28,7 @@ from rolling.bearing_kind.bearing_simulation import record_of
 from rolling.bearing_kind.body_forms import assumed_waves, form_of
 from rolling.bearing_kind.contact_plan import contact_plan
 from rolling.bearing_kind.joined_tracks import bearing_tracks
-from rolling.scene.height_files import HeightFormatError
+from rolling.scene.height_format import HeightFormatError
 from rolling.scene.roundness_files import MAX_BYTES, read_waves
 from rolling.scene.surfaces import GRADES
 from rolling.surface import made

@@ -30,9 +30,8 @@ import rolling
 from rolling.archive.definition import TEXT
 from rolling.bearing_kind import stored_run
 from rolling.bearing_kind.bearing_run import BearingRun
-from rolling.in_si import measured
-from rolling.scene import hdf5_files
-from rolling.scene.height_files import HeightFormatError
+from rolling.scene import hdf5_files, height_grid
+from rolling.scene.height_format import HeightFormatError
 from rolling.studies import accuracy
 from rolling.terminal.whole_files import FolderError
 
@@ -228,7 +227,7 @@ HEIGHTS = np.round(1e3 * np.random.default_rng(5).standard_normal((24, 17))) * 1
 def test_a_scan_in_hdf5_is_read(tmp_path: Path) -> None:
     pytest.importorskip("SurfaceTopography", reason="the extra `surfaces` is not installed")
     instrument_file(tmp_path / "scan.datx", HEIGHTS)
-    read = measured.read(tmp_path / "scan.datx")
+    read = height_grid.read(tmp_path / "scan.datx")
     np.testing.assert_allclose(read.heights, HEIGHTS, rtol=0, atol=1e-20)
     assert read.spacing_m == pytest.approx((2e-6, 3e-6))
 
@@ -260,7 +259,7 @@ def test_a_hostile_scan_is_refused_before_a_package_reads_it(
         "filter": "a filter that is not known",
     }
     with pytest.raises(HeightFormatError, match=words[name]):
-        measured.read(path)
+        height_grid.read(path)
     path.write_bytes(bytes(1024) + path.read_bytes())
     if name != "linked":  # its places count from the user block
         assert hdf5_files.is_hdf5(path)
@@ -274,7 +273,7 @@ def test_a_scan_with_a_text_that_states_four_gigabytes_is_refused(tmp_path: Path
     path.write_bytes(with_long_text(path.read_bytes(), 4_000_000_000, place="Data"))
     before = peak_bytes()
     with pytest.raises(HeightFormatError, match="no readable"):
-        measured.read(path)
+        height_grid.read(path)
     assert peak_bytes() < before + 300e6
 
 

@@ -14,7 +14,7 @@ import pytest
 
 from rolling.in_si import measured, scene_surface
 from rolling.scene import file, height_grid
-from rolling.scene.height_files import HeightFormatError
+from rolling.scene.height_format import HeightFormatError
 from rolling.scene.messages import SceneError
 
 pytest.importorskip("x3pio", reason="the extra `surfaces` is not installed")
@@ -80,10 +80,10 @@ def test_every_format_gives_the_same_heights(tmp_path: Path, name: str) -> None:
     """Shape, spacing, gaps and heights [m] of an unequal map are equal; float32 keeps 2e-13 m."""
     path = tmp_path / name
     WRITERS[name](path)
-    got = measured.read(path, unit=name[:2] if name == "um.xyz" else "m")
+    got = height_grid.read(path, unit=name[:2] if name == "um.xyz" else "m")
     assert got.spacing_m == pytest.approx(STEPS, rel=1e-9)
     np.testing.assert_allclose(got.heights, Z, rtol=0, atol=3e-13)
-    assert not got.heights.flags.writeable and len(got.channels) == 1
+    assert not got.heights.flags.writeable and len(got.channels) == (name[-3:] != "xyz")
     turned = file.loads(
         TEXT % name, ["surface.along=x", "surface.periodic=mirror"], folder=tmp_path
     )
@@ -106,25 +106,25 @@ def test_triples_may_have_two_units(tmp_path: Path, xy_unit: str, unit: str) -> 
     points[:, 2] /= 10 * sizes[unit]
     path = tmp_path / "h.xyz"
     np.savetxt(path, points)
-    right = measured.read(path, unit=unit, xy_unit=xy_unit)
+    right = height_grid.read(path, unit=unit, xy_unit=xy_unit)
     assert right.spacing_m == pytest.approx(STEPS, rel=1e-9)
     np.testing.assert_allclose(right.heights, Z / 10, rtol=0, atol=1e-18)
-    assert measured.doubts(path, right, xy_unit) == []
+    assert measured.doubts(path, right) == []
     keys = [f"surface.height_unit={unit}", f"surface.xy_unit={xy_unit}"]
     assert file.loads(TEXT % "h.xyz", keys, folder=tmp_path).spacing == pytest.approx(2e-6)
     if xy_unit == unit:
         return
     if sizes[xy_unit] / sizes[unit] > 1e8:  # steps far below those of atoms
         with pytest.raises(HeightFormatError, match="the key xy_unit says the unit of x and y"):
-            measured.read(path, unit=unit)
+            height_grid.read(path, unit=unit)
         return
-    doubts = measured.doubts(path, measured.read(path, unit=unit), unit)
+    doubts = measured.doubts(path, height_grid.read(path, unit=unit))
     assert f"{xy_unit} " in str(doubts) and "set surface.xy_unit" in str(doubts)
 
 
 def test_the_unit_of_x_and_y_goes_with_triples_only(tmp_path: Path) -> None:
     measured.write(tmp_path / "h.x3p", Z, STEPS)
-    with pytest.raises(SceneError, match=r"surface.xy_unit: only goes with a .xyz file, not .x3p"):
+    with pytest.raises(SceneError, match=r"surface.xy_unit: only goes with a text .* not .x3p"):
         file.loads(TEXT % "h.x3p", ["surface.xy_unit=mm"], folder=tmp_path)
 
 
@@ -132,7 +132,7 @@ def test_the_unit_of_x_and_y_goes_with_triples_only(tmp_path: Path) -> None:
 def test_written_heights_are_read_again(tmp_path: Path, ending: str) -> None:
     whole = np.nan_to_num(Z)
     measured.write(tmp_path / f"h{ending}", whole, STEPS)
-    np.testing.assert_allclose(measured.read(tmp_path / f"h{ending}").heights, whole, atol=1e-21)
+    np.testing.assert_allclose(height_grid.read(tmp_path / f"h{ending}").heights, whole, atol=1e-21)
 
 
 def test_masked_heights_are_written_as_unmeasured(tmp_path: Path) -> None:
@@ -140,7 +140,7 @@ def test_masked_heights_are_written_as_unmeasured(tmp_path: Path) -> None:
     masked.data[masked.mask] = 7.0
     for name in ("h.npy", "h.xyz", "h.x3p"):
         measured.write(tmp_path / name, masked, STEPS)
-        np.testing.assert_allclose(measured.read(tmp_path / name).heights, Z, atol=1e-21)
+        np.testing.assert_allclose(height_grid.read(tmp_path / name).heights, Z, atol=1e-21)
 
 
 def test_what_cannot_be_written_is_refused(tmp_path: Path) -> None:
@@ -169,8 +169,8 @@ def test_a_channel_is_named(tmp_path: Path) -> None:
 
     x3pio.write(tmp_path / "two.x3p", np.stack([Z, 2 * Z]), x_scale=3e-6, y_scale=2e-6)
     path = tmp_path / "two.x3p"
-    assert measured.read(path).channels == ("layer 1", "layer 2")
-    np.testing.assert_array_equal(measured.read(path, "layer 2").heights, 2 * Z)
+    assert height_grid.read(path).channels == ("layer 1", "layer 2")
+    np.testing.assert_array_equal(height_grid.read(path, "layer 2").heights, 2 * Z)
     message = refused(path, "surface.channel=layer 3")
     assert message.endswith('two.x3p: got the channel "layer 3", allowed: "layer 1", "layer 2"')
 
@@ -203,7 +203,7 @@ def test_damaged_files_are_refused_in_one_sentence(tmp_path: Path, name: str, da
     assert f"no readable {path.suffix.lower()} file (" in refused(path)
 
 
-@pytest.mark.parametrize("name", ["h.sur", "h.al3d", "h.opdx", "h.plu", "h.mnt", "h.dat", "h.tif"])
+@pytest.mark.parametrize("name", ["h.sur", "h.al3d", "h.opdx", "h.plu", "h.mnt", "h.tif"])
 def test_no_text_reader_takes_over(tmp_path: Path, name: str) -> None:
     """A text without sizes would be read as heights of an unknown spacing."""
     (tmp_path / name).write_text("1 2 3\n4 5 6\n7 8 9\n")
@@ -331,10 +331,10 @@ rc.read_scene("quickstart").check(solve=False)
 names = "x3pio", "sdfio", "SurfaceTopography"
 assert not [name for name in names if name in sys.modules]
 sys.modules.update(dict.fromkeys(names))
-from rolling.in_si import measured
+from rolling.scene import height_grid
 for name in ("h.x3p", "h.sur"):
     try:
-        measured.read(Path({str(tmp_path)!r}) / name)
+        height_grid.read(Path({str(tmp_path)!r}) / name)
     except Exception as error:
         print(error)
 """
