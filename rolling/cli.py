@@ -352,7 +352,13 @@ def _improve(scene: Any, given: argparse.Namespace) -> int:
         quantity=given.quantity,
     )
     paths = write_sensitivities(sensitivities)
-    print_advice(sensitivities.folder, sensitivities.sentences, sensitivities.lines, paths)
+    print_advice(
+        sensitivities.folder,
+        sensitivities.conditions,
+        sensitivities.sentences,
+        sensitivities.lines,
+        paths,
+    )
     return OK
 
 
@@ -371,7 +377,7 @@ def _below(scene: Any, given: argparse.Namespace) -> int:
         quantity=given.quantity,
     )
     paths = write_limit(limit)
-    print_advice(limit.folder, limit.sentences, [], paths)
+    print_advice(limit.folder, limit.conditions, limit.sentences, [], paths)
     return OK
 
 

@@ -97,9 +97,10 @@ class BallAudition(Audition):
         first: Sequence[HeardBall],
         second: Sequence[HeardBall],
         omitted: int = 0,
+        correlation: Array | None = None,
     ) -> Difference:
         """Return the difference of two candidates, with its third octaves."""
-        return difference(first, second, omitted)
+        return difference(first, second, omitted, correlation)
 
     def audible(self, choice: ChoiceNumbers) -> tuple[HeardDifference, ...]:
         """Judge whether each candidate after the first is heard to differ from the quietest."""

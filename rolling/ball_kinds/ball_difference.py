@@ -22,7 +22,10 @@ COUNTED = ("record", "comb", "contact_loss", "grid", "instrument")
 
 
 def difference(
-    first: Sequence[HeardBall], second: Sequence[HeardBall], omitted: int = 0
+    first: Sequence[HeardBall],
+    second: Sequence[HeardBall],
+    omitted: int = 0,
+    correlation: Array | None = None,
 ) -> Difference:
     """Return the difference of two candidates that are heard on the same specimens.
 
@@ -32,6 +35,8 @@ def difference(
         What is heard of each specimen, in the same order.
     omitted : int
         Number of pairs that are left out, because a contact has no solution. Default: 0.
+    correlation : (pairs, pairs) array, optional
+        Correlation of the pairs on the places of a scan. Default: they are independent.
     """
     pairs = list(zip(first, second, strict=True))
     # Pairs and loss factors. The one factor that a scene states stands beside two of the other's.
@@ -46,9 +51,11 @@ def difference(
             "instrument": _error_part(pairs, "instrument"),
             BAFFLE: float(np.mean([_baffle_part(ball, other) for ball, other in pairs])),
         }
-    band_db, band_uncertainty_db = _by_band(bands.mean(axis=1))
-    released_db, released_uncertainty_db = _released(pairs)
-    of_levels = paired_difference(VIBRATION, differences_db.mean(axis=1), shared_db, omitted)
+    band_db, band_uncertainty_db = _by_band(bands.mean(axis=1), correlation)
+    released_db, released_uncertainty_db = _released(pairs, correlation)
+    of_levels = paired_difference(
+        VIBRATION, differences_db.mean(axis=1), shared_db, omitted, correlation
+    )
     return replace(
         of_levels,
         released_db=released_db,
@@ -62,28 +69,30 @@ def difference(
 # ---- parts of a difference
 
 
-def _by_band(values: Array) -> tuple[Array, Array]:
+def _by_band(values: Array, correlation: Array | None) -> tuple[Array, Array]:
     """Return mean and standard uncertainty of differences by band, (pairs, 31) [dB]."""
     means = np.full(values.shape[1], np.nan)
     errors = np.full(values.shape[1], np.nan)
     for band, of_band in enumerate(values.T):
         if not np.all(np.isfinite(of_band)):
             continue
-        of_pairs = paired_mean(of_band)
+        of_pairs = paired_mean(of_band, correlation)
         means[band] = of_pairs.mean
         if math.isfinite(of_pairs.error):
             errors[band] = of_pairs.uncertainty
     return means, errors
 
 
-def _released(pairs: Sequence[tuple[HeardBall, HeardBall]]) -> tuple[float | None, float | None]:
+def _released(
+    pairs: Sequence[tuple[HeardBall, HeardBall]], correlation: Array | None
+) -> tuple[float | None, float | None]:
     """Return the mean difference of the released powers, and its standard uncertainty [dB]."""
     differences_db = []
     for ball, other in pairs:
         if ball.released_power_db is None or other.released_power_db is None:
             return None, None
         differences_db.append(ball.released_power_db - other.released_power_db)
-    of_pairs = paired_mean(np.array(differences_db))
+    of_pairs = paired_mean(np.array(differences_db), correlation)
     if not math.isfinite(of_pairs.error):
         return of_pairs.mean, None
     return of_pairs.mean, of_pairs.uncertainty

@@ -22,6 +22,7 @@ from rolling.marches.next_pieces import own_part
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.numbers.ball_numbers import RunNumbers
+from rolling.numbers.conditions import Condition, Method
 from rolling.numbers.quantity import RELEASED_POWER, VIBRATION, Quantity
 from rolling.numbers.run_file import KIND as NAME
 from rolling.numbers.run_file import StoredNumbers
@@ -326,6 +327,18 @@ class OneBall(Kind):
         return True
 
     # ---- sheets
+
+    def conditions(self, scene: Scene) -> list[Condition]:
+        """Return the conditions of a ball, with how its surfaces were prepared."""
+        from rolling.ball_kinds.ball_conditions import conditions
+
+        return conditions(scene)
+
+    def method(self, scene: Scene) -> Method:
+        """Return how the numbers of a ball are computed."""
+        from rolling.ball_kinds.ball_conditions import method
+
+        return method(scene)
 
     def sheets(self, run: Run) -> list[Sheet]:
         """Return the declaration of the level of the vibration."""

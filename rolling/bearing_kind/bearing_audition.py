@@ -105,6 +105,7 @@ class BearingAudition(Audition):
         first: Sequence[HeardRing],
         second: Sequence[HeardRing],
         omitted: int = 0,
+        correlation: Array | None = None,
     ) -> Difference:
         """Return the difference of two bearings in a band, or of the sound of their housings.
 
@@ -114,7 +115,8 @@ class BearingAudition(Audition):
         first_rms = np.array([heard_ring.rms(quantity) for heard_ring in first])
         second_rms = np.array([heard_ring.rms(quantity) for heard_ring in second])
         if not (np.all(first_rms > 0) and np.all(second_rms > 0)):
-            return paired_difference(quantity, np.full(len(first_rms), np.nan), {}, omitted)
+            silent = np.full(len(first_rms), np.nan)
+            return paired_difference(quantity, silent, {}, omitted, correlation)
         bands = [band.name for band in BANDS]
         if quantity != HOUSING.name:
             bands = [quantity]
@@ -122,9 +124,8 @@ class BearingAudition(Audition):
             gain_uncertainty_db(_levels_by_group(second, band), _levels_by_group(first, band))
             for band in bands
         )
-        return paired_difference(
-            quantity, 20 * np.log10(first_rms / second_rms), {GAINS: gains_db}, omitted
-        )
+        differences_db = 20 * np.log10(first_rms / second_rms)
+        return paired_difference(quantity, differences_db, {GAINS: gains_db}, omitted, correlation)
 
     # ---- values of a drawing
 

@@ -59,6 +59,12 @@ def condition(scene: BearingScene) -> str:
     name = scene.title or scene.name
     if bearing.named:
         name = f"bearing {bearing.named}"
+    return f"{name} at {rounded(bearing.speed_rpm, 4)} rpm under {loads_words(scene)}"
+
+
+def loads_words(scene: BearingScene) -> str:
+    """Write the loads of a bearing with their directions."""
+    bearing = scene.bearing
     loads = [
         f"{rounded(load, 3)} N {direction}"
         for load, direction in (
@@ -67,7 +73,7 @@ def condition(scene: BearingScene) -> str:
         )
         if load > 0
     ]
-    return f"{name} at {rounded(bearing.speed_rpm, 4)} rpm under {' and '.join(loads)}"
+    return " and ".join(loads)
 
 
 def band_words(ring: RingNumbers) -> dict[str, str]:

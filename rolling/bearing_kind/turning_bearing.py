@@ -26,6 +26,7 @@ from rolling.kinds.page_parts import PageParts
 from rolling.kinds.run_folder import LISTEN, RunFolder
 from rolling.marches.piece import contact_identity
 from rolling.numbers.bearing_numbers import BearingNumbers
+from rolling.numbers.conditions import Condition, Method
 from rolling.numbers.quantity import Quantity
 from rolling.numbers.run_file import BEARING_KIND, StoredBearing
 from rolling.results import shared_lines
@@ -232,6 +233,18 @@ class TurningBearing(MarchesInFiles):
         return bearing_parts(runs)
 
     # ---- sheets
+
+    def conditions(self, scene: BearingScene) -> list[Condition]:
+        """Return the conditions of a bearing, with how its surfaces were prepared."""
+        from rolling.bearing_kind.bearing_conditions import conditions
+
+        return conditions(scene)
+
+    def method(self, scene: BearingScene) -> Method:
+        """Return how the numbers of a bearing are computed."""
+        from rolling.bearing_kind.bearing_conditions import method
+
+        return method(scene)
 
     def sheets(self, run: BearingRun) -> list[Sheet]:
         """Return the vibration sheet, and the declaration of a housing plate."""

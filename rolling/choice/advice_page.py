@@ -16,6 +16,7 @@ from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.page_parts import Part
 from rolling.kinds.run_folder import RunFolder
 from rolling.report import text
+from rolling.report.condition_parts import conditions_part, methods_part
 from rolling.report.level_bars import Bars, Row, bars_around_zero
 from rolling.report.machine_drawing import MachineDrawing, drawing_of
 from rolling.report.page_of_parts import PageOfParts, exhibit
@@ -35,8 +36,15 @@ def sensitivities_page(result: Sensitivities) -> bytes:
     made = PageOfParts(
         title=f"What would make it quieter? {_title(result)}",
         machine=_drawing(result),
-        first=[Part("advice_first.html", {"lead": lead, "bars": _bars(result), "charts": []})],
-        parts=[_doubts(others), Part("table.html", {"heads": heads, "rows": rows})],
+        first=[
+            conditions_part(result.conditions),
+            Part("advice_first.html", {"lead": lead, "bars": _bars(result), "charts": []}),
+        ],
+        parts=[
+            _doubts(others),
+            Part("table.html", {"heads": heads, "rows": rows}),
+            methods_part(result.methods),
+        ],
     )
     return made.written()
 
@@ -109,8 +117,15 @@ def limit_page(result: Limit) -> bytes:
     made = PageOfParts(
         title=f"Which {word} stays below {result.level_db:g} {unit}? {_title(result)}",
         machine=_drawing(result),
-        first=[Part("advice_first.html", {"lead": lead, "bars": None, "charts": charts})],
-        parts=[_doubts(others), Part("table.html", {"heads": heads, "rows": rows})],
+        first=[
+            conditions_part(result.conditions),
+            Part("advice_first.html", {"lead": lead, "bars": None, "charts": charts}),
+        ],
+        parts=[
+            _doubts(others),
+            Part("table.html", {"heads": heads, "rows": rows}),
+            methods_part(result.methods),
+        ],
     )
     return made.written()
 

@@ -67,12 +67,9 @@ class Specimens:
         Number of specimens that there are.
     noun : str
         What the specimens are.
-    overlap : bool
-        Whether specimens share a part of their surface.
     """
 
     noun = "surfaces"
-    overlap = False
 
     def __init__(self, candidates: Sequence[Candidate]) -> None:
         """Find out what varies."""
@@ -92,6 +89,22 @@ class Specimens:
         seed = self._first_seed + number
         changes = dict.fromkeys(self.seeds(candidate.scene), seed)
         return candidate.scene.with_(changes) if changes else candidate.scene
+
+    def correlation(
+        self, first: Candidate, second: Candidate, numbers: Sequence[int]
+    ) -> Array | None:
+        """Return the correlation of the differences of two candidates between specimens.
+
+        None, the default, where each specimen has a surface of its own.
+
+        Parameters
+        ----------
+        first, second : Candidate
+            The candidates.
+        numbers : sequence of int
+            Numbers of the specimens, from 0 on.
+        """
+        return None
 
     def shortage_words(self, wanted: int) -> str:
         """Say what a scene has in place of a wanted number of specimens."""
@@ -255,7 +268,12 @@ class Audition:
         return kind_of(specimen.scene).read_run(specimen, specimen.candidate.label)
 
     def difference(
-        self, quantity: str, first: Sequence[Any], second: Sequence[Any], omitted: int = 0
+        self,
+        quantity: str,
+        first: Sequence[Any],
+        second: Sequence[Any],
+        omitted: int = 0,
+        correlation: Array | None = None,
     ) -> Difference:
         """Return the difference of two candidates in a quantity, first less second.
 
@@ -267,12 +285,14 @@ class Audition:
             What is heard of each specimen, in the same order.
         omitted : int
             Number of pairs that are left out, because a contact has no solution.
+        correlation : (pairs, pairs) array, optional
+            Correlation of the pairs on the places of a scan. Default: they are independent.
         """
         levels = np.array([of_specimen.level_db(quantity) for of_specimen in first])
         other_levels = np.array([of_specimen.level_db(quantity) for of_specimen in second])
         with np.errstate(invalid="ignore"):  # two silences have no difference
             differences_db = levels - other_levels
-        return paired_difference(quantity, differences_db, {}, omitted)
+        return paired_difference(quantity, differences_db, {}, omitted, correlation)
 
     def audible(self, choice: ChoiceNumbers) -> tuple[Any, ...]:
         """Judge whether each candidate after the first is heard to differ from the quietest."""

@@ -41,8 +41,6 @@ class Choice(ChoiceNumbers):
         How the scenes of the kind are compared.
     noun : str
         What the specimens are: surfaces, or places of the scan.
-    overlap : bool
-        Whether the places of a scan overlap.
     limit : str
         Why no more pairs were heard although the ± is above the wanted one; empty if it is not.
     within_db : float, dB
@@ -74,6 +72,11 @@ class Choice(ChoiceNumbers):
     def sentences(self) -> list[str]:
         """Who is quieter, by how much and how sure; where the difference lies; one doubt."""
         return choice_sentences.sentences(self)
+
+    @property
+    def methods(self) -> str:
+        """Paragraph on methods that one may paste into a report, with all conditions."""
+        return choice_sentences.methods(self)
 
     @property
     def doubts(self) -> list[Doubt]:

@@ -15,6 +15,8 @@ from rolling.numbers.doubt import Doubt, Severity
 from rolling.numbers.quantity import PART_WORDS
 
 WITHOUT_SOLUTION = "pairs_without_solution"  # key of the doubt that stands beside the verdict
+ALIKE_PLACES = "alike_places"
+FEW_SHARE = 0.75  # of the places, below which few independent ones limit the answer
 LEAST_DB = 0.1  # smallest part that the ± leaves out and a note names
 _LEFT_OUT_ADVICE = "the pairs that are left out; choose a wider surface"
 
@@ -45,15 +47,30 @@ def _omissions(choice: ChoiceNumbers) -> Iterator[Doubt]:
     yield Doubt(WITHOUT_SOLUTION, text, Severity.INDICATIVE)
 
 
-def _overlap(choice: ChoiceNumbers) -> Iterator[Doubt]:
-    """Say that the tracks of a scan overlap."""
-    if not choice.overlap or choice.widest.difference.uncertainty_db is None:
+def _alike_places(choice: ChoiceNumbers) -> Iterator[Doubt]:
+    """Say that places of a scan share its ridges, and what a further scan would bring."""
+    difference = choice.widest.difference
+    if difference.independent is None:
+        return
+    if difference.uncertainty_db is None or difference.further_scan_db is None:
+        text = (
+            f"The {choice.noun} share their ridges and tell no more than one place: a further scan"
+            " of each, elsewhere on the part, would give a ±."
+        )
+        yield Doubt(ALIKE_PLACES, text, Severity.DO_NOT_QUOTE)
+        return
+    spread = rounded_up(difference.uncertainty_db)
+    less = rounded_up(difference.further_scan_db)
+    gain = f"A further scan of each would lower the ± from {spread} to about {less} dB."
+    if not difference.shares_places:
+        yield Doubt(ALIKE_PLACES, gain, Severity.NOTE)
         return
     text = (
-        f"The scan has room for fewer than {choice.pairs} tracks, so they overlap, and the ± is"
-        " too small: measure a larger field."
+        f"The {choice.noun} share ridges, so that {difference.independent:.1f} independent places"
+        f" of each are in the ±, and not {difference.pairs}. {gain}"
     )
-    yield Doubt("overlapping_tracks", text, Severity.INDICATIVE)
+    is_few = difference.independent < FEW_SHARE * difference.pairs
+    yield Doubt(ALIKE_PLACES, text, Severity.INDICATIVE if is_few else Severity.NOTE)
 
 
 def _early(choice: ChoiceNumbers) -> Iterator[Doubt]:
@@ -80,8 +97,12 @@ def _wide(choice: ChoiceNumbers) -> Iterator[Doubt]:
     elif choice.limit and not choice.is_early:
         text = (
             f"The ± of {printable(other.label)} is above the wanted {choice.within_db:g} dB,"
-            f" because {choice.limit}; four times as many {choice.noun} would halve it."
+            f" because {choice.limit}"
         )
+        if difference.shares_places:
+            text += "."
+        else:
+            text += f"; four times as many {choice.noun} would halve it."
         yield Doubt("uncertain_by_scatter", text, Severity.INDICATIVE, size_db)
 
 
@@ -116,5 +137,5 @@ def left_out_text(differences: Iterable[Difference]) -> str:
     )
 
 
-LIMITS = (_omissions, _overlap, _early, _wide)
+LIMITS = (_omissions, _alike_places, _early, _wide)
 RULES = (*LIMITS, _left_out_parts)

@@ -14,6 +14,8 @@ from acoustics.arrays import Array
 from rolling.choice.candidate import Candidate
 from rolling.choice.difference import Difference
 from rolling.choice.heard_specimen import Heard, HeardQuantity, Specimen
+from rolling.kinds.stated_conditions import conditions_of
+from rolling.numbers.conditions import Conditions
 from rolling.sound.heard_in_room import HeardDifference
 
 if TYPE_CHECKING:
@@ -123,8 +125,6 @@ class ChoiceNumbers:
         How the scenes of the kind are compared.
     noun : str
         What the specimens are: surfaces, or places of the scan.
-    overlap : bool
-        Whether the places of a scan overlap.
     limit : str
         Why no more pairs were heard although the ± is above the wanted one; empty if it is not.
     within_db : float, dB
@@ -145,7 +145,6 @@ class ChoiceNumbers:
     by_quantity: list[dict[str, Difference]]
     audition: Audition
     noun: str
-    overlap: bool
     limit: str
     within_db: float
     folder: Path
@@ -153,6 +152,13 @@ class ChoiceNumbers:
     omitted: Sequence[OmittedPair] = ()
     is_early: bool = False
     command: str = ""
+
+    @property
+    def conditions(self) -> Conditions:
+        """Conditions of the candidates, by their labels."""
+        return conditions_of(
+            {contender.label: contender.candidate.scene for contender in self.contenders}
+        )
 
     @property
     def quantities(self) -> list[HeardQuantity]:

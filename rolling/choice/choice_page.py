@@ -15,6 +15,7 @@ from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.page_parts import Part
 from rolling.report import page_sounds
 from rolling.report.charts import Chart
+from rolling.report.condition_parts import conditions_part, methods_part
 from rolling.report.level_bars import Bars, Row, bars_around_zero
 from rolling.report.machine_drawing import drawing_of
 from rolling.report.page_of_parts import PageOfParts, exhibit
@@ -84,15 +85,17 @@ def page(choice: Choice, sounds: Sequence[CandidateSound]) -> bytes:
             "choice_numbers.html",
             {"heads": heads, "rows": rows, "sounds": own_sounds, "again": again, **counted},
         ),
+        methods_part(choice.methods),
     ]
     made = PageOfParts(
         title=_title(choice),
         machine=drawing_of([contender.candidate.scene for contender in choice.contenders]),
         first=[
+            conditions_part(choice.conditions),
             Part(
                 "choice_first.html",
                 {"sentence": first, "bars": _bars(choice), "sounds": own_sounds},
-            )
+            ),
         ],
         parts=parts,
     )

@@ -19,6 +19,7 @@ from rolling.choice.difference import Difference
 from rolling.choice.heard_specimen import HeardQuantity
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.numbers.quantity import uncertain
+from rolling.results.notes import UNVALIDATED
 
 PROBABLE = 0.8  # probability from which on a candidate is probably quieter
 WHERE_SHARE = 0.8  # of the difference of the energies that lies between two named frequencies
@@ -47,6 +48,18 @@ def explanations(choice: ChoiceNumbers) -> list[str]:
     """Return where the difference lies, and whether it is heard in the room."""
     audible = [choice.audible[0].text] if choice.audible else []
     return [*_where(choice), *audible]
+
+
+def methods(choice: ChoiceNumbers) -> str:
+    """Return the paragraph on methods of a choice, for a report."""
+    widest = choice.widest.difference
+    compared = f"Candidates were compared on {counted(widest, choice.noun)}."
+    if widest.uncertainty_db is not None:
+        compared += (
+            " The ± is one standard uncertainty of the mean difference by Student's t, with the"
+            " scatter of the first six."
+        )
+    return choice.conditions.paragraph([compared, *verdicts(choice), UNVALIDATED])
 
 
 def limiting_doubts(choice: ChoiceNumbers) -> list[Doubt]:
@@ -124,7 +137,19 @@ def _specimens(difference: Difference, noun: str) -> str:
     """Say on how many specimens a difference was heard, and how sure its sign is."""
     if difference.sureness is None:
         return "one specimen, so it has no ±"
-    return f"{difference.pairs} {noun}; {probability(difference.sureness)} sure"
+    return f"{counted(difference, noun)}; {probability(difference.sureness)} sure"
+
+
+def counted(difference: Difference, noun: str) -> str:
+    """Say on how many specimens a difference was heard, and as how many independent ones."""
+    if not difference.shares_places:
+        return f"{difference.pairs} {noun}"
+    return f"{difference.pairs} {noun}, {independent_words(difference)}"
+
+
+def independent_words(difference: Difference) -> str:
+    """Say as how many independent places the places of a difference count."""
+    return f"which count as {difference.independent:.1f} independent ones"
 
 
 def number(difference: Difference) -> str:
@@ -155,11 +180,17 @@ def _verdict(choice: ChoiceNumbers) -> str:
         return f"{capital(_silence(choice))}."
     quiet = printable(quietest.label)
     loud = printable(other.label)
-    count = f"{difference.pairs} {choice.noun}"
+    count = counted(difference, choice.noun)
     if difference.pairs == 1:
         return (
             f"{capital(quiet)} is {difference.db:.1f} dB(A) quieter than {loud}. Nothing is random"
             " in these scenes, so they are compared once, and the difference has no ±."
+        )
+    if difference.uncertainty_db is None:
+        return (
+            f"{capital(quiet)} is {difference.db:.1f} dB(A) quieter than {loud} on these scans. All"
+            f" {difference.pairs} {choice.noun} share their ridges and count as one, so the"
+            " difference has no ±."
         )
     number = uncertain(difference.db, difference.uncertainty_db)
     sure = f"{probability(difference.sureness)} sure"

@@ -57,6 +57,9 @@ def _difference_columns(choice: ChoiceNumbers, place: int, quantity: str) -> dic
     }
     for part, size in difference.parts_db.items():
         columns_of_difference[f"{part}_part_db"] = size if math.isfinite(size) else None
+    if difference.independent is not None:
+        columns_of_difference["independent_places"] = difference.independent
+        columns_of_difference["further_scan_uncertainty_db"] = difference.further_scan_db
     columns_of_difference["uncertainty_left_out"] = " ".join(difference.left_out_db)
     return columns_of_difference
 

@@ -17,6 +17,8 @@ from rolling.choice.choice import Choice
 from rolling.choice.choice_numbers import Contender
 from rolling.choice.choosing import FORMAT
 from rolling.choice.difference import Difference
+from rolling.kinds.stated_conditions import with_conditions
+from rolling.numbers.conditions import Conditions
 from rolling.numbers.number_files import summary_of
 from rolling.results.runs_table import csv_bytes
 from rolling.run import folder as folders
@@ -30,8 +32,8 @@ def print_choice(choice: Choice) -> None:
     if progress.is_quiet():
         print(choice.folder)
         return
-    for sentence in choice.sentences:
-        print(folded(sentence))
+    for line in [*choice.conditions.lines, *choice.sentences]:
+        print(folded(line))
     print()
     print(choice_table.lines(choice))
     print()
@@ -48,13 +50,17 @@ def print_choice(choice: Choice) -> None:
 
 
 def print_advice(
-    folder: Path, sentences: Sequence[str], lines: Sequence[str], paths: Sequence[Path]
+    folder: Path,
+    conditions: Conditions,
+    sentences: Sequence[str],
+    lines: Sequence[str],
+    paths: Sequence[Path],
 ) -> None:
     """Print the answer to what would help, or how coarse a value may be; the folder if quiet."""
     if progress.is_quiet():
         print(folder)
         return
-    for sentence in sentences:
+    for sentence in [*conditions.lines, *sentences]:
         print(folded(sentence))
     if lines:
         print()
@@ -67,8 +73,14 @@ def print_advice(
 
 def write_answer(choice: Choice) -> None:
     """Write numbers and sentences of a choice that goes on, which outlast an interruption."""
-    whole_files.write_bytes(choice.folder / TABLE, csv_bytes(choice.table()))
+    whole_files.write_bytes(choice.folder / TABLE, _table_file(choice))
     whole_files.write_json(choice.folder / CHOICE, as_json(choice))
+
+
+def _table_file(choice: Choice) -> bytes:
+    """Return the table of a choice as a file, with the conditions of each candidate."""
+    table = choice.table()
+    return csv_bytes(with_conditions(table, choice.conditions, table["candidate"]))
 
 
 def write_choice(choice: Choice) -> None:
@@ -81,7 +93,7 @@ def write_choice(choice: Choice) -> None:
         png = picture(choice).file("png")
     if png is not None:
         whole_files.write_bytes(choice.folder / PICTURE, png)
-    whole_files.write_bytes(choice.folder / TABLE, csv_bytes(choice.table()))
+    whole_files.write_bytes(choice.folder / TABLE, _table_file(choice))
     for contender, sound in zip(choice.contenders, sounds, strict=True):
         path = choice.folder / f"{contender.candidate.folder_name}.wav"
         whole_files.write_bytes(path, sound.wav)
@@ -112,7 +124,9 @@ def as_json(choice: Choice) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "program": folders.this_program(),
+        "conditions": choice.conditions.as_json(),
         "sentences": choice.sentences,
+        "methods": choice.methods,
         "candidates": candidates,
         "differences": differences,
         "audible": [difference.text for difference in choice.audible],
@@ -153,6 +167,9 @@ def _difference_as_json(difference: Difference) -> dict[str, Any]:
         ),
         "left_out_db": difference.left_out_db,
     }
+    if difference.independent is not None:
+        content["independent_places"] = difference.independent
+        content["further_scan_uncertainty_db"] = difference.further_scan_db
     if difference.released_db is not None:
         content["released_power_higher_db"] = difference.released_db
         content["released_power_higher_uncertainty_db"] = difference.released_uncertainty_db

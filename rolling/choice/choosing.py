@@ -8,7 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from acoustics.pairs import FEWEST_PAIRS, FIRST_PAIRS, LOOKS, pairs_needed
+from acoustics.arrays import Array
+from acoustics.pairs import FEWEST_PAIRS, FIRST_PAIRS, LOOKS, independent_pairs, pairs_needed
 from rolling.check import cost, forecast, refusals
 from rolling.choice import choice_sentences
 from rolling.choice.audition import Audition, audition_of
@@ -27,6 +28,7 @@ from rolling.scene.identity import contact_keys, digest, scene_identity
 from rolling.terminal import progress
 
 GOES_ON = "it was interrupted"  # why a choice that is kept between batches has no more pairs
+MORE = 1.1  # factor by which more places have to add independent ones, or none is marched
 LONG_S = 60.0  # time of the first marches, from which on it is said
 FORMAT = "rolling-contact-noise choice, format 4"
 FORMATS = (  # with those of older versions
@@ -148,6 +150,14 @@ class OpenChoice:
             )
         return HeardPairs(contenders, [omitted[number] for number in sorted(omitted)])
 
+    def correlation(self, first: Contender, second: Contender) -> Array | None:
+        """Return the correlation of the differences of two contenders between their specimens.
+
+        None where each specimen has a surface of its own.
+        """
+        numbers = [specimen.number for specimen in first.specimens]
+        return self.specimens.correlation(first.candidate, second.candidate, numbers)
+
     def _leave_out_failed(
         self,
         candidates: Sequence[Candidate],
@@ -256,8 +266,10 @@ def _until_known(
     for count in looks:
         choice = _choice(work, work.hear(candidates, count), budget)
         tell(choice)
-        if pairs_needed_of(choice) <= choice.pairs:
+        if pairs_needed_of(choice, work) <= choice.pairs:
             return choice
+        if count < looks[-1] and not _more_would_help(work, choice, looks[-1]):
+            return replace(choice, limit=f"there are no more independent {noun}")
         if clock.is_over and count < looks[-1]:
             return replace(choice, limit=budget.of_time, is_early=True)
     return replace(choice, limit=budget.why_no_more(noun))
@@ -273,7 +285,11 @@ def _choice(work: OpenChoice, pairs: HeardPairs, budget: Budget) -> Choice:
         of_one = {}
         for quantity in quantities:
             of_one[quantity.name] = work.audition.difference(
-                quantity.name, other.heard, quietest.heard, omitted=len(pairs.omitted)
+                quantity.name,
+                other.heard,
+                quietest.heard,
+                omitted=len(pairs.omitted),
+                correlation=work.correlation(other, quietest),
             )
         by_quantity.append(of_one)
     return Choice(
@@ -281,7 +297,6 @@ def _choice(work: OpenChoice, pairs: HeardPairs, budget: Budget) -> Choice:
         by_quantity=by_quantity,
         audition=work.audition,
         noun=work.specimens.noun,
-        overlap=work.specimens.overlap,
         limit="",
         within_db=budget.within_db,
         folder=work.folder,
@@ -289,17 +304,33 @@ def _choice(work: OpenChoice, pairs: HeardPairs, budget: Budget) -> Choice:
     )
 
 
-def pairs_needed_of(choice: Choice) -> int:
+def _more_would_help(work: OpenChoice, choice: Choice, most: int) -> bool:
+    """Tell whether more specimens, up to the most, add to the independent ones of a difference."""
+    if choice.pairs < FIRST_PAIRS:
+        return True
+    quietest = choice.contenders[0]
+    for other in choice.contenders[1:]:
+        here = work.correlation(other, quietest)
+        every = work.specimens.correlation(other.candidate, quietest.candidate, range(most))
+        if here is None or every is None:
+            return True
+        if independent_pairs(every) >= MORE * independent_pairs(here):
+            return True
+    return False
+
+
+def pairs_needed_of(choice: Choice, work: OpenChoice) -> int:
     """Return the number of pairs after which every ± of a choice is the wanted one."""
     if choice.pairs < FIRST_PAIRS:
         return FIRST_PAIRS
     needed = choice.pairs
     quietest = choice.contenders[0]
     for other, of_one in zip(choice.contenders[1:], choice.by_quantity, strict=True):
+        correlation = work.correlation(other, quietest)
         for quantity, difference in of_one.items():
             if difference.db is None:
                 continue
             wanted_db = difference.wanted_scatter_db(choice.within_db)
             values = other.levels_in(quantity) - quietest.levels_in(quantity)
-            needed = max(needed, pairs_needed(values, wanted_db))
+            needed = max(needed, pairs_needed(values, wanted_db, correlation))
     return needed

@@ -21,6 +21,7 @@ from rolling.numbers.quantity import joined
 
 SCATTER = "scatter"  # part of the pairs
 LEFT_OUT = "left_out"  # part of the pairs that have no solution
+ALIKE = 0.95  # share of the pairs, below which the number of independent ones is told
 LEAST_SHARE = 0.5  # of the wanted ± that the scatter of the pairs gets in any case
 
 
@@ -53,6 +54,12 @@ class Difference:
     left_out_db : dict, dB
         What the uncertainty leaves out, by source: parts of the ± of the runs that are taken to
         shift both levels alike, with the size that they would have otherwise. Default: nothing.
+    independent : float or None
+        Number of independent pairs that the pairs count as, because places of a scan share its
+        ridges; None where each pair is independent. Default: None.
+    further_scan_db : float or None, dB
+        Standard uncertainty that as many places on a further scan of each would leave; None without
+        scans. Default: None.
 
     Examples
     --------
@@ -76,11 +83,18 @@ class Difference:
     band_db: Array | None = None
     band_uncertainty_db: Array | None = None
     left_out_db: dict[str, float] = field(default_factory=dict)
+    independent: float | None = None
+    further_scan_db: float | None = None
 
     @property
     def is_sure(self) -> bool:
         """Whether the sign is right with 95 % probability."""
         return self.sureness is not None and self.sureness >= SURE
+
+    @property
+    def shares_places(self) -> bool:
+        """Whether its pairs count as fewer independent ones, because their places are alike."""
+        return self.independent is not None and self.independent < ALIKE * self.pairs
 
     def wanted_scatter_db(self, within_db: float) -> float:
         """Return what the scatter may add to a wanted ± [dB], since more pairs lower it only.
@@ -93,7 +107,11 @@ class Difference:
 
 
 def paired_difference(
-    quantity: str, differences_db: Array, shared_db: Mapping[str, float], omitted: int = 0
+    quantity: str,
+    differences_db: Array,
+    shared_db: Mapping[str, float],
+    omitted: int = 0,
+    correlation: Array | None = None,
 ) -> Difference:
     """Return the difference of two candidates that are heard on the same specimens.
 
@@ -107,6 +125,8 @@ def paired_difference(
         Parts of the uncertainty that all pairs share, by their origin.
     omitted : int
         Number of pairs that are left out, because a contact has no solution. Default: 0.
+    correlation : (pairs, pairs) array, optional
+        Correlation of the pairs on the places of a scan. Default: they are independent.
     """
     if not np.all(np.isfinite(differences_db)):
         return Difference(
@@ -117,20 +137,23 @@ def paired_difference(
             sureness=None,
             parts_db={},
         )
-    of_pairs = paired_mean(differences_db)
+    of_pairs = paired_mean(differences_db, correlation)
     db = of_pairs.mean
     uncertainty_db = None
+    further_db = None
     sure = None
     parts_db = {SCATTER: of_pairs.error, **shared_db}
     if math.isfinite(of_pairs.error):
         adverse = None
         if omitted:
-            adverse = _with_adverse(differences_db, omitted)
+            adverse = _with_adverse(differences_db, omitted, correlation)
             parts_db[LEFT_OUT] = abs(db - adverse.mean)
         total = joined(parts_db)
         freedom = joint_freedom(of_pairs, total)
         uncertainty_db = total * student_factor(freedom)
         sure = sureness(db, total, freedom)
+        if correlation is not None:
+            further_db = _with_further_scans(of_pairs, parts_db)
         if adverse is not None:
             sure = min(sure, _adverse_sureness(db, adverse, parts_db))
     return Difference(
@@ -140,10 +163,26 @@ def paired_difference(
         uncertainty_db=uncertainty_db,
         sureness=sure,
         parts_db=parts_db,
+        independent=None if correlation is None else of_pairs.independent,
+        further_scan_db=further_db,
     )
 
 
-def _with_adverse(values: Array, omitted: int) -> PairedMean:
+def _with_further_scans(of_pairs: PairedMean, parts_db: Mapping[str, float]) -> float:
+    """Return the uncertainty [dB] that a further scan of each with as many places would leave.
+
+    Both scans have the same scatter, each about its own mean, and twice as many independent places.
+    """
+    both = of_pairs._replace(
+        error=of_pairs.error / math.sqrt(2),
+        freedom=2 * of_pairs.freedom + 1,
+        independent=2 * of_pairs.independent,
+    )
+    total = math.hypot(both.error, joined(parts_db, left_out=[SCATTER]))
+    return total * student_factor(joint_freedom(both, total))
+
+
+def _with_adverse(values: Array, omitted: int, correlation: Array | None) -> PairedMean:
     """Return the mean of pairs with those that are left out, as if these spoke against the others.
 
     Nobody knows the difference of a pair that has no solution. It counts as one that is as large as
@@ -154,11 +193,10 @@ def _with_adverse(values: Array, omitted: int) -> PairedMean:
     beside = 2.0 * max(abs(mean), float(np.std(values, ddof=1)))
     against = mean - math.copysign(beside, mean)
     whole = np.append(values, np.full(omitted, against))
-    return PairedMean(
-        mean=float(np.mean(whole)),
-        error=float(np.std(whole, ddof=1)) / math.sqrt(len(whole)),
-        freedom=float(len(whole) - 1),
-    )
+    of_whole = np.eye(len(whole))
+    if correlation is not None:
+        of_whole[: len(values), : len(values)] = correlation
+    return paired_mean(whole, of_whole, first_pairs=len(whole))
 
 
 def _adverse_sureness(db: float, adverse: PairedMean, parts_db: Mapping[str, float]) -> float:

@@ -25,7 +25,10 @@ from acoustics.arrays import Array
 from acoustics.pairs import SURE
 from acoustics.texts import printable
 from rolling.choice.heard_specimen import HeardQuantity
+from rolling.kinds.stated_conditions import conditions_of
+from rolling.numbers.conditions import Conditions
 from rolling.results import labels
+from rolling.results.notes import UNVALIDATED
 from rolling.scene import library
 from rolling.scene.surfaces import GRADES
 
@@ -192,6 +195,21 @@ class Limit:
         from rolling.choice.advice_pictures import plot_limit
 
         return plot_limit(self, ax)
+
+    @property
+    def conditions(self) -> Conditions:
+        """Conditions of the scene; none where it is not known."""
+        return conditions_of({self.name: self.scene})
+
+    @property
+    def methods(self) -> str:
+        """Paragraph on methods that one may paste into a report, with all conditions."""
+        searched = (
+            f"The value of {self.key} was searched on the same {self.noun} at each value. A value"
+            " counts as below the level where the one-sided tolerance limit of ISO 16269-6 lies"
+            " below it: of 95 % of specimens, with 95 % confidence."
+        )
+        return self.conditions.paragraph([searched, *self.sentences[:1], UNVALIDATED])
 
     @property
     def sentences(self) -> list[str]:

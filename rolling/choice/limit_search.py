@@ -35,6 +35,7 @@ from rolling.choice.limit import (
 )
 from rolling.choice.sensitivity import quantity_of, refuse_sweep
 from rolling.contact.solver import ContactError
+from rolling.kinds.stated_conditions import with_conditions, write_answer_file
 from rolling.results import labels
 from rolling.scene.messages import SceneError, is_number, nearest, plain_number, quoted
 from rolling.scene.models import full_key
@@ -48,6 +49,7 @@ CUTS = 4  # of a range whose ends are refused
 TABLE = "below.csv"
 PICTURE = "below.png"
 PAGE = "below.html"
+ANSWER = "below.json"
 
 
 def coarsest_value(
@@ -375,7 +377,12 @@ def write_limit(result: Limit) -> list[Path]:
     from rolling.results.runs_table import csv_bytes
 
     written = [result.folder / TABLE]
-    whole_files.write_bytes(written[0], csv_bytes(result.table()))
+    table = result.table()
+    conditions = result.conditions
+    stated = with_conditions(table, conditions, [result.name] * len(table))
+    whole_files.write_bytes(written[0], csv_bytes(stated))
+    write_answer_file(result.folder / ANSWER, result.sentences, conditions, result.methods)
+    written.append(result.folder / ANSWER)
     with left_out_if_it_fails("below"):
         whole_files.write_bytes(result.folder / PICTURE, limit_picture(result))
         written.append(result.folder / PICTURE)

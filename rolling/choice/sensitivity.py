@@ -30,7 +30,10 @@ from rolling.choice.difference import Difference
 from rolling.choice.drawing import ChangedValue, LeftOut
 from rolling.choice.heard_specimen import HeardQuantity
 from rolling.contact.solver import ContactError
+from rolling.kinds.stated_conditions import conditions_of, with_conditions, write_answer_file
+from rolling.numbers.conditions import Conditions
 from rolling.results.description import listed
+from rolling.results.notes import UNVALIDATED
 from rolling.run.budget import Budget, Clock
 from rolling.scene.messages import SceneError, quoted
 from rolling.scene.models import full_key
@@ -46,6 +49,7 @@ USUAL = Budget(within_db=defaults.IMPROVED_WITHIN_DB)
 TABLE = "improve.csv"
 PICTURE = "improve.png"
 PAGE = "improve.html"
+ANSWER = "improve.json"
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +68,9 @@ class Sensitivity:
         The same by the linear chain, for a larger value; None where it has no level.
     quantity : HeardQuantity
         The quantity whose level changes.
+    correlation : (specimens, specimens) array or None
+        Correlation of the changes on the places of a scan; None where each specimen has a surface
+        of its own.
     """
 
     change: ChangedValue
@@ -72,6 +79,7 @@ class Sensitivity:
     chain_db: float | None
     chain_uncertainty_db: float | None
     quantity: HeardQuantity
+    correlation: Array | None = None
 
     @property
     def db(self) -> float:
@@ -225,6 +233,20 @@ class Sensitivities:
                 line += f", linear chain {of_chain}"
             lines.append(line)
         return lines
+
+    @property
+    def conditions(self) -> Conditions:
+        """Conditions of the scene; none where it is not known."""
+        return conditions_of({self.name: self.scene})
+
+    @property
+    def methods(self) -> str:
+        """Paragraph on methods that one may paste into a report, with all conditions."""
+        compared = (
+            "Each value of the drawing was changed by its step, and both scenes met the same"
+            f" {self.noun}. The ± is one standard uncertainty of the mean change by Student's t."
+        )
+        return self.conditions.paragraph([compared, *self.sentences[:1], UNVALIDATED])
 
     @property
     def sentences(self) -> list[str]:
@@ -412,7 +434,7 @@ class _SpecimenLoop:
         if difference.uncertainty_db is None or difference.uncertainty_db <= self._budget.within_db:
             return difference.pairs
         wanted_db = difference.wanted_scatter_db(self._budget.within_db)
-        return pairs_needed(row.levels_apart_db, wanted_db)
+        return pairs_needed(row.levels_apart_db, wanted_db, row.correlation)
 
     def _sensitivity(
         self, change: ChangedValue, base: Contender, changed: Contender, omitted: int
@@ -423,22 +445,26 @@ class _SpecimenLoop:
         """
         audition = self._work.audition
         name = self._quantity.name
+        correlation = self._work.correlation(changed, base)
         chain_db = None
         chain_uncertainty_db = None
         of_base = audition.second_opinion(base.specimens)
         of_changed = audition.second_opinion(changed.specimens)
         if of_base is not None and of_changed is not None:
-            of_pairs = paired_mean(of_changed - of_base)
+            of_pairs = paired_mean(of_changed - of_base, correlation)
             chain_db = of_pairs.mean if change.is_upwards else -of_pairs.mean
             if math.isfinite(of_pairs.error):
                 chain_uncertainty_db = of_pairs.uncertainty
         return Sensitivity(
             change=change,
-            difference=audition.difference(name, changed.heard, base.heard, omitted=omitted),
+            difference=audition.difference(
+                name, changed.heard, base.heard, omitted=omitted, correlation=correlation
+            ),
             levels_apart_db=changed.levels_in(name) - base.levels_in(name),
             chain_db=chain_db,
             chain_uncertainty_db=chain_uncertainty_db,
             quantity=self._quantity,
+            correlation=correlation,
         )
 
 
@@ -450,7 +476,12 @@ def write_sensitivities(result: Sensitivities) -> list[Path]:
     from rolling.results.runs_table import csv_bytes
 
     written = [result.folder / TABLE]
-    whole_files.write_bytes(written[0], csv_bytes(result.table()))
+    table = result.table()
+    conditions = result.conditions
+    stated = with_conditions(table, conditions, [result.name] * len(table))
+    whole_files.write_bytes(written[0], csv_bytes(stated))
+    write_answer_file(result.folder / ANSWER, result.sentences, conditions, result.methods)
+    written.append(result.folder / ANSWER)
     if result.rows:
         with left_out_if_it_fails("improve"):
             whole_files.write_bytes(result.folder / PICTURE, sensitivities_picture(result))

@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from acoustics.texts import printable
 from rolling.commands.run import run_scene
 from rolling.figures.picture import slug
+from rolling.kinds.stated_conditions import conditions_of, with_conditions, write_answer_file
 from rolling.recordings.agreement import sentences
 from rolling.recordings.recorded import PRESSURE, quantity_of
 from rolling.recordings.recorded_units import unit_of
@@ -16,6 +18,7 @@ from rolling.recordings.recording_comparison import compare as compare_record
 from rolling.recordings.series_files import FileLayout
 from rolling.report import bench as benches
 from rolling.report import recording_page, synthetic_bench
+from rolling.results.notes import UNVALIDATED
 from rolling.results.runs_table import csv_bytes
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs
@@ -162,16 +165,26 @@ def _write_comparison(
     run: Any, folder: Path, recording: Path, comparison: RecordingComparison
 ) -> Path:
     """Write page and table of a comparison into a run folder, and print them; return the page."""
-    content = recording_page.page(run, comparison)
-    numbers = csv_bytes(comparison.table)
+    label = run.scene.name
+    conditions = conditions_of({label: run.scene})
+    answer = sentences(comparison)
+    methods = conditions.paragraph(
+        [f"It was compared with the recording {printable(recording.name)}.", *answer, UNVALIDATED]
+    )
+    content = recording_page.page(run, comparison, conditions, methods)
+    table = comparison.table
+    numbers = csv_bytes(with_conditions(table, conditions, [label] * len(table)))
     page = _free_page(folder / f"compare-{slug(recording.name)[:80]}.html", content, numbers)
     whole_files.write_bytes(page.with_suffix(".csv"), numbers)
     if len(comparison.figures):
         figures = page.with_name(f"{page.stem}-figures.csv")
-        whole_files.write_bytes(figures, csv_bytes(comparison.figures))
+        rows = [label] * len(comparison.figures)
+        stated = with_conditions(comparison.figures, conditions, rows)
+        whole_files.write_bytes(figures, csv_bytes(stated))
+    write_answer_file(page.with_suffix(".json"), answer, conditions, methods)
     whole_files.write_bytes(page, content)
     if not progress.is_quiet():
-        print(*map(folded, [*sentences(comparison), *comparison.notes]), sep="\n")
+        print(*map(folded, [*conditions.lines, *answer, *comparison.notes]), sep="\n")
         for heading, table in words(comparison).items():
             print(f"\n{heading}\n{table.to_string(index=False)}")
         print()

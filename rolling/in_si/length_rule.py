@@ -155,7 +155,7 @@ def expected_vibration(numbers: LengthNumbers) -> ExpectedVibration:
     heights = _height_density(numbers, 2 * math.pi * frequency / speed) * 2 * math.pi / speed
     resonance_hz = chain.resonance_hz
     quality = chain.quality
-    density = heights * _gain(numbers, chain, frequency)
+    density = heights * approach_gain(numbers.bodies, numbers.listener, frequency)
     if chain.modes is not None:
         # The modes about the middle of the power are the narrowest that carry it.
         power_up_to = np.cumsum(density * np.gradient(frequency))
@@ -209,15 +209,16 @@ def _height_density(numbers: LengthNumbers, waves: Array) -> Array:
     return np.asarray(np.maximum(own, whole * asperity_density(waves, length)))
 
 
-def _gain(numbers: LengthNumbers, chain: Chain, frequency: Array) -> Array:
-    """Return the power gain from an approach to the pressure, of a plate without its edges.
+def approach_gain(bodies: BallOnPlate, listener: Listener, frequency: Array) -> Array:
+    """Return the power gain [Pa2/m2] from an approach to the pressure at frequencies [Hz].
 
-    The modes of a plate with edges enter by the force, and by the power that enters the plate
-    there. Where they lie counts for the length of a record, and not where the listener stands.
+    It is that of the chain with a smooth contact, on a plate without its edges. The modes of a
+    plate with edges enter by the force, and by the power that enters the plate there. Where they
+    lie counts for sums over frequencies, and not where the listener stands.
     """
-    bodies = numbers.bodies
+    chain = bodies.smooth_chain
     if chain.modes is None:
-        return roughness_gain(bodies, numbers.listener, chain)(frequency)
+        return roughness_gain(bodies, listener, chain)(frequency)
     endless = replace(bodies, plate=replace(bodies.plate, sides_m=None, contact_ends_m=()))
     own = chain.mobilities(frequency)["plate"].real
-    return roughness_gain(endless, numbers.listener, chain)(frequency) * np.maximum(own, 0.0)
+    return roughness_gain(endless, listener, chain)(frequency) * np.maximum(own, 0.0)

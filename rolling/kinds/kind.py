@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from rolling.kinds.run_folder import RunFolder
 from rolling.numbers import views
+from rolling.numbers.conditions import Condition, Method
 from rolling.numbers.quantity import Quantity
 from rolling.scene import file
 from rolling.scene.swept import SweptScene
@@ -398,6 +399,22 @@ class Kind(ABC):
         the same bytes whether it was prepared or not.
         """
         return False
+
+    # ---- conditions
+
+    def conditions(self, scene: Any) -> Sequence[Condition]:
+        """Return the conditions of a scene without a sweep, which stand beside each answer.
+
+        They follow from the scene alone. The default has its name.
+        """
+        return [Condition("scene", str(scene.name))]
+
+    def method(self, scene: Any) -> Method:
+        """Return how the numbers of a scene are computed, for a paragraph on methods.
+
+        The default says that they are.
+        """
+        return Method(motion=f"A {self.name} was simulated.", computed="")
 
     # ---- sheets
 

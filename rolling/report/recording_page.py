@@ -16,6 +16,7 @@ from acoustics.wav import SAMPLE_RATE_HZ as RATE
 from rolling.figures.picture import finish, picture
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.kinds.page_parts import Part
+from rolling.numbers.conditions import Conditions
 from rolling.numbers.quantity import uncertain
 from rolling.recordings import agreement
 from rolling.recordings.read_vibration import RISE, VELOCITY
@@ -28,6 +29,7 @@ from rolling.recordings.recording_comparison import (
 )
 from rolling.report import page_sounds, text
 from rolling.report.charts import Chart
+from rolling.report.condition_parts import conditions_part, methods_part
 from rolling.report.level_bars import Bars, Row, bars_around_zero
 from rolling.report.machine_drawing import drawing_of
 from rolling.report.page_of_parts import PageOfParts, exhibit
@@ -37,8 +39,15 @@ HEARD_S = 20.0  # of each sound on the page
 _EQUAL_DB = 1e-9  # difference of totals that were made equal
 
 
-def page(run: Any, comparison: RecordingComparison) -> bytes:
-    """Write a page with the agreement, the differences, and the records at equal loudness."""
+def page(run: Any, comparison: RecordingComparison, conditions: Conditions, methods: str) -> bytes:
+    """Write a page with the agreement, the differences, and the records at equal loudness.
+
+    Parameters
+    ----------
+    run : run of any kind. The run.
+    comparison : RecordingComparison. The run beside its recording.
+    conditions, methods : Conditions, str. What the run rests on, and the paragraph for a report.
+    """
     tables = []
     for heading, table in words(comparison).items():
         rows = [[str(cell) for cell in row] for row in table.itertuples(index=False)]
@@ -54,11 +63,12 @@ def page(run: Any, comparison: RecordingComparison) -> bytes:
     made = PageOfParts(
         title=f"{text.titles([run])}, beside a recording",
         machine=drawing_of([run.scene], [run.numbers]),
-        first=[Part("recording_first.html", first)],
+        first=[conditions_part(conditions), Part("recording_first.html", first)],
         parts=[
             Part("charts.html", {"heading": "Levels", "charts": _charts(run, comparison)}),
             Part("recording_notes.html", {"notes": comparison.notes}),
             Part("recording_numbers.html", {"tables": tables}),
+            methods_part(methods),
         ],
     )
     return made.written()

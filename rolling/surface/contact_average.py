@@ -15,6 +15,7 @@ ACROSS = 160  # waves across the track over which a density is summed
 # of the Hertz deflection) octaves from q a = 4 to 64 lie within 5 dB of it.
 TAIL = 35.0
 TAIL_FROM = 4.0  # q a
+LEAST_PHASE = 1e-2  # below which a contact follows a wave; above, the difference keeps 9 digits
 
 
 def rough_axes(
@@ -44,10 +45,20 @@ def averaged_density(
     across = np.concatenate(([0.0], np.geomspace(1e-4 * widest, widest, ACROSS)))
     length, width = semi_axes_m
     q = np.hypot(length * along[:, None], width * across)
-    pressure = 3 * (np.sin(q) - q * np.cos(q)) / q**3
+    pressure = pressure_average(q)
     sides = [made.plane_density(law, along[:, None], side) for side in (across, -across)]
     density: Array = np.trapezoid((sides[0] + sides[1]) * pressure**2, across, axis=1)
     return density
+
+
+def pressure_average(phase: Array) -> Array:
+    """Return the mean of a wave over an elliptic contact with its pressure, over its height.
+
+    The phase is the root of the sum of squares of wave number times semi-axis, along and across.
+    """
+    whole = np.maximum(phase, LEAST_PHASE)
+    mean = 3 * (np.sin(whole) - whole * np.cos(whole)) / whole**3
+    return np.asarray(np.where(phase < LEAST_PHASE, 1.0, mean))
 
 
 def asperity_density(waves: Array, length_m: float) -> Array:

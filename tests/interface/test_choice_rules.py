@@ -373,9 +373,10 @@ def test_each_rule_of_a_choice_raises_its_doubt(
     scenes = [one.with_({"dynamics": None, **changes}) for one in two(wide.with_(seed=4))]
     choice = choose_scenes(scenes, tmp_path / "out", Budget(pairs=5), workers=1)
     wide_apart = replace(choice.differences[0], uncertainty_db=9.0, released_db=-1.0, sureness=0.99)
+    alike = replace(choice.differences[0], independent=1.4, further_scan_db=0.3)
     changed = [
         choice,
-        replace(choice, overlap=True, is_early=True, limit="time is over"),
+        replace(choice, by_quantity=[{"vibration": alike}], is_early=True, limit="time is over"),
         replace(choice, by_quantity=[{"vibration": wide_apart}], omitted=[], limit="that is all"),
         replace(
             choice,

@@ -137,7 +137,7 @@ def test_the_limit_of_time_ends_a_choice_early_and_says_so(
     chosen: Chosen, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Clock, "is_over", True)
-    monkeypatch.setattr(choosing, "pairs_needed_of", lambda choice: 60)
+    monkeypatch.setattr(choosing, "pairs_needed_of", lambda choice, work: 60)
     choice = chosen.choose(pairs=None)
     assert choice.pairs == LOOKS[0] and choice.is_early
     assert "ended early, because the limit of 10 min was reached" in choice.sentences[-1]

@@ -1,0 +1,141 @@
+"""Conditions of a ball on a plate in words, from its scene alone."""
+
+from __future__ import annotations
+
+from acoustics.numbers import bracketed, rounded
+from rolling.numbers.conditions import Condition, Method
+from rolling.report.assumed import surface_words
+from rolling.results.description import plate_size, values_text
+from rolling.scene.scene import Scene
+from rolling.scene.sections import WEIGHT
+from rolling.scene.surfaces import HeightFile
+
+LEVELLED = {
+    "plane": "its plane removed",
+    "quadratic": "its form of second order removed",
+    "auto": "its plane removed",
+    "none": "no form removed",
+}
+CLOSED = {
+    "blend": "each end faded into its beginning",
+    "mirror": "continued backwards at its ends",
+    "none": "taken as one period",
+}
+
+
+def conditions(scene: Scene) -> list[Condition]:
+    """Return the conditions of a scene: ball, plate, load, motion, listener and surfaces."""
+    listed = [
+        Condition("ball", _ball(scene)),
+        Condition("plate", _plate(scene)),
+        Condition("load", _load(scene)),
+        Condition("speed", _speed(scene)),
+        Condition("track", f"{rounded(1e3 * scene.track.distance, 4)} mm"),
+        Condition("listener", _listener(scene)),
+        Condition("surface", surface_words(scene)),
+    ]
+    if isinstance(scene.surface, HeightFile):
+        listed.append(Condition("preparation", preparation_words(scene.surface)))
+    return listed
+
+
+def preparation_words(surface: HeightFile) -> str:
+    """Say how the heights of a file are prepared, step by step, as its section states it."""
+    steps = []
+    if surface.outliers is not None:
+        steps.append(f"nodes beyond {surface.outliers:g} robust standard deviations replaced")
+    if surface.unmeasured == "fill":
+        steps.append("unmeasured points filled from around them")
+    if surface.s_filter_um is not None:
+        steps.append(f"S-filter {surface.s_filter_um:g} µm")
+    closed = surface.periodic or ("blend" if surface.spacing_um is None else "none")
+    levelled = LEVELLED[surface.level]
+    if surface.level == "auto" and closed == "none":
+        levelled = "its plane removed if that lowers the step at the seam"
+    steps.append(levelled)
+    if surface.l_filter_um is not None:
+        steps.append(f"L-filter {surface.l_filter_um:g} µm")
+    steps.append(CLOSED[closed])
+    if surface.spacing_um is not None:
+        steps.append(f"nodes {surface.spacing_um:g} µm apart")
+    if surface.along == "x":
+        steps.append("the track along x")
+    if surface.instrument is not None:
+        steps.append("limits of the instrument stated")
+    return ", ".join(steps)
+
+
+def method(scene: Scene) -> Method:
+    """Return how the vibration of ball and plate is computed."""
+    moves = "fell onto" if scene.rolling.falls else "rolled over"
+    motion = (
+        "the motion of ball and plate over it in time"
+        if scene.dynamics is not None
+        else "the motion of ball and plate as a linear chain"
+    )
+    return Method(
+        motion=f"A ball {moves} a dry plate in a simulation.",
+        computed=(
+            "The contact of the rough surfaces was solved as an elastic half-space at each step of"
+            f" the track, {motion}, and from it the sound in a free field at the listener,"
+            " A-weighted."
+        ),
+    )
+
+
+def _ball(scene: Scene) -> str:
+    """Write radius and material of the ball."""
+    sphere = scene.sphere
+    radius = f"R {sphere.radius_mm:g} mm"
+    if sphere.radius_across_mm:
+        radius = f"R {sphere.radius_mm:g} mm along, {sphere.radius_across_mm:g} mm across"
+    return f"{radius}, {sphere.material or _elastic(sphere.youngs_modulus_gpa)}"
+
+
+def _plate(scene: Scene) -> str:
+    """Write material and size of the plate."""
+    plate = scene.plate
+    size = plate_size(plate)
+    if plate.edges_mm is None and size:
+        size = f"infinite, {size} thick"
+    return f"{plate.material or _elastic(plate.youngs_modulus_gpa)}, {size or 'half-space'}"
+
+
+def _elastic(youngs_modulus_gpa: float | None) -> str:
+    """Write Young's modulus of a body without the name of a material."""
+    return "rigid" if youngs_modulus_gpa is None else f"{youngs_modulus_gpa:g} GPa"
+
+
+def _load(scene: Scene) -> str:
+    """Write the load."""
+    words = f"{rounded(scene.load, 4)} N"
+    return f"{words}, the weight of the ball" if scene.rolling.load_n == WEIGHT else words
+
+
+def _speed(scene: Scene) -> str:
+    """Write the speed, or its ends where it changes, and the height of a fall."""
+    slowest = scene.motion.slowest(scene.duration)
+    fastest = scene.motion.fastest(scene.duration)
+    words = f"{values_text([fastest])} m/s"
+    if not scene.motion.is_constant(scene.duration):
+        words = f"{rounded(slowest, 3)} to {words}"
+    if scene.rolling.drop_mm is not None:
+        words += f", after a fall of {scene.rolling.drop_mm:g} mm"
+    return words
+
+
+def _listener(scene: Scene) -> str:
+    """Say where the listener is."""
+    listeners = scene.sound.listener_mm
+    if listeners is None:
+        return f"{scene.sound.distance_m:g} m from the contact"
+    places = "; ".join(bracketed(place) for place in _places(listeners))
+    return f"at {places} mm from the corner of the plate"
+
+
+def _places(listeners: object) -> list[tuple[float, ...]]:
+    """Return the places of one listener or of several."""
+    assert isinstance(listeners, tuple | list)
+    if isinstance(listeners[0], tuple | list):
+        return [tuple(place) for place in listeners]
+    return [tuple(listeners)]
