@@ -16,10 +16,10 @@ Bearings
 Kinds
     register, PlainKind, PlainScene, March
 Runs
-    simulate, simulate_sweep, choose, sensitivities, coarsest_below, open_run,
+    simulate, simulate_sweep, choose, sensitivities, coarsest_below, design, open_run,
     save_run, live, plot (module), ContactError, SweepError, FolderError
 Objects that functions return
-    Run, Runs, Choice, Difference, Sensitivities, Limit, ContactSound, Vibration, Channel,
+    Run, Runs, Choice, Difference, Sensitivities, Limit, Design, ContactSound, Vibration, Channel,
     Listening; Findings, Finding; Contact, ContactState
 Contact
     HalfSpace, solve_contact, WarmStart, march, RollingContact, closed_forms (module)
@@ -40,6 +40,7 @@ _NAMES = {
     "rolling.check.finding": ("Finding",),
     "rolling.check.findings": ("Findings",),
     "rolling.choice.choice": ("Choice",),
+    "rolling.choice.design": ("Design",),
     "rolling.choice.difference": ("Difference",),
     "rolling.choice.limit": ("Limit",),
     "rolling.choice.sensitivity": ("Sensitivities",),
@@ -49,7 +50,7 @@ _NAMES = {
     "rolling.contact.solver": ("ContactError",),
     "rolling.contact.state": ("ContactState", "RollingContact"),
     "rolling.in_si.measured": ("HeightArray",),
-    "rolling.interface.choices": ("choose", "coarsest_below", "sensitivities"),
+    "rolling.interface.choices": ("choose", "coarsest_below", "design", "sensitivities"),
     "rolling.interface.runs": ("live", "open_run", "save_run", "simulate", "simulate_sweep"),
     "rolling.kinds.needed_marches": ("March",),
     "rolling.kinds.reading": ("read_scene",),

@@ -6,6 +6,7 @@ from rolling.bearing_kind.bearing_run import BearingRun as BearingRun
 from rolling.check.finding import Finding as Finding
 from rolling.check.findings import Findings as Findings
 from rolling.choice.choice import Choice as Choice
+from rolling.choice.design import Design as Design
 from rolling.choice.difference import Difference as Difference
 from rolling.choice.limit import Limit as Limit
 from rolling.choice.sensitivity import Sensitivities as Sensitivities
@@ -21,6 +22,7 @@ from rolling.contact.state import RollingContact as RollingContact
 from rolling.in_si.measured import HeightArray as HeightArray
 from rolling.interface.choices import choose as choose
 from rolling.interface.choices import coarsest_below as coarsest_below
+from rolling.interface.choices import design as design
 from rolling.interface.choices import sensitivities as sensitivities
 from rolling.interface.runs import live as live
 from rolling.interface.runs import open_run as open_run

@@ -381,6 +381,24 @@ def _below(scene: Any, given: argparse.Namespace) -> int:
     return OK
 
 
+def _design(given: argparse.Namespace) -> int:
+    """Say which waves of a surface must be lower for a quieter scene."""
+    scene = _read_scene(given)
+    with progress.step(LOADING):
+        from rolling.choice.choose_command import print_advice
+        from rolling.choice.design_search import design_scene, write_design
+    design = design_scene(
+        scene=scene,
+        quieter_db=given.quieter_db,
+        folder=given.out,
+        pairs=given.pairs,
+        workers=given.workers,
+    )
+    paths = write_design(design)
+    print_advice(design.folder, design.sentences, design.lines, paths)
+    return OK
+
+
 def _ends(texts: Sequence[str]) -> tuple[float | str, float | str]:
     """Return the ends of a range, numbers where the texts are numbers."""
     ends: list[float | str] = []
@@ -531,6 +549,7 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "gallery": _gallery,
     "listen": _listen,
     "choose": _choose,
+    "design": _design,
     "compare": _compare,
     "surface": _surface,
     "accuracy": _accuracy,

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from acoustics.arrays import Array
-from rolling.ball_kinds import ball_candidates, ball_drawing, ball_heard, chain
+from rolling.ball_kinds import ball_candidates, ball_drawing, ball_heard, ball_waves, chain
 from rolling.ball_kinds.ball_candidates import LOSS_FACTORS, BallCandidate, of_ball
 from rolling.ball_kinds.ball_difference import VIBRATION, difference
 from rolling.ball_kinds.ball_heard import BAFFLE, HeardBall
@@ -21,6 +21,7 @@ from rolling.choice.difference import Difference
 from rolling.choice.drawing import LeftOut, WantedValue
 from rolling.choice.heard_specimen import HeardQuantity, Specimen
 from rolling.choice.omissions import remember
+from rolling.choice.wave_bands import PlateWaves
 from rolling.kinds.run_folder import RESULT
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.numbers.file_facts import Provenance
@@ -136,6 +137,10 @@ class BallAudition(Audition):
     def with_value(self, base: Candidate, key: str, value: Any, label: str) -> Candidate:
         """Return a candidate with another value of one key."""
         return ball_drawing.with_value(of_ball(base), key, value, label)
+
+    def plate_waves(self, scene: Scene) -> PlateWaves:
+        """Return the waves of the plate, which `rolling design` lowers."""
+        return ball_waves.plate_waves(scene)
 
     # ---- how a choice is shown
 

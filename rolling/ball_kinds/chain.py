@@ -20,6 +20,7 @@ from rolling.choice.heard_specimen import Specimen
 from rolling.in_si.physics_of_scene import bodies_of, listener_of
 from rolling.kinds.run_folder import RESULT
 from rolling.marches import marched_law
+from rolling.marches.result import Result
 from rolling.numbers.number_files import from_bytes, to_bytes
 from rolling.results import result_file
 from rolling.scene.scene import Scene
@@ -79,20 +80,18 @@ def _computed_level(specimen: Specimen) -> float | None:
     """Return the level of a specimen from its march [dB(A)]; None where nothing sounds."""
     scene = specimen.scene
     result = result_file.read_result(specimen.folder / RESULT, scene)
-    law = marched_law.force_law(scene, result)
-    places = law.position_m[:: max(1, len(law.position_m) // POSITIONS)]
-    stiffness = law.stiffness(places, law.approach(places, scene.load))
+    stiffness = stiffness_along(scene, result)
     closed = scene.track.closed and result.steps % result.solved_steps == 0
     approach = result.whole_series("approach")
     if closed and scene.motion.is_constant(scene.duration):
         approach = result.series["approach"]
     levels = []
     for loss_factor in loss_factors_of(specimen):
-        with_loss = _with_loss(scene, loss_factor)
+        damped = with_loss(scene, loss_factor)
         estimate = radiators.vibration_estimate(
-            bodies_of(with_loss),
-            listener_of(with_loss),
-            with_loss.motion,
+            bodies_of(damped),
+            listener_of(damped),
+            damped.motion,
             approach=approach,
             step=result.step,
             closed=closed,
@@ -104,6 +103,13 @@ def _computed_level(specimen: Specimen) -> float | None:
     return float(np.mean(levels))
 
 
-def _with_loss(scene: Scene, loss_factor: float) -> Scene:
+def stiffness_along(scene: Scene, result: Result) -> Array:
+    """Return the stiffness of a marched contact at a few positions along the track [N/m]."""
+    law = marched_law.force_law(scene, result)
+    places = law.position_m[:: max(1, len(law.position_m) // POSITIONS)]
+    return law.stiffness(places, law.approach(places, scene.load))
+
+
+def with_loss(scene: Scene, loss_factor: float) -> Scene:
     """Return a scene with another loss factor of the contact."""
     return scene.with_({LOSS_KEY: loss_factor})

@@ -56,6 +56,10 @@ class BearingAudition(Audition):
 
     marches_each = False
     same_keys = ("bearing.turning", "sound.distance_m")
+    why_no_waves = (
+        "a bearing has waves on balls and on two raceways, which reach the ring by their orders and"
+        " by other gains in each band"
+    )
     advice: Mapping[str, str] = {
         GAINS: (
             "the gains of the rough contacts; choose a longer numerics.window_mm, since more"

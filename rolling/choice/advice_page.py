@@ -1,4 +1,4 @@
-"""Pages of advice: what would help, and which value stays below a level."""
+"""Pages of advice: what would help, which value stays below a level, and which waves to lower."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.axes import Axes
 
 from acoustics.texts import printable
-from rolling.choice.advice_pictures import plot_limit
+from rolling.choice.advice_pictures import plot_design, plot_limit
 from rolling.choice.change_words import in_words
 from rolling.figures.picture import finish, picture
 from rolling.figures.settings import left_out_if_it_fails
@@ -24,6 +24,7 @@ from rolling.results import labels
 from rolling.results.notes import UNVALIDATED
 
 if TYPE_CHECKING:
+    from rolling.choice.design import Design
     from rolling.choice.limit import Limit
     from rolling.choice.sensitivity import Sensitivities, Sensitivity
 
@@ -130,14 +131,41 @@ def limit_page(result: Limit) -> bytes:
     return made.written()
 
 
-def _title(result: Limit | Sensitivities) -> str:
+def design_page(result: Design) -> bytes:
+    """Write the page of a design: amplitudes of waves as they are and as they are aimed at."""
+    lead, *others = result.sentences
+    charts = []
+    with left_out_if_it_fails("design"):
+        charts.append(exhibit(picture("design", partial(_design, result))))
+    heads = ["Wavelength", "rms now", "target", "lower by", "fall of the level"]
+    rows: list[list[str]] = []
+    for row in result.table().itertuples():
+        rows.append(
+            [
+                f"{row.wavelength_um:g} um",
+                f"{row.amplitude_now_nm:.3g} nm",
+                f"{row.amplitude_target_nm:.3g} nm",
+                f"{row.lowered_db:.1f} dB",
+                f"{row.response_db_per_db:.3f} ± {row.response_error_db_per_db:.3f} dB/dB",
+            ]
+        )
+    made = PageOfParts(
+        title=f"Which waves must be lower? {_title(result)}",
+        machine=_drawing(result),
+        first=[Part("advice_first.html", {"lead": lead, "bars": None, "charts": charts})],
+        parts=[_doubts(others), Part("table.html", {"heads": heads, "rows": rows})],
+    )
+    return made.written()
+
+
+def _title(result: Design | Limit | Sensitivities) -> str:
     """Say what rolls on what, or give the name of a scene that is not known."""
     if result.scene is None:
         return printable(result.name)
     return text.titles([RunFolder({}, result.scene, result.folder)])
 
 
-def _drawing(result: Limit | Sensitivities) -> MachineDrawing | None:
+def _drawing(result: Design | Limit | Sensitivities) -> MachineDrawing | None:
     """Draw the machine of the scene; None where the scene is not known."""
     return None if result.scene is None else drawing_of([result.scene])
 
@@ -146,6 +174,12 @@ def _search(result: Limit, ax: Axes) -> Axes:
     """Plot the path of a search with a title and a note."""
     note = f"all {result.noun} as points; 95 % of them lie below the curve with 95 % confidence"
     return finish(plot_limit(result, ax), f"Search in {result.name}", [note])
+
+
+def _design(result: Design, ax: Axes) -> Axes:
+    """Plot the amplitudes of a design with a title and a note."""
+    note = f"profiles along the track of {result.fall.pairs} {result.noun}; phases stay"
+    return finish(plot_design(result, ax), f"Waves of {result.name}", [note])
 
 
 def _doubts(sentences: Sequence[str]) -> Part:

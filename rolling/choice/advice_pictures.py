@@ -1,4 +1,4 @@
-"""Pictures of advice: what would help, and the search for the coarsest value below a limit."""
+"""Pictures of advice: what would help, how coarse a value may be, and which waves to lower."""
 
 from __future__ import annotations
 
@@ -20,12 +20,14 @@ from rolling.results import labels
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from rolling.choice.design import Design
     from rolling.choice.limit import Limit
     from rolling.choice.sensitivity import Sensitivities
 
 LOUDER = COLOURS[1]
 QUIETER = COLOURS[0]
 _ROW_IN = 0.34  # height of a bar
+LEAST_AMPLITUDE = 1e-4  # of the largest, below which a band is not drawn
 _TICKS = 10  # on an axis of values
 _FRAME_IN = 1.6  # height of a figure beside its bars
 
@@ -158,6 +160,37 @@ def plot_limit(result: Limit, ax: Axes | None = None) -> Axes:
 def limit_picture(result: Limit) -> bytes:
     """Return the picture of a search as PNG."""
     return _png(lambda ax: plot_limit(result, ax), HEIGHT_IN)
+
+
+def plot_design(result: Design, ax: Axes | None = None) -> Axes:
+    """Draw the amplitudes of bands of waves as they are and as they are aimed at."""
+    ax = axes_of(ax)
+    table = result.target()
+    shown = table[table["amplitude_now_nm"] > LEAST_AMPLITUDE * table["amplitude_now_nm"].max()]
+    wavelength = shown["wavelength_um"].to_numpy()
+    now = shown["amplitude_now_nm"].to_numpy()
+    wanted = shown["amplitude_target_nm"].to_numpy()
+    ax.plot(wavelength, now, "-", marker="o", color=LOUDER, label="now")
+    ax.plot(wavelength, wanted, "-", marker="v", color=QUIETER, label="target")
+    ax.fill_between(wavelength, wanted, now, color=QUIETER, alpha=0.15)
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ticks = _few(sorted(wavelength.tolist()))
+    ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    ax.xaxis.set_minor_locator(NullLocator())
+    gridded(ax)
+    ax.set_xlabel("wavelength along the track [um]")
+    ax.set_ylabel("rms of a profile in third octaves [nm]")
+    assert result.fall.db is not None  # a surface without any sound is no answer
+    title = f"{result.name}: lower waves for {result.fall.db:.2f} {result.quantity.decibels} less"
+    ax.set_title(drawable(printable(title)), loc="left", fontsize="medium", parse_math=False)
+    ax.legend(fontsize="small", framealpha=0.6)
+    return ax
+
+
+def design_picture(result: Design) -> bytes:
+    """Return the picture of a design as PNG."""
+    return _png(lambda ax: plot_design(result, ax), HEIGHT_IN)
 
 
 def _few(values: list[float]) -> list[float]:

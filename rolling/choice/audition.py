@@ -46,6 +46,7 @@ from rolling.terminal import progress
 
 if TYPE_CHECKING:
     from rolling.choice.choice_numbers import ChoiceNumbers, Contender
+    from rolling.choice.wave_bands import PlateWaves
     from rolling.numbers.doubt import Doubt
 
 SOUND = HeardQuantity(name="sound", words="sound", column="sound_db", leads=True)
@@ -140,11 +141,14 @@ class Audition:
         Whether each specimen needs marches of its own.
     same_keys : tuple of str
         Dotted keys that have the same value in all candidates.
+    why_no_waves : str
+        Why scenes of the kind have no plate whose waves could be lowered.
     advice : mapping of str
         What to do against each part of the ± of a difference, by its origin.
     """
 
     marches_each = True
+    why_no_waves = "this scene has none"
     advice: Mapping[str, str] = MappingProxyType({})
     same_keys: tuple[str, ...] = ()
 
@@ -328,6 +332,20 @@ class Audition:
         SceneError : the value is not allowed.
         """
         return replace(base, label=label, scene=base.scene.with_({key: value}))
+
+    def plate_waves(self, scene: Any) -> PlateWaves:
+        """Return the waves of the plate of a scene, which `rolling design` lowers.
+
+        Raises
+        ------
+        SceneError : the sound of the scene does not follow from waves of a plate.
+        """
+        raise SceneError(
+            [
+                f"{scene.name}: a design lowers the waves of a plate under a ball that rolls, and"
+                f" {self.why_no_waves}; `rolling choose --improve` says what else would help"
+            ]
+        )
 
     # ---- how a choice is shown
 

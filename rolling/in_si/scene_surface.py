@@ -30,6 +30,7 @@ from rolling.surface.ball_form import form_heights, rolled_together, without_fir
 from rolling.surface.heights import Statistics
 from rolling.surface.instrument import InstrumentSight, sight, with_law
 from rolling.surface.levelling import Levelling
+from rolling.surface.lowered_waves import lower_waves, waves_of_band
 from rolling.surface.preparation import Effect
 from rolling.surface.refined import cells_of_patch, median_step
 from rolling.surface.single_faults import add_faults
@@ -192,9 +193,24 @@ def _make_plate(scene: Scene) -> _Plate:
     """Make the surface of the plate of a scene with its faults."""
     plate, plane, effects = _plate(scene)
     seen = _seen(scene, plate)
+    if isinstance(scene.surface, surfaces.WavySurface):
+        lower_waves(plate, scene.spacing, scene.surface.lowered_by_m)
     described = _described("surface_made", plate, scene.spacing, scene.surface.law)
     add_faults(plate, [fault.in_si for fault in scene.surface.faults or ()], scene.spacing)
     return _Plate(heights=plate, levelling=plane, effects=effects, described=described, seen=seen)
+
+
+def waves_of_plate(scene: Scene, wavelengths: Array) -> Iterator[Array]:
+    """Yield the part of the heights of a scene that its plate has in each third octave [m].
+
+    These are the waves that `surface.lowered_db` lowers, without single faults and without the
+    surface of the sphere.
+    """
+    plate, _, _ = _plate(scene)
+    if isinstance(scene.surface, surfaces.WavySurface):
+        lower_waves(plate, scene.spacing, scene.surface.lowered_by_m)
+    for wavelength in wavelengths:
+        yield under_track(scene, waves_of_band(plate, scene.spacing, float(wavelength)))
 
 
 def _described(key: str, heights: Array, spacing: float, law: HeightLaw | None) -> dict[str, Any]:

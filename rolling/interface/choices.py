@@ -1,4 +1,4 @@
-"""Choices for Python: which is quieter, what would help, and what stays below a level."""
+"""Choices for Python: which is quieter, what would help, and which value or waves are enough."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from rolling.terminal import progress as terminal
 
 if TYPE_CHECKING:
     from rolling.choice.choice import Choice
+    from rolling.choice.design import Design
     from rolling.choice.limit import Limit
     from rolling.choice.sensitivity import Sensitivities
 
@@ -271,6 +272,74 @@ def coarsest_below(
             folder=kept,
             workers=workers,
             quantity=quantity,
+        )
+
+
+@ignoring_underflow
+def design(
+    scene: SweptScene,
+    quieter_db: float,
+    pairs: int = defaults.DESIGN_PAIRS,
+    folder: Path | str | None = None,
+    workers: int = 0,
+    progress: bool | None = None,
+) -> Design:
+    """Find which waves of the plate must be lower for a quieter scene, with the least change.
+
+    Waves are lowered in third octaves of wavelength along the track, and keep their phases. The
+    linear response of the contact says what each band does to the level. Among all changes that are
+    enough, the one with the smallest sum of the squares of its decibels is taken. The changed
+    surfaces are marched beside those of the scene, and the change is corrected until the fall is
+    the one that is asked for.
+
+    Parameters
+    ----------
+    scene : Scene
+        A scene without a sweep, of a ball that rolls on a plate with a random or measured surface.
+    quieter_db : float, dB
+        Wanted fall of the level of the vibration, above 0 and up to 60.
+    pairs : int
+        Number of specimens, from 2 to 30, on which changed surfaces are marched, and of others,
+        whose response is taken. Default: 6.
+    folder : Path or str
+        Folder that keeps the specimens, so that the same call goes on. Default: none, and only the
+        numbers are kept.
+    workers, progress : int, bool
+        As in `simulate`.
+
+    Returns
+    -------
+    design : Design
+        The bands and the fall with its ±, with `table()`, `target()`, `plot(ax)`, `sentences` and
+        the scene with lower waves, `changed`.
+
+    Raises
+    ------
+    SceneError
+        The scene sweeps, cannot run, makes no sound or has no waves that could be lower, is no ball
+        on a plate, or so large a fall is not possible.
+    FolderError
+        The folder holds something else.
+    ContactError
+        A contact has no solution.
+    KeyboardInterrupt
+        Ctrl-C was pressed.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> words = ["rolling.load_n=1", "rolling.duration_s=0.003"]
+    >>> scene = rolling.read_scene("quickstart", words)
+    >>> design = rolling.design(scene, 2, pairs=2, workers=1, progress=False)
+    >>> abs(design.fall.db - 2) < 0.1
+    True
+    """
+    from rolling.choice.design_search import design_scene
+
+    instance("scene", scene, SweptScene)
+    with _kept_in(folder, progress) as kept:
+        return design_scene(
+            scene=scene, quieter_db=quieter_db, folder=kept, pairs=pairs, workers=workers
         )
 
 

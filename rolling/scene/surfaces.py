@@ -21,6 +21,7 @@ from rolling.scene.models import Section
 from rolling.scene.text_heights import TRIPLES
 from rolling.surface.ball_form import WAVE_NODES, BallForm
 from rolling.surface.instrument import InstrumentLimits
+from rolling.surface.lowered_waves import PER_DECADE, band_of, nominal
 
 
 class MadeSurface(SurfaceKind):
@@ -69,8 +70,74 @@ def refuse_width(width_um: float, spacing_um: float) -> None:
 
 Finish = Annotated[str, library.listed("finishes")]
 
+MOST_LOWERED_DB = 100.0  # of a wave
+OFF_MIDDLE = 0.03  # of a wavelength from the middle of its third octave, relative
 
-class Gaussian(Roughness, MadeSurface):
+
+def _lowered(value: Any) -> Any:
+    """Return by how much waves are lowered [dB], by the middle of their third octave [um]."""
+    if not isinstance(value, dict) or not value:
+        form = "decibels by wavelength in um, as in {100: 3, 80: 4.5}"
+        raise mistake(f"got {quoted(value)}, allowed: {form}")
+    lowered: dict[float, float] = {}
+    bands = set[float]()
+    for name, decibels in value.items():
+        try:
+            wavelength = float(name)
+        except (TypeError, ValueError):
+            wavelength = math.nan
+        if not 0 < wavelength < math.inf:
+            raise mistake(f"got the wavelength {quoted(name)}, allowed: a number > 0 in um")
+        band = float(band_of(wavelength))
+        middle = 10 ** (band / PER_DECADE)
+        if abs(wavelength / middle - 1) > OFF_MIDDLE:
+            raise mistake(
+                f"got the wavelength {plain_number(wavelength)}, allowed: middles of third octaves;"
+                f" nearest: {nominal(middle)}"
+            )
+        if band in bands:
+            raise mistake(f"got two values for {plain_number(wavelength)}, allowed: one")
+        if not (is_number(decibels) and 0 <= decibels <= MOST_LOWERED_DB):
+            raise mistake(
+                f"{plain_number(wavelength)}: got {quoted(decibels)}, allowed: 0 to"
+                f" {MOST_LOWERED_DB:g} dB"
+            )
+        bands.add(band)
+        lowered[wavelength] = float(decibels)
+    return lowered
+
+
+_DECIBELS = {"type": "number", "minimum": 0, "maximum": MOST_LOWERED_DB}
+_DECIBELS_BY_WAVE = {"type": "object", "minProperties": 1, "additionalProperties": False} | {
+    "patternProperties": {r"^[0-9.e+-]+$": _DECIBELS},
+    "title": "decibels by wavelength",
+}
+Lowered = Annotated[
+    dict[float, float], BeforeValidator(_lowered), WithJsonSchema(_DECIBELS_BY_WAVE)
+]
+
+
+class WavySurface(SurfaceKind):
+    """Surface with waves along the track, which may be lowered.
+
+    Attributes
+    ----------
+    lowered_db : dict, optional
+        By how much waves along the track are lowered [dB], by the middle of their third octave of
+        wavelength [um]. Their phases stay.
+    """
+
+    SECTION: ClassVar[str] = "surface"
+
+    lowered_db: Lowered | None = None
+
+    @property
+    def lowered_by_m(self) -> dict[float, float]:
+        """By how much waves are lowered [dB], by their wavelength [m]."""
+        return {wavelength * 1e-6: db for wavelength, db in (self.lowered_db or {}).items()}
+
+
+class Gaussian(Roughness, WavySurface, MadeSurface):
     """Random periodic surface with a given autocorrelation.
 
     Attributes
@@ -94,7 +161,7 @@ class Gaussian(Roughness, MadeSurface):
     faults: list[SurfaceFault] | None = None
 
 
-class SelfAffine(SelfAffineLaw, MadeSurface):
+class SelfAffine(SelfAffineLaw, WavySurface, MadeSurface):
     """Random periodic surface with a self-affine spectrum.
 
     Attributes
@@ -188,7 +255,7 @@ class Instrument(Section):
         return self
 
 
-class HeightFile(SurfaceKind):
+class HeightFile(WavySurface):
     """Surface read from a file: one period of it, or a measurement that is made periodic.
 
     Attributes

@@ -181,7 +181,7 @@ def contact_loss(
     approach = law.approach(law.position_m, bodies.load_n)
     if closed:
         approach = np.append(approach, approach[0])
-    lines = _approach_lines(motion, approach, law.spacing_m, closed)
+    lines = approach_lines(motion, approach, law.spacing_m, closed)
     frequency = lines.frequency
     mean_square = lines.mean_square
     if not mean_square.sum() > 0:
@@ -417,7 +417,7 @@ def chain_at_lines(
 
     The approach is that of `vibration_estimate`.
     """
-    lines = _approach_lines(motion, approach, step, closed)
+    lines = approach_lines(motion, approach, step, closed)
     if not lines.mean_square.sum() > 0:
         return None
     points = places_of_lines(bodies.plate, chain, lines.frequency, 1 / lines.duration)
@@ -470,7 +470,7 @@ def _apart_db(square: float, other: float) -> float:
     return abs(10 * math.log10(max(square, 1e-12 * other) / other))
 
 
-def _approach_lines(motion: Motion, approach: Array, step: float, closed: bool) -> ApproachLines:
+def approach_lines(motion: Motion, approach: Array, step: float, closed: bool) -> ApproachLines:
     """Return the lines of an approach [m] at the ends of steps [m], of whole laps if `closed`."""
     duration = motion.duration((len(approach) - 1) * step)
     looped = closed and motion.is_constant(duration)

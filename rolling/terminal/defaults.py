@@ -14,6 +14,9 @@ CHOICE_MINUTES = 10.0  # after which no more pairs begin
 IMPROVED_WITHIN_DB = 0.1  # wanted ± of a change by --improve
 LIMIT_SEEDS = 12  # specimens of --below
 
+# `rolling design`
+DESIGN_PAIRS = 6  # specimens
+
 # `rolling listen`
 LISTENED_SECONDS = 20.0
 MIN_LISTENED_SECONDS = 0.1

@@ -48,6 +48,7 @@ def build(version: str) -> argparse.ArgumentParser:
     _add_gallery(commands)
     _add_listen(commands)
     _add_choose(commands)
+    _add_design(commands)
     _add_compare(commands)
     _add_surface(commands)
     _add_accuracy(commands)
@@ -342,6 +343,37 @@ def _add_choose(commands: Any) -> None:
     )
     _add_out(choose, help="folder of the choice (default: outputs/choice-DIGITS)")
     _add_workers(choose)
+
+
+def _add_design(commands: Any) -> None:
+    design = _command(
+        commands,
+        name="design",
+        help="say which waves of a surface must be lower for a quieter scene",
+        answer="Which waves of the plate must be lower, and by how much, for a quieter scene with "
+        "the least change of its roughness? The command names them by third octave of wavelength, "
+        "marches the changed surface beside the surface as it is, and writes the target for a "
+        "workshop. The same command goes on where it stopped.",
+    )
+    _add_scene(design)
+    design.add_argument(
+        "--quieter",
+        dest="quieter_db",
+        type=arguments.positive,
+        required=True,
+        metavar="DB",
+        help="how much quieter the scene is to be",
+    )
+    design.add_argument(
+        "--pairs",
+        type=arguments.whole,
+        default=defaults.DESIGN_PAIRS,
+        metavar="N",
+        help="number of surfaces that are marched with lower waves, and of others whose response"
+        f" is taken (default {defaults.DESIGN_PAIRS})",
+    )
+    _add_out(design, help="folder of the design (default: outputs/design-DIGITS)")
+    _add_workers(design)
 
 
 def _add_compare(commands: Any) -> None:

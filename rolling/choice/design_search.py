@@ -1,0 +1,303 @@
+"""Search for the least change of a surface with which a scene is quieter by some decibels.
+
+The linear response of the contact says which waves to lower. The changed surface is marched beside
+the surface as it is, with the same random phases, and the fall that the response aims at is
+corrected until the marches give the one that was asked for.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from acoustics.arrays import Array
+from acoustics.pairs import FEWEST_PAIRS, FIRST_PAIRS, MOST_PAIRS
+from rolling.choice.audition import audition_of
+from rolling.choice.candidate import Candidate
+from rolling.choice.choice_numbers import Contender, OmittedPair
+from rolling.choice.choosing import OpenChoice, default_folder, open_choice
+from rolling.choice.design import LEAST_SHOWN_DB, Design, Round
+from rolling.choice.heard_specimen import HeardQuantity, Specimen
+from rolling.choice.least_change import fall_of, least_change
+from rolling.choice.sensitivity import quantity_of, refuse_sweep
+from rolling.choice.wave_bands import PlateWaves, WaveBands
+from rolling.scene.identity import digest
+from rolling.scene.messages import SceneError, is_number, quoted
+from rolling.surface.lowered_waves import nominal
+from rolling.terminal import progress, whole_files
+
+KEY = "surface.lowered_db"
+MOST_DB = 60.0  # of a fall that is asked for, and of a band that is lowered
+ROUNDS = 5  # changed surfaces that are marched at most
+NEAR = 0.02  # relative distance from the fall that was asked for, which ends the search
+NEAR_DB = 0.03  # and the absolute one
+FLOOR_DB = 0.05  # distance from the largest possible fall that is left
+TABLE = "design.csv"
+TARGET = "target-psd.csv"
+SCENE = "design.yaml"
+PICTURE = "design.png"
+PAGE = "design.html"
+
+
+def design_scene(
+    scene: Any,
+    quieter_db: float,
+    folder: Path | None = None,
+    pairs: int = FIRST_PAIRS,
+    workers: int = 0,
+) -> Design:
+    """Find which waves of the plate must be lower for a quieter scene, with the least change.
+
+    Parameters
+    ----------
+    scene : scene. A scene without a sweep, of a ball that rolls on a rough plate.
+    quieter_db : float, dB. Wanted fall of the level, above 0 and up to 60.
+    folder : Path. Folder of the specimens. Default: outputs/design-DIGITS.
+    pairs : int. Number of specimens, from 2 to 30, on which changed surfaces are marched, and of
+        others, whose response to waves is taken.
+    workers : int. Number of processes; 0: one per core.
+
+    Raises
+    ------
+    SceneError : the scene sweeps, cannot run, makes no sound, or has no waves that could be lower,
+        or so large a fall is not possible.
+    FolderError : the folder holds something else.
+    ContactError : a contact has no solution.
+    OSError, KeyboardInterrupt : finished pieces are kept.
+    """
+    refuse_sweep(scene)
+    if not (is_number(quieter_db) and 0 < quieter_db <= MOST_DB):
+        raise SceneError(
+            [f"quieter: got {quoted(quieter_db)}, allowed: above 0 and up to {MOST_DB:g} dB"]
+        )
+    if type(pairs) is not int or not FEWEST_PAIRS <= pairs <= MOST_PAIRS // 2:
+        raise SceneError(
+            [
+                f"pairs: got {quoted(pairs)}, allowed: a whole number from {FEWEST_PAIRS} to"
+                f" {MOST_PAIRS // 2}"
+            ]
+        )
+    audition = audition_of(scene)
+    waves = audition.plate_waves(scene)  # which refuses a scene without any
+    base = audition.unchanged(scene)
+    quantity = quantity_of(audition.quantities([base]), None)
+    target = folder or default_folder("design", [base.scene])
+    with open_choice([base], target, workers) as work:
+        count = min(2 * pairs, work.specimens.count)
+        search = DesignSearch(
+            work=work,
+            base=base,
+            waves=waves,
+            quantity=quantity,
+            quieter_db=float(quieter_db),
+            count=count,
+        )
+        return search.run()
+
+
+class DesignSearch:
+    """Marches changed surfaces until the level falls by what was asked for."""
+
+    def __init__(
+        self,
+        *,
+        work: OpenChoice,
+        base: Candidate,
+        waves: PlateWaves,
+        quantity: HeardQuantity,
+        quieter_db: float,
+        count: int,
+    ) -> None:
+        self._work = work
+        self._base = base
+        self._waves = waves
+        self._quantity = quantity
+        self._quieter_db = quieter_db
+        self._all = count
+        self._count = math.ceil(count / 2)  # specimens on which changed surfaces are marched
+        self._omitted: dict[int, OmittedPair] = {}
+
+    def run(self) -> Design:
+        """Return the design."""
+        ((base,), _) = self._work.hear([self._base], self._all)
+        name = self._base.scene.name
+        if not np.all(np.isfinite(base.levels_in(self._quantity.name))):
+            raise SceneError([f"{name}: makes no sound within hearing, so none could be quieter"])
+        bands = self._waves.bands(self._unmarched(base))
+        useful = bands.useful
+        if not useful.any():
+            raise SceneError(
+                [
+                    f"{name}: no band of waves surely makes the sound, so none is named; more"
+                    " specimens (--pairs) or a longer track would tell"
+                ]
+            )
+        self._refuse_too_much(bands)
+        rounds = self._rounds(useful, bands.wavelength_m)
+        return Design(
+            name=name,
+            conditions=self._waves.conditions,
+            quantity=self._quantity,
+            quieter_db=self._quieter_db,
+            bands=bands,
+            rounds=rounds,
+            noun=self._work.specimens.noun,
+            folder=self._work.folder,
+            scene=self._base.scene,
+            changed=self._changed(bands.wavelength_m, rounds[-1].lowered_db).scene,
+            omitted=[*self._omitted.values()],
+        )
+
+    def _unmarched(self, base: Contender) -> list[Specimen]:
+        """Return the specimens on which no changed surface is marched.
+
+        A response fits its own specimens better than others. So the fall is marched on specimens
+        that have no part in it, unless there is a single one.
+        """
+        others = [specimen for specimen in base.specimens if specimen.number >= self._count]
+        return others or list(base.specimens)
+
+    def _refuse_too_much(self, bands: WaveBands) -> None:
+        """Refuse a fall that not even a plate without waves has."""
+        if not self._waves.has_other_sources:
+            return
+        without = np.full(len(bands.wavelength_m), MOST_DB)
+        fall_db = self._march(bands.wavelength_m, without, math.inf).fall_db
+        if self._quieter_db <= fall_db - FLOOR_DB:
+            return
+        can = f"can be met: up to {max(0.0, fall_db - FLOOR_DB):.1f} dB"
+        raise SceneError(
+            [
+                f"quieter: got {self._quieter_db:g} dB, but with no waves on the plate at all the"
+                f" scene is {fall_db:.1f} dB quieter, because the surface of the sphere or single"
+                f" faults stay; {can}"
+            ]
+        )
+
+    def _rounds(self, useful: Array, wavelength_m: Array) -> list[Round]:
+        """Return the changed surfaces that were marched, the nearest one last."""
+        rounds: list[Round] = []
+        aimed_db = self._quieter_db
+        for _ in range(ROUNDS):
+            lowered = np.minimum(least_change(useful, aimed_db), MOST_DB)
+            lowered = np.where(lowered >= LEAST_SHOWN_DB, np.round(lowered, 2), 0.0)
+            if not lowered.any():
+                lowered[np.argmax(useful)] = LEAST_SHOWN_DB
+            rounds.append(self._march(wavelength_m, lowered, fall_of(useful, lowered)))
+            off_db = abs(rounds[-1].fall_db - self._quieter_db)
+            if off_db <= max(NEAR * self._quieter_db, NEAR_DB):
+                break
+            following_db = _next_aim(rounds, self._quieter_db)
+            if following_db is None:
+                break
+            aimed_db = following_db
+        best = min(rounds, key=lambda one: abs(one.fall_db - self._quieter_db))
+        rounds.remove(best)
+        rounds.append(best)
+        if best.fall_db < self._quieter_db and best.lowered_db.max() >= MOST_DB:
+            raise SceneError(
+                [
+                    f"quieter: got {self._quieter_db:g} dB, but with bands lowered by"
+                    f" {MOST_DB:g} dB the scene is {best.fall_db:.1f} dB quieter; can be met: up"
+                    f" to {best.fall_db:.1f} dB"
+                ]
+            )
+        return rounds
+
+    def _march(self, wavelength_m: Array, lowered_db: Array, aimed_db: float) -> Round:
+        """March the surface as it is and with lower waves, and return the fall of the level."""
+        changed = self._changed(wavelength_m, lowered_db)
+        (base, quiet), omitted = self._work.hear([self._base, changed], self._count)
+        for pair in omitted:
+            self._omitted.setdefault(pair.number, pair)
+        fall = self._work.audition.difference(
+            self._quantity.name, base.heard, quiet.heard, omitted=len(omitted)
+        )
+        made = Round(aimed_db=aimed_db, lowered_db=lowered_db, fall=fall)
+        progress.line(
+            f"waves lowered by up to {lowered_db.max():.1f} dB: {made.fall_db:.2f}"
+            f" {self._quantity.decibels} quieter over {_pairs(base)}"
+        )
+        return made
+
+    def _changed(self, wavelength_m: Array, lowered_db: Array) -> Candidate:
+        """Return the candidate whose waves are lowered, beside what the scene lowers itself."""
+        own = self._base.scene.surface.lowered_db or {}
+        whole = {nominal(1e6 * middle): 0.0 for middle in wavelength_m}
+        whole |= {nominal(wavelength): db for wavelength, db in own.items()}
+        for middle, db in zip(wavelength_m, lowered_db, strict=True):
+            whole[nominal(1e6 * middle)] += float(db)
+        values = {float(name): round(db, 2) for name, db in whole.items() if db > 0}
+        label = f"lower waves {digest(list(values.items()))[:8]}"
+        return self._work.audition.with_value(self._base, KEY, values, label)
+
+
+def _pairs(contender: Contender) -> str:
+    """Write the number of specimens of a contender."""
+    return f"{len(contender.heard)} specimens"
+
+
+def _next_aim(rounds: list[Round], wanted_db: float) -> float | None:
+    """Return the fall that the linear response aims at next; None where it has no better one.
+
+    The fall that is marched grows with the one that is aimed at: between two of them it follows a
+    line, and beyond it is proportional.
+    """
+    known = sorted((one.fall_db, one.aimed_db) for one in rounds if math.isfinite(one.fall_db))
+    silent = [one.aimed_db for one in rounds if not math.isfinite(one.fall_db)]
+    below = [pair for pair in known if pair[0] < wanted_db]
+    above = [pair for pair in known if pair[0] >= wanted_db]
+    if below and above:
+        (low, aim_low), (high, aim_high) = below[-1], above[0]
+        return aim_low + (aim_high - aim_low) * (wanted_db - low) / (high - low)
+    if above:
+        return above[0][1] * wanted_db / above[0][0]
+    if not below:
+        return min(silent) / 2
+    fall_db, aimed_db = below[-1]
+    if fall_db <= 0:
+        return None if aimed_db > MOST_DB else 2 * aimed_db
+    following = aimed_db * min(4.0, wanted_db / fall_db)
+    if silent:
+        following = min(following, (aimed_db + min(silent)) / 2)
+    return following
+
+
+# ---- files
+
+
+def write_design(result: Design) -> list[Path]:
+    """Write table, target, scene, picture and page of a design, and return the files."""
+    from rolling.choice.advice_page import design_page
+    from rolling.choice.advice_pictures import design_picture
+    from rolling.figures.picture import csv_bytes
+    from rolling.figures.settings import left_out_if_it_fails
+    from rolling.run.folder import with_relative_paths
+    from rolling.scene import file
+
+    folder = result.folder
+    written = [folder / TABLE, folder / TARGET, folder / SCENE]
+    whole_files.write_bytes(written[0], csv_bytes(result.table()))
+    head = "".join(f"# {line}\n" for line in target_notes(result))
+    whole_files.write_bytes(written[1], head.encode() + csv_bytes(result.target()))
+    changed = with_relative_paths(folder, result.changed)
+    whole_files.write_bytes(written[2], file.dump(changed).encode())
+    with left_out_if_it_fails("design"):
+        whole_files.write_bytes(folder / PICTURE, design_picture(result))
+        written.append(folder / PICTURE)
+    whole_files.write_bytes(folder / PAGE, design_page(result))
+    return [*written, folder / PAGE]
+
+
+def target_notes(result: Design) -> list[str]:
+    """Return what a workshop has to know of a target, line by line."""
+    return [
+        "Target of profiles along the rolling direction, in third octaves of wavelength.",
+        f"Lower waves make it {result.quieter_db:g} {result.quantity.decibels} quieter.",
+        result.conditions,
+        "psd: one-sided power spectral density, mean over the band [um2 um]; amplitudes are rms.",
+        "Waves without decibels may stay as they are.",
+    ]

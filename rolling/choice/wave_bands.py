@@ -1,0 +1,74 @@
+"""Linear response of a level to the waves of a surface, by third octave of wavelength."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from acoustics.arrays import Array
+from rolling.choice.heard_specimen import Specimen
+
+SURE_ERRORS = 2.0  # standard errors above 0 of a band and its neighbours, from which on it counts
+LEAST_SHARE = 0.01  # of the largest response, below which one is not worth its decibels
+
+
+@dataclass(frozen=True, eq=False)
+class WaveBands:
+    """Waves of some specimens by band, and what each of them does to the level.
+
+    Attributes
+    ----------
+    wavelength_m : (bands,) array, m
+        Middles of the third octaves, long waves first.
+    rms_m : (bands,) array, m
+        Rms of profiles along the track in each band, over all specimens.
+    responses : (specimens, bands) array, dB/dB
+        Fall of the level of each specimen where all waves of a band are a decibel lower.
+    """
+
+    wavelength_m: Array
+    rms_m: Array
+    responses: Array
+
+    @property
+    def response(self) -> Array:
+        """Mean response over the specimens, (bands,) [dB/dB]."""
+        return np.asarray(self.responses.mean(axis=0))
+
+    @property
+    def error(self) -> Array:
+        """Standard error of the mean response, (bands,) [dB/dB]; 0 for a single specimen."""
+        count = len(self.responses)
+        if count < 2:
+            return np.zeros(self.responses.shape[1])
+        return np.asarray(self.responses.std(axis=0, ddof=1) / np.sqrt(count))
+
+    @property
+    def useful(self) -> Array:
+        """Response of the bands whose waves surely make sound, 0 for all others, (bands,).
+
+        A band counts by the mean over itself and its neighbours, so that none is left out between
+        two others by chance.
+        """
+        response = self.response
+        together = np.convolve(response, np.ones(3), mode="same")
+        error = np.sqrt(np.convolve(np.square(self.error), np.ones(3), mode="same"))
+        counts = together > SURE_ERRORS * error
+        counts &= response >= LEAST_SHARE * response.max(initial=0.0)
+        return np.where(counts, np.maximum(response, 0.0), 0.0)
+
+
+@dataclass(frozen=True)
+class PlateWaves:
+    """Waves of the plate of a scene, as far as they make its sound.
+
+    conditions : str. What rolls on what, under which load, how fast, and who listens.
+    has_other_sources : bool. Whether something sounds that no lower wave of the plate removes.
+    bands : function. It returns the bands of solved specimens.
+    """
+
+    conditions: str
+    has_other_sources: bool
+    bands: Callable[[Sequence[Specimen]], WaveBands]
