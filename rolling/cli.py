@@ -395,7 +395,7 @@ def _design(given: argparse.Namespace) -> int:
         workers=given.workers,
     )
     paths = write_design(design)
-    print_advice(design.folder, design.sentences, design.lines, paths)
+    print_advice(design.folder, design.conditions, design.sentences, design.lines, paths)
     return OK
 
 

@@ -7,7 +7,6 @@ a small further load. Sphere, contact and plate then move as a linear chain.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -15,15 +14,14 @@ from acoustics.arrays import Array
 from rolling.ball_kinds.ball_heard import loss_factors_of
 from rolling.ball_kinds.chain import stiffness_along, with_loss
 from rolling.choice.heard_specimen import Specimen
-from rolling.choice.wave_bands import PlateWaves, WaveBands
+from rolling.choice.wave_bands import PlateWaves, SoundingWaves
 from rolling.contact.load_shares import approach_of_part, load_shares
 from rolling.contact.subcells import half_space_of
 from rolling.in_si.contact_of_scene import rolling_contact
 from rolling.in_si.physics_of_scene import bodies_of, listener_of
 from rolling.in_si.scene_surface import waves_of_plate
-from rolling.kinds.run_folder import RESULT, RunFolder
+from rolling.kinds.run_folder import RESULT
 from rolling.results import result_file
-from rolling.results.description import listed, runs_sentence
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import WavySurface
@@ -44,13 +42,8 @@ def plate_waves(scene: Scene) -> PlateWaves:
     SceneError : the level does not follow from them.
     """
     _refuse_without_waves(scene)
-    listener = f"{scene.sound.distance_m:g} m from the contact"
-    if scene.sound.listener_mm is not None:
-        listener = f"at {listed(f'{place:g}' for place in scene.sound.listener_mm)} mm"
-    sentence = runs_sentence([RunFolder({}, scene, Path())])
     ball = scene.sphere.surface
     return PlateWaves(
-        conditions=f"{sentence} The listener is {listener}.",
         has_other_sources=ball is not None or bool(scene.surface.faults),
         bands=wave_bands,
     )
@@ -75,7 +68,7 @@ def _refuse_without_waves(scene: Scene) -> None:
         )
 
 
-def wave_bands(specimens: Sequence[Specimen]) -> WaveBands:
+def wave_bands(specimens: Sequence[Specimen]) -> SoundingWaves:
     """Return the waves of the first specimens, and what each band does to their level.
 
     Raises
@@ -93,7 +86,7 @@ def wave_bands(specimens: Sequence[Specimen]) -> WaveBands:
             responses.append(_responses(specimen, bands))
         parts = waves_of_plate(specimen.scene, bands)
         squares.append([float(np.mean(np.square(part))) for part in parts])
-    return WaveBands(
+    return SoundingWaves(
         wavelength_m=bands,
         rms_m=np.sqrt(np.mean(squares, axis=0)),
         responses=np.array(responses),

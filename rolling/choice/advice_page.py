@@ -152,8 +152,15 @@ def design_page(result: Design) -> bytes:
     made = PageOfParts(
         title=f"Which waves must be lower? {_title(result)}",
         machine=_drawing(result),
-        first=[Part("advice_first.html", {"lead": lead, "bars": None, "charts": charts})],
-        parts=[_doubts(others), Part("table.html", {"heads": heads, "rows": rows})],
+        first=[
+            conditions_part(result.conditions),
+            Part("advice_first.html", {"lead": lead, "bars": None, "charts": charts}),
+        ],
+        parts=[
+            _doubts(others),
+            Part("table.html", {"heads": heads, "rows": rows}),
+            methods_part(result.methods),
+        ],
     )
     return made.written()
 

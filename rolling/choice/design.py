@@ -17,7 +17,10 @@ from rolling.choice.change_words import two_digits
 from rolling.choice.choice_numbers import OmittedPair
 from rolling.choice.difference import Difference
 from rolling.choice.heard_specimen import HeardQuantity
-from rolling.choice.wave_bands import WaveBands
+from rolling.choice.wave_bands import SoundingWaves
+from rolling.kinds.stated_conditions import conditions_of
+from rolling.numbers.conditions import Conditions
+from rolling.results.notes import UNVALIDATED
 from rolling.surface.lowered_waves import HALF_BAND, nominal
 
 if TYPE_CHECKING:
@@ -55,13 +58,11 @@ class Design:
     ----------
     name : str
         Name of the scene.
-    conditions : str
-        What rolls on what, under which load, how fast, and who listens.
     quantity : HeardQuantity
         The quantity that gets quieter: the vibration of a ball.
     quieter_db : float, dB
         The fall that was asked for.
-    bands : WaveBands
+    bands : SoundingWaves
         Waves of the surface as it is, and their response.
     rounds : list of Round
         The changed surfaces that were marched; the last one is the answer.
@@ -80,16 +81,30 @@ class Design:
     """
 
     name: str
-    conditions: str
     quantity: HeardQuantity
     quieter_db: float
-    bands: WaveBands
+    bands: SoundingWaves
     rounds: list[Round]
     noun: str
     folder: Path
     scene: Any
     changed: Any
     omitted: Sequence[OmittedPair] = ()
+
+    @property
+    def conditions(self) -> Conditions:
+        """Conditions of the scene."""
+        return conditions_of({self.name: self.scene})
+
+    @property
+    def methods(self) -> str:
+        """Paragraph on methods that one may paste into a report, with all conditions."""
+        compared = (
+            f"Of all changes of the waves that are enough by the linear response, the one with the"
+            f" smallest {MEASURE} was marched on {self.noun} of the same phases. The ± is one"
+            " standard uncertainty of the mean change by Student's t."
+        )
+        return self.conditions.paragraph([compared, *self.sentences[:1], UNVALIDATED])
 
     @property
     def fall(self) -> Difference:
@@ -187,7 +202,7 @@ class Design:
 
     @property
     def sentences(self) -> list[str]:
-        """The answer in words, its conditions, and what to doubt."""
+        """The answer in words, and what to doubt."""
         return [*_sentences(self)]
 
     def __repr__(self) -> str:
@@ -198,7 +213,7 @@ _PSD = ("frequency_1_mm", "psd_now_um3", "psd_target_um3")
 
 
 def _sentences(result: Design) -> Iterator[str]:
-    """Yield the answer, its conditions, how it was found, and what to doubt."""
+    """Yield the answer, how it was found, and what to doubt."""
     fall = result.fall
     assert fall.db is not None  # a surface without any sound is no answer
     lowered = result.lowered_db
@@ -220,7 +235,6 @@ def _sentences(result: Design) -> Iterator[str]:
         f"Lower most: {'; '.join(strongest)}. By the linear response no other change that is"
         f" enough has a smaller {MEASURE}."
     )
-    yield f"Conditions: {result.conditions}"
     total = float(result.bands.response.sum())
     rq_now = 1e9 * float(np.sqrt(np.sum(np.square(result.bands.rms_m))))
     rq_target = 1e9 * float(np.sqrt(np.sum(np.square(result.target_rms_m))))

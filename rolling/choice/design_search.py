@@ -23,7 +23,8 @@ from rolling.choice.design import LEAST_SHOWN_DB, Design, Round
 from rolling.choice.heard_specimen import HeardQuantity, Specimen
 from rolling.choice.least_change import fall_of, least_change
 from rolling.choice.sensitivity import quantity_of, refuse_sweep
-from rolling.choice.wave_bands import PlateWaves, WaveBands
+from rolling.choice.wave_bands import PlateWaves, SoundingWaves
+from rolling.kinds.stated_conditions import with_conditions, write_answer_file
 from rolling.scene.identity import digest
 from rolling.scene.messages import SceneError, is_number, quoted
 from rolling.surface.lowered_waves import nominal
@@ -38,6 +39,7 @@ FLOOR_DB = 0.05  # distance from the largest possible fall that is left
 TABLE = "design.csv"
 TARGET = "target-psd.csv"
 SCENE = "design.yaml"
+ANSWER = "design.json"
 PICTURE = "design.png"
 PAGE = "design.html"
 
@@ -139,7 +141,6 @@ class DesignSearch:
         rounds = self._rounds(useful, bands.wavelength_m)
         return Design(
             name=name,
-            conditions=self._waves.conditions,
             quantity=self._quantity,
             quieter_db=self._quieter_db,
             bands=bands,
@@ -160,7 +161,7 @@ class DesignSearch:
         others = [specimen for specimen in base.specimens if specimen.number >= self._count]
         return others or list(base.specimens)
 
-    def _refuse_too_much(self, bands: WaveBands) -> None:
+    def _refuse_too_much(self, bands: SoundingWaves) -> None:
         """Refuse a fall that not even a plate without waves has."""
         if not self._waves.has_other_sources:
             return
@@ -273,14 +274,17 @@ def write_design(result: Design) -> list[Path]:
     """Write table, target, scene, picture and page of a design, and return the files."""
     from rolling.choice.advice_page import design_page
     from rolling.choice.advice_pictures import design_picture
-    from rolling.figures.picture import csv_bytes
     from rolling.figures.settings import left_out_if_it_fails
+    from rolling.results.runs_table import csv_bytes
     from rolling.run.folder import with_relative_paths
     from rolling.scene import file
 
     folder = result.folder
-    written = [folder / TABLE, folder / TARGET, folder / SCENE]
-    whole_files.write_bytes(written[0], csv_bytes(result.table()))
+    written = [folder / TABLE, folder / TARGET, folder / SCENE, folder / ANSWER]
+    table = result.table()
+    stated = with_conditions(table, result.conditions, [result.name] * len(table))
+    whole_files.write_bytes(written[0], csv_bytes(stated))
+    write_answer_file(folder / ANSWER, result.sentences, result.conditions, result.methods)
     head = "".join(f"# {line}\n" for line in target_notes(result))
     whole_files.write_bytes(written[1], head.encode() + csv_bytes(result.target()))
     changed = with_relative_paths(folder, result.changed)
@@ -297,7 +301,7 @@ def target_notes(result: Design) -> list[str]:
     return [
         "Target of profiles along the rolling direction, in third octaves of wavelength.",
         f"Lower waves make it {result.quieter_db:g} {result.quantity.decibels} quieter.",
-        result.conditions,
+        *result.conditions.lines,
         "psd: one-sided power spectral density, mean over the band [um2 um]; amplitudes are rms.",
         "Waves without decibels may stay as they are.",
     ]

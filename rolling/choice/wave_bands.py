@@ -15,7 +15,7 @@ LEAST_SHARE = 0.01  # of the largest response, below which one is not worth its 
 
 
 @dataclass(frozen=True, eq=False)
-class WaveBands:
+class SoundingWaves:
     """Waves of some specimens by band, and what each of them does to the level.
 
     Attributes
@@ -64,11 +64,9 @@ class WaveBands:
 class PlateWaves:
     """Waves of the plate of a scene, as far as they make its sound.
 
-    conditions : str. What rolls on what, under which load, how fast, and who listens.
     has_other_sources : bool. Whether something sounds that no lower wave of the plate removes.
     bands : function. It returns the bands of solved specimens.
     """
 
-    conditions: str
     has_other_sources: bool
-    bands: Callable[[Sequence[Specimen]], WaveBands]
+    bands: Callable[[Sequence[Specimen]], SoundingWaves]

@@ -132,7 +132,8 @@ def limits_table() -> Iterator[str]:
         yield f"|**`{named}`, G10, {LOADS_N[named]} N**|{cells}|{ratio:.1f}|"
     recorded = [float(row[2]) for row in _recorded("healthy band")]
     cells = "|".join(f"{value:.0f}" for value in recorded)
-    yield f"|a healthy 6205 in a motor, recorded on the housing (CWRU)|{cells}|{recorded[2] / recorded[0]:.2f}|"
+    ratio = recorded[2] / recorded[0]
+    yield f"|a healthy 6205 in a motor, recorded on the housing (CWRU)|{cells}|{ratio:.2f}|"
 
 
 def _recorded(quantity: str) -> list[list[str]]:
