@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from acoustics import loudness_decay
+from acoustics import loudness_steps
 from acoustics.arrays import Array, refuse_masked
 from acoustics.spectrum import checked_record
 
@@ -210,13 +210,12 @@ def loudness_in_time(records: Sequence[Array], sample_rate_hz: float) -> list[Ar
 def _course(record: Array) -> Array:
     """Return the loudness in time of a record [sone], by the steps of mosqito's `loudness_zwtv`.
 
-    The decay is our own, which has the same digits in a hundredth of the time. A release of mosqito
-    that has its steps elsewhere computes all of it.
+    Decay and slopes are our own, which have the same digits in a hundredth of the time. A release
+    of mosqito that has its steps elsewhere computes all of it.
     """
     from mosqito.sq_metrics import loudness_zwtv
 
     try:
-        from mosqito.sq_metrics.loudness.loudness_zwst._calc_slopes import _calc_slopes
         from mosqito.sq_metrics.loudness.loudness_zwst._main_loudness import _main_loudness
         from mosqito.sq_metrics.loudness.loudness_zwtv._temporal_weighting import (
             _temporal_weighting,
@@ -228,7 +227,7 @@ def _course(record: Array) -> Array:
         return np.asarray(loudness_zwtv(record, VARYING_RATE_HZ, field_type="free")[0])
     third_octaves_db = _third_octave_levels(record, VARYING_RATE_HZ)[0]
     core = _main_loudness(third_octaves_db, "free")
-    total = _calc_slopes(loudness_decay.decayed(core))[0]
+    total = loudness_steps.total(loudness_steps.decayed(core))
     return np.asarray(_temporal_weighting(total)[::_FINE_FRAMES])
 
 

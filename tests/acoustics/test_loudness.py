@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from acoustics.loudness import Loudness, VaryingLoudness, loudness, varying_loudness
-from acoustics.loudness_decay import decayed
+from acoustics.loudness_steps import decayed, total
 from acoustics.radiation import P_REF_PA
 from acoustics.resampling import fade
 
@@ -70,18 +70,22 @@ def burst(level_db, n):
     return fade(tone(level_db, n), 96)
 
 
-def test_the_decay_has_the_digits_of_mosqito():
+def test_decay_and_slopes_have_the_digits_of_mosqito():
     """Of bands that rise, fall, rest and knock, and of one that is silent."""
+    from mosqito.sq_metrics.loudness.loudness_zwst import _calc_slopes
     from mosqito.sq_metrics.loudness.loudness_zwtv import _nonlinear_decay
 
     rng = np.random.default_rng(0)
-    core = 0.05 * np.abs(np.cumsum(rng.standard_normal((21, 200)), axis=1))
-    core[5] = 0.0
+    core = 0.05 * np.abs(np.cumsum(rng.standard_normal((21, 400)), axis=1))
+    core[4:8] *= 20.0  # up to 20 sone/Bark
+    core[5, ::3] = 0.0
     core[6, 50:] = 0.0
     core[7] = 3.0
     core[8] *= 1e-6
-    core[9] = np.where(rng.random(200) < 0.05, 5.0 * rng.random(200), 0.0)
+    core[9] = np.where(rng.random(400) < 0.05, 5.0 * rng.random(400), 0.0)
+    core[20] = 0.0
     np.testing.assert_array_equal(decayed(core), _nonlinear_decay._nl_loudness(core))
+    np.testing.assert_array_equal(total(core), _calc_slopes._calc_slopes(core)[0])
 
 
 @pytest.mark.law("Loudness: the loudness in time of a steady tone is its stationary loudness.")

@@ -182,7 +182,7 @@ def compare(scene: rc.Scene) -> tuple[pd.DataFrame, dict[str, Any]]:
         row["plastic ratio"] = f"{numbers.errors.plastic_ratio_grid:+.3f} ± {spread:.3f}"
         row["plastic true"] = f"{run.series['plastic_area'][1:].mean() / plastic - 1:+.3f}"
     if numbers.errors.subgrid_db:
-        row |= _detail_row(scene, run)
+        row |= detail_row(scene, run)
     return table, row
 
 
@@ -208,7 +208,7 @@ def _signal_db(scene: rc.Scene, own: Array, fine: Array) -> float:
     return float(10 * np.log10(off.sum() / signal.sum()))
 
 
-def _detail_row(scene: rc.Scene, run: rc.Run) -> dict[str, str]:
+def detail_row(scene: rc.Scene, run: rc.Run) -> dict[str, str]:
     """Return stated and true errors [dB] against a surface with two octaves of detail."""
     numbers = run.numbers
     detailed = _levels(scene, with_detail(scene))

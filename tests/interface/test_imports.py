@@ -38,7 +38,7 @@ FLOORS = {
         ("radiation",),
         (
             "continued_rows",
-            "loudness_decay",
+            "loudness_steps",
             "plate_modes",
             "plot_style",
             "rectangular_plate",
