@@ -8,7 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from acoustics.arrays import Array
-from rolling.ball_kinds import ball_candidates, ball_drawing, ball_heard, ball_waves, chain
+from rolling.ball_kinds import (
+    ball_candidates,
+    ball_drawing,
+    ball_heard,
+    ball_waves,
+    chain,
+    linear_level,
+)
 from rolling.ball_kinds.ball_candidates import LOSS_FACTORS, BallCandidate, of_ball
 from rolling.ball_kinds.ball_difference import VIBRATION, difference
 from rolling.ball_kinds.ball_heard import BAFFLE, HeardBall
@@ -141,6 +148,14 @@ class BallAudition(Audition):
     def plate_waves(self, scene: Scene) -> PlateWaves:
         """Return the waves of the plate, which `rolling design` lowers."""
         return ball_waves.plate_waves(scene)
+
+    def linear_change(self, base: Candidate, changed: Candidate) -> float | None:
+        """Return how much louder [dB(A)] a changed candidate is by its linear response."""
+        return linear_level.linear_change_db(of_ball(base).scene, of_ball(changed).scene)
+
+    def linear_error(self, key: str, change_db: float) -> float | None:
+        """Return the standard uncertainty [dB] of that change by a key."""
+        return linear_level.error_db(key, change_db)
 
     # ---- how a choice is shown
 

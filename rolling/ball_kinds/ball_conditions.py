@@ -11,9 +11,9 @@ from rolling.scene.sections import WEIGHT
 from rolling.scene.surfaces import HeightFile
 
 LEVELLED = {
-    "plane": "its plane removed",
-    "quadratic": "its form of second order removed",
-    "auto": "its plane removed",
+    "plane": "plane removed",
+    "quadratic": "form of second order removed",
+    "auto": "plane removed",
     "none": "no form removed",
 }
 CLOSED = {
@@ -51,7 +51,7 @@ def preparation_words(surface: HeightFile) -> str:
     closed = surface.periodic or ("blend" if surface.spacing_um is None else "none")
     levelled = LEVELLED[surface.level]
     if surface.level == "auto" and closed == "none":
-        levelled = "its plane removed if that lowers the step at the seam"
+        levelled = "plane removed if that lowers the step at the seam"
     steps.append(levelled)
     if surface.l_filter_um is not None:
         steps.append(f"L-filter {surface.l_filter_um:g} µm")
@@ -68,17 +68,15 @@ def preparation_words(surface: HeightFile) -> str:
 def method(scene: Scene) -> Method:
     """Return how the vibration of ball and plate is computed."""
     moves = "fell onto" if scene.rolling.falls else "rolled over"
-    motion = (
-        "the motion of ball and plate over it in time"
-        if scene.dynamics is not None
-        else "the motion of ball and plate as a linear chain"
-    )
+    motion = "followed in time"
+    if scene.dynamics is None:
+        motion = "estimated by a linear chain"
     return Method(
         motion=f"A ball {moves} a dry plate in a simulation.",
         computed=(
             "The contact of the rough surfaces was solved as an elastic half-space at each step of"
-            f" the track, {motion}, and from it the sound in a free field at the listener,"
-            " A-weighted."
+            f" the track, and the motion of ball and plate over it was {motion}. Their sound is"
+            " that in a free field at the listener, A-weighted."
         ),
     )
 

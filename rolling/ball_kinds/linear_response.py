@@ -8,9 +8,9 @@ contact: how much alike places of a scan are, and small changes of a level.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
 from acoustics.arrays import Array
@@ -24,14 +24,7 @@ from rolling.in_si.physics_of_scene import bodies_of, listener_of
 from rolling.in_si.scene_surface import scene_surface
 from rolling.scene.scene import Scene
 from rolling.sound.receivers import Listener
-from rolling.surface.contact_average import pressure_average, rough_axes
-
-
-class Spacing(NamedTuple):
-    """Distance of nodes along and across [m]."""
-
-    along: float
-    across: float
+from rolling.surface.contact_average import asperity_density, pressure_average, rough_axes
 
 
 @dataclass(frozen=True)
@@ -51,24 +44,52 @@ class LinearResponse:
     speed_m_s: float
     highest_hz: float
 
-    def heard(self, heights: Array, spacing: Spacing) -> Array:
+    def heard(self, heights: Array, spacing_m: float) -> Array:
         """Return what is heard of each node [Pa], (along, across), A-weighted.
 
         Parameters
         ----------
         heights : (along, across) array, m
             Heights that close on themselves.
-        spacing : Spacing
+        spacing_m : float, m
             Distance of their nodes.
         """
+        waves_along, averaged = self._averaged(heights, spacing_m)
+        averaged *= np.sqrt(self._gain(np.abs(waves_along)))[:, None]
+        return np.asarray(fft.irfft2(averaged, s=heights.shape))
+
+    def mean_square(self, heights: Array, spacing_m: float) -> float:
+        """Return the A-weighted mean square [Pa2] over all tracks of heights.
+
+        Short waves have at least what asperities that take the load from each other add to them.
+        """
         along, across = heights.shape
-        waves_along = 2 * np.pi * np.fft.fftfreq(along, spacing.along)
-        waves_across = 2 * np.pi * np.fft.rfftfreq(across, spacing.across)
+        waves_along, averaged = self._averaged(heights, spacing_m)
+        twice = np.full(averaged.shape[1], 2.0)  # waves across that stand for both signs
+        twice[0] = 1.0
+        if across % 2 == 0:
+            twice[-1] = 1.0
+        power = np.square(np.abs(averaged)) @ twice / heights.size**2
+        power[0] = 0.0
+        waves = np.abs(waves_along)
+        length, _ = self.semi_axes_m
+        line = 2 * np.pi / (along * spacing_m)  # distance of lines [rad/m], each of one sign
+        of_asperities = asperity_density(np.maximum(waves, line), length) * line / 2
+        power = np.maximum(power, float(power.sum()) * of_asperities)
+        return float(power @ self._gain(waves))
+
+    def _averaged(self, heights: Array, spacing_m: float) -> tuple[Array, NDArray[np.complex128]]:
+        """Return wave numbers along [rad/m], and the spectrum of heights that a contact averages.
+
+        The spectrum is that of a real transform, (along, across / 2 + 1).
+        """
+        along, across = heights.shape
+        waves_along: Array = 2 * np.pi * np.fft.fftfreq(along, spacing_m)
+        waves_across = 2 * np.pi * np.fft.rfftfreq(across, spacing_m)
         length, width = self.semi_axes_m
         spectrum = fft.rfft2(heights)
         spectrum *= pressure_average(np.hypot(length * waves_along[:, None], width * waves_across))
-        spectrum *= np.sqrt(self._gain(np.abs(waves_along)))[:, None]
-        return np.asarray(fft.irfft2(spectrum, s=heights.shape))
+        return waves_along, spectrum
 
     def _gain(self, waves: Array) -> Array:
         """Return the power gain [Pa2/m2] of waves along the track [rad/m], A-weighted.
@@ -114,4 +135,4 @@ def heard_places(scene: Scene) -> Array:
     surface = scene_surface(scene)
     heights = surface.heights - surface.heights.mean()
     response = linear_response(scene, float(np.sqrt(np.mean(np.square(heights)))))
-    return response.heard(heights, Spacing(surface.spacing, surface.spacing))
+    return response.heard(heights, surface.spacing)

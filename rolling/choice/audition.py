@@ -347,6 +347,20 @@ class Audition:
             ]
         )
 
+    def linear_change(self, base: Candidate, changed: Candidate) -> float | None:
+        """Return how much louder [dB] a changed candidate is by its linear response, unmarched.
+
+        None, the default, where a kind has none.
+        """
+        return None
+
+    def linear_error(self, key: str, change_db: float) -> float | None:
+        """Return the standard uncertainty [dB] of that change by a key.
+
+        None, the default, where the linear response does not hold.
+        """
+        return None
+
     # ---- how a choice is shown
 
     def doubts(self, choice: ChoiceNumbers) -> Iterable[Doubt]:

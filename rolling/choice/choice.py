@@ -56,6 +56,8 @@ class Choice(ChoiceNumbers):
         Whether the limit of time ended the choice before its rule did.
     command : str
         Command that repeats the answer; empty for a choice in Python.
+    advice : LinearAdvice or None
+        The values of the drawing that matter most for the loudest one; None until the choice ends.
 
     Examples
     --------

@@ -14,6 +14,7 @@ from acoustics.arrays import Array
 from rolling.choice.candidate import Candidate
 from rolling.choice.difference import Difference
 from rolling.choice.heard_specimen import Heard, HeardQuantity, Specimen
+from rolling.choice.linear_advice import LinearAdvice
 from rolling.kinds.stated_conditions import conditions_of
 from rolling.numbers.conditions import Conditions
 from rolling.sound.heard_in_room import HeardDifference
@@ -139,6 +140,8 @@ class ChoiceNumbers:
         Whether the limit of time ended the choice before its rule did.
     command : str
         Command that repeats the answer; empty for a choice in Python.
+    advice : LinearAdvice or None
+        The values of the drawing that matter most for the loudest one; None until the choice ends.
     """
 
     contenders: list[Contender]
@@ -152,6 +155,7 @@ class ChoiceNumbers:
     omitted: Sequence[OmittedPair] = ()
     is_early: bool = False
     command: str = ""
+    advice: LinearAdvice | None = None
 
     @property
     def conditions(self) -> Conditions:

@@ -65,13 +65,15 @@ def page(choice: Choice, sounds: Sequence[CandidateSound]) -> bytes:
     sounds : sequence of CandidateSound. Sound of the first specimen of each candidate.
     """
     first, *others = choice_sentences.verdicts(choice)
+    explained = choice_sentences.explanations(choice)
+    further = [*others, *explained, *choice_sentences.advice(choice)]
     heads, *rows = [[*map(_on_page, cells)] for cells in choice_table.cells(choice)]
     counted = {"tried": choice.tried, "numbers": choice.numbers}
     own_sounds = [_shown(sound) for sound in sounds]
     again = [f"The same answer again: {choice.command}"] if choice.command else []
     parts = [
         Part("charts.html", {"heading": _heading(choice), "charts": _charts(choice)}),
-        Part("sentences.html", {"sentences": [*others, *choice_sentences.explanations(choice)]}),
+        Part("sentences.html", {"sentences": further}),
         Part(
             "doubts.html",
             {

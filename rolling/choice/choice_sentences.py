@@ -31,7 +31,14 @@ def sentences(choice: ChoiceNumbers) -> list[str]:
     limits = limiting_doubts(choice)
     of_pairs = [doubt.line for doubt in limits if doubt.key == WITHOUT_SOLUTION]
     others = [doubt.line for doubt in limits if doubt.key != WITHOUT_SOLUTION]
-    return [*verdicts(choice), *of_pairs, *explanations(choice), *others]
+    return [*verdicts(choice), *of_pairs, *explanations(choice), *others, *advice(choice)]
+
+
+def advice(choice: ChoiceNumbers) -> list[str]:
+    """Return what would help the loudest one, a sentence or none."""
+    if choice.advice is None or not choice.advice.changes:
+        return []
+    return [choice.advice.sentence]
 
 
 def verdicts(choice: ChoiceNumbers) -> list[str]:

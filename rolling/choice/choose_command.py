@@ -130,6 +130,7 @@ def as_json(choice: Choice) -> dict[str, Any]:
         "candidates": candidates,
         "differences": differences,
         "audible": [difference.text for difference in choice.audible],
+        "what_would_help": _advice_as_json(choice),
         "pairs": choice.pairs,
         "left_out": [pair._asdict() for pair in choice.omitted],
         "command": choice.command,
@@ -181,6 +182,14 @@ def _difference_as_json(difference: Difference) -> dict[str, Any]:
             zip(BAND_NAMES, _known(difference.band_uncertainty_db.tolist()), strict=True)
         )
     return content
+
+
+def _advice_as_json(choice: Choice) -> dict[str, Any] | None:
+    """Return the values of the drawing that matter most for the loudest candidate, for JSON."""
+    if choice.advice is None:
+        return None
+    changes = [change._asdict() for change in choice.advice.changes]
+    return {"label": choice.advice.label, "changes": changes}
 
 
 def _known(values: list[float]) -> list[float | None]:

@@ -17,6 +17,7 @@ from rolling.choice.candidate import Candidate
 from rolling.choice.choice import Choice
 from rolling.choice.choice_numbers import Contender, OmittedPair, leading_of
 from rolling.choice.heard_specimen import Specimen
+from rolling.choice.linear_advice import linear_advice
 from rolling.choice.omissions import refuse_many
 from rolling.choice.specimen_solving import Solver
 from rolling.kinds.registry import kind_of
@@ -79,7 +80,9 @@ def choose_scenes(
     looks = budget.looks(specimens.count, specimens.noun)  # refused before anything is written
     with open_choice(candidates, target, workers) as work:
         choice = _until_known(work, candidates, budget, looks, keep)
-        return replace(choice, audible=audition.audible(choice))
+        with progress.step("asking what would help the loudest"):
+            advice = linear_advice(audition, choice.contenders[-1].candidate, workers, target)
+        return replace(choice, audible=audition.audible(choice), advice=advice)
 
 
 # ---- the work

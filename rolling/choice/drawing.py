@@ -58,6 +58,20 @@ class ChangedValue:
     shares_march: bool
 
 
+def helping_words(change: ChangedValue, louder_db: float) -> str:
+    """Say by how much which value would be larger or smaller, so that a scene is quieter.
+
+    Parameters
+    ----------
+    change : ChangedValue. The value.
+    louder_db : float. Change of the level when the value is larger.
+    """
+    words = change.words.smaller if louder_db > 0 else change.words.larger
+    if change.step == ONE_GRADE:
+        return f"one step {words}"
+    return f"{change.step} {words}"
+
+
 class LeftOut(NamedTuple):
     """A value that could not be changed, and why."""
 

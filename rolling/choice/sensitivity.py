@@ -502,7 +502,10 @@ def _sentences(result: Sensitivities) -> Iterator[str]:
         best = helpful[0]
         amount = f"{_amount(best)} {result.quantity.decibels} quieter{_in_band(result)}"
         text = f"{capital(_help(best))} is {amount}, which helps most{_of_which(best, result)}"
-        others = [f"a {_help_words(row)} ({_amount(row)})" for row in helpful[1 : 1 + NEXT]]
+        others = [
+            f"a {drawing.helping_words(row.change, row.db)} ({_amount(row)})"
+            for row in helpful[1 : 1 + NEXT]
+        ]
         if others:
             text += f"; then come {' and '.join(others)}"
         yield f"{text} ({best.difference.pairs} {result.noun})."
@@ -562,15 +565,7 @@ def _is_sure(row: Sensitivity) -> bool:
 
 def _help(row: Sensitivity) -> str:
     """Say what would make a scene quieter: a 10 % thicker plate."""
-    return f"a {_help_words(row)}"
-
-
-def _help_words(row: Sensitivity) -> str:
-    """Say by how much which value would be larger or smaller."""
-    words = row.change.words.smaller if row.db > 0 else row.change.words.larger
-    if row.change.step == drawing.ONE_GRADE:
-        return f"one step {words}"
-    return f"{row.change.step} {words}"
+    return f"a {drawing.helping_words(row.change, row.db)}"
 
 
 def _amount(row: Sensitivity) -> str:

@@ -27,6 +27,8 @@ def conditions_of(scenes: Mapping[str, Any]) -> Conditions:
 def with_conditions(table: DataFrame, conditions: Conditions, labels: Sequence[str]) -> DataFrame:
     """Return a table with a column for each condition at its end, as a file has it.
 
+    Without conditions it stays as it is.
+
     Parameters
     ----------
     table : DataFrame
@@ -36,6 +38,8 @@ def with_conditions(table: DataFrame, conditions: Conditions, labels: Sequence[s
     labels : sequence of str
         Label of the scene of each row.
     """
+    if not conditions.by_label:
+        return table
     rows = [conditions.columns(label) for label in labels]
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: [row.get(name, "") for row in rows] for name in names}

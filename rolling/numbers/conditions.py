@@ -73,12 +73,16 @@ class Conditions:
     @property
     def lines(self) -> list[str]:
         """The conditions in lines: what all share with the program, and a line for each scene."""
-        shared = "; ".join([*map(_in_words, self.shared), self.program])
-        lines = [f"Conditions: {shared}."]
-        for label, conditions in self.own.items():
-            if conditions:
-                lines.append(f"{label}: {'; '.join(map(_in_words, conditions))}.")
-        return lines
+        return [_sentence([*self.shared, Condition(PROGRAM, self.program)]), *self._own_lines]
+
+    @property
+    def _own_lines(self) -> list[str]:
+        """A line for each scene with conditions of its own."""
+        return [
+            f"For {label}, {_listed(conditions)}."
+            for label, conditions in self.own.items()
+            if conditions
+        ]
 
     def columns(self, label: str) -> dict[str, str]:
         """Return the conditions of a scene for the columns of a table, with the program."""
@@ -94,13 +98,10 @@ class Conditions:
             Sentences on how the answer follows from the numbers, and what nobody has measured.
         """
         sentences = [self.method.motion]
-        shared = self.shared
-        if shared:
-            sentences.append(f"Conditions: {'; '.join(map(_in_words, shared))}.")
-        for label, conditions in self.own.items():
-            if conditions:
-                sentences.append(f"For {label}: {'; '.join(map(_in_words, conditions))}.")
-        sentences += [self.method.computed, *answer, f"All of it was computed with {self.program}."]
+        if self.shared:
+            sentences.append(_sentence(self.shared))
+        sentences += [*self._own_lines, self.method.computed, *answer]
+        sentences.append(f"All of it was computed with {self.program}.")
         return " ".join(sentence for sentence in sentences if sentence)
 
     def as_json(self) -> dict[str, Any]:
@@ -112,6 +113,12 @@ class Conditions:
         return {PROGRAM: self.program, "scenes": by_label}
 
 
-def _in_words(condition: Condition) -> str:
-    """Write a condition with its name."""
-    return f"{condition.name} {condition.words}"
+def _sentence(conditions: Sequence[Condition]) -> str:
+    """Write conditions as a sentence."""
+    words = _listed(conditions)
+    return f"{words[0].upper()}{words[1:]}."
+
+
+def _listed(conditions: Sequence[Condition]) -> str:
+    """Write conditions with their names."""
+    return "; ".join(f"{one.name}: {one.words}" for one in conditions)

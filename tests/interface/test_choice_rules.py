@@ -396,6 +396,10 @@ def test_each_rule_of_a_choice_raises_its_doubt(
         stored = json.loads(json.dumps(as_json(one)))
         assert [doubt["key"] for doubt in stored["doubts"]] == [doubt.key for doubt in one.doubts]
     stored = as_json(choice)
+    assert {"ball", "plate", "load", "speed", "listener", "surface"} <= {
+        name for conditions in stored["conditions"]["scenes"].values() for name in conditions
+    }
+    assert rc.__version__ in stored["methods"]
     assert stored["differences"][0]["left_out_db"].keys() == {"time_step", "baffle"}
     assert choice.table()["uncertainty_left_out"].to_list()[1] == "time_step baffle"
 
