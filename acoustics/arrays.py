@@ -65,6 +65,19 @@ def real_array(name: str, values: Any, dimensions: int | None, gaps: bool = Fals
     return array
 
 
+def over_largest(record: Array, of_silence: float) -> Array:
+    """Return a record (n,) over its largest magnitude, so that its fourth power does not underflow.
+
+    All samples of silence are `of_silence`: 0 where silence has nothing in any band, and NaN where
+    it has no value, such as a kurtosis. Raise ValueError for values that are not finite.
+    """
+    record = real_array("record", record, 1)
+    largest = float(np.max(np.abs(record)))
+    if not largest > 0.0:
+        return np.full(len(record), of_silence)
+    return record / largest
+
+
 def positive(name: str, value: Any, most: float = math.inf, infinite: bool = False) -> float:
     """Return a number as a float; raise ValueError unless it is above zero, and at most `most`.
 

@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics.arrays import Array, positive, short_repr
+from acoustics.arrays import Array, over_largest, positive, short_repr
 from acoustics.resampling import band_limit
 from acoustics.spectrum import Band, band_edges, checked_record
 from acoustics.uncertainty import kurtosis, kurtosis_uncertainty
@@ -217,7 +217,7 @@ def kurtogram(
     >>> best.band_hz[0] < 4000 < best.band_hz[1], best.stands_out
     (True, True)
     """
-    record = _over_largest(_open_record(signal, sample_rate_hz))
+    record = over_largest(_open_record(signal, sample_rate_hz), of_silence=0.0)
     low, high = band_edges(band_hz, sample_rate_hz)
     width = positive("least_width_hz", least_width_hz)
     ends = _ends(record, sample_rate_hz)
@@ -327,12 +327,6 @@ def _open_record(signal: Array, sample_rate_hz: float) -> Array:
             f"signal: got {len(record)} samples, allowed: at least {4 * _LEAST_SAMPLES}"
         )
     return record
-
-
-def _over_largest(record: Array) -> Array:
-    """Return a record over its largest magnitude, whose fourth power does not underflow."""
-    largest = float(np.abs(record).max())
-    return record / largest if largest > 0 else record
 
 
 def _faded(record: Array, ends: int) -> Array:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import polygamma
 
-from acoustics.arrays import Array, instance, real_array, truth, within
+from acoustics.arrays import Array, instance, over_largest, truth, within
 from acoustics.bands import EDGES_HZ, third_octave_mean_square
 from acoustics.level import FAST_S, SLOW_S, RecordNumbers, SoundLevels, a_weighted
 from acoustics.spectrum import checked_record, line_spectrum
@@ -298,7 +298,7 @@ def excess_variance(pressure_pa: Array, sample_rate_hz: float) -> ExcessVariance
     larger. Its ratio is taken over the 16 lowest lines of p^2, which count the less the farther
     they are from 0 Hz, so it is known to some 40 %.
     """
-    pressure = _over_largest(pressure_pa)
+    pressure = over_largest(pressure_pa, of_silence=math.nan)
     frequency_hz = np.fft.rfftfreq(len(pressure), 1.0 / sample_rate_hz)
     line = np.fft.rfft(pressure)
     line[0] = 0.0
@@ -412,18 +412,6 @@ def _db(variance: float) -> float:
     return _DB * math.sqrt(variance)
 
 
-def _over_largest(record: Array) -> Array:
-    """Return a record over its maximum magnitude, NaN for silence.
-
-    The fourth power of a pascal may underflow.
-    """
-    record = real_array("record", record, 1)
-    largest = float(np.max(np.abs(record)))
-    if not largest > 0.0:
-        return np.full(len(record), np.nan)
-    return record / largest
-
-
 def kurtosis(record: Array) -> float:
     """Return the mean fourth power over the square of the mean square; NaN for silence.
 
@@ -445,7 +433,7 @@ def kurtosis(record: Array) -> float:
     >>> round(kurtosis(np.sin(2 * np.pi * np.arange(100) / 100)), 6)
     1.5
     """
-    square = np.square(_over_largest(record))
+    square = np.square(over_largest(record, of_silence=math.nan))
     return float(np.mean(np.square(square)) / np.mean(square) ** 2)
 
 
@@ -478,7 +466,7 @@ def kurtosis_uncertainty(record: Array) -> float:
     >>> round(kurtosis_uncertainty(noise), 2)  # sqrt(24/2400)
     0.1
     """
-    power = np.square(np.abs(np.fft.rfft(_over_largest(record))))
+    power = np.square(np.abs(np.fft.rfft(over_largest(record, of_silence=math.nan))))
     correlation = np.fft.irfft(power, len(record))
     fourth = np.square(np.square(correlation / correlation[0]))
     return math.sqrt(24.0 * float(np.mean(fourth)))

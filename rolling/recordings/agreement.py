@@ -22,6 +22,7 @@ class Agreement(NamedTuple):
 
     within_db : float, dB. Largest difference, without its sign.
     uncertainty_db : float, dB. Largest standard uncertainty of these differences.
+    is_covered : bool. Whether no difference is larger than its own standard uncertainty.
     low_hz, high_hz : float, Hz. Nominal frequencies of the first and the last band.
     bands : int. Number of the bands.
     """
@@ -31,6 +32,7 @@ class Agreement(NamedTuple):
     low_hz: float
     high_hz: float
     bands: int
+    is_covered: bool
 
 
 class BandDifferences(NamedTuple):
@@ -65,6 +67,9 @@ class BandDifferences(NamedTuple):
             low_hz=float(NOMINAL_HZ[bands[0]]),
             high_hz=float(NOMINAL_HZ[bands[-1]]),
             bands=len(bands),
+            is_covered=bool(
+                np.all(np.abs(self.difference_db[bands]) <= self.uncertainty_db[bands])
+            ),
         )
 
 
@@ -97,9 +102,12 @@ def sentences(comparison: RecordingComparison) -> list[str]:
 
 
 def _decibels(agreement: Agreement) -> str:
-    """Write the largest difference with the largest ± of the differences."""
+    """Write within which decibels bands agree: within their ± where it covers all differences."""
     spread = rounded_up(agreement.uncertainty_db)
-    return f"{np.ceil(10 * agreement.within_db) / 10:.1f} dB (± of a band up to {spread} dB)"
+    largest = f"{np.ceil(10 * agreement.within_db) / 10:.1f} dB"
+    if agreement.is_covered:
+        return f"the ± of each band, up to {spread} dB, and differ by up to {largest}"
+    return f"{largest} (± of a band up to {spread} dB)"
 
 
 def _range(agreement: Agreement) -> str:

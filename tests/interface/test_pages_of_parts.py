@@ -370,6 +370,9 @@ def test_close_bands_are_the_widest_within_three_decibels(
         assert found is None
         return
     assert found is not None and found.within_db <= agreement.CLOSE_DB
+    assert not found.is_covered  # differences of 1 dB and more
+    covered = agreement.BandDifferences(differences, np.full(31, 9.0)).close
+    assert covered is not None and covered.is_covered
     nominal = agreement.NOMINAL_HZ
     assert (found.low_hz, found.high_hz) == (nominal[whole[0] - 1], nominal[whole[1] - 1])
 
