@@ -18,7 +18,7 @@ import numpy as np
 from acoustics.arrays import Array, short_repr
 from rolling.bearing.band_uncertainty import DecibelsOfBands
 from rolling.bearing.model import BearingModel
-from rolling.bearing.ring_record import DIRECTIONS
+from rolling.bearing.ring_record import DIRECTIONS, RADIAL
 from rolling.bearing.wave_motion import BALLS, INNER, WaveMotion
 from rolling.bearing.waves import SemiAxes, isotropic_response, response, semi_axes
 
@@ -164,6 +164,39 @@ def surfaces_db(
             whole = max(velocity_m_s[direction][band] ** 2, expected)
             parts[direction][band] = _joined_db(bodies, own, crests, whole)
     return parts
+
+
+AMPLITUDE = "amplitude"
+OF_EXPONENT = "exponent"
+CRESTS = "crests"
+
+
+def assumptions_db(
+    bodies: Sequence[AssumedWaves],
+    model: BearingModel,
+    bands_hz: Mapping[str, tuple[float, float]],
+) -> dict[tuple[str, str], dict[str, float]]:
+    """Return what each assumption about waves leaves uncertain in bands radially [dB].
+
+    By body and AMPLITUDE, OF_EXPONENT or CRESTS, then by band. Nothing but these waves moves the
+    ring.
+    """
+    powers = [order_powers(waves, model, bands_hz)[RADIAL] for waves in bodies]
+    worth: dict[tuple[str, str], dict[str, float]] = {}
+    for waves, power in zip(bodies, powers, strict=True):
+        orders = len(waves.amplitudes_m)
+        crest_db = crests_db(waves, model) / math.sqrt(3)
+        for name, level_db in (
+            (AMPLITUDE, np.full(orders, waves.amplitude_db)),
+            (OF_EXPONENT, waves.exponent_db),
+            (CRESTS, crest_db),
+        ):
+            worth[waves.body, name] = {}
+            for band in bands_hz:
+                whole = sum(float(other[band].sum()) for other in powers)
+                own_db = abs(float(level_db @ power[band])) / whole if whole > 0 else 0.0
+                worth[waves.body, name][band] = own_db
+    return worth
 
 
 def _joined_db(

@@ -1,7 +1,8 @@
 """What the assumed values of a bearing are worth: how far other likely ones move its bands.
 
 A linear ring is asked, on waves whose velocity is the same at all frequencies, before anything is
-solved. So these are decibels of the transfer from waves to the ring, radially.
+solved. So these are decibels of the transfer from waves to the ring, radially. Waves that are
+assumed themselves have a ± by their share of what all assumed waves make.
 """
 
 from __future__ import annotations
@@ -15,8 +16,11 @@ from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing.assumed_damping import LARGEST_LOSS_FACTOR
+from rolling.bearing.assumed_surfaces import AMPLITUDE, CRESTS, OF_EXPONENT, assumptions_db
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
+from rolling.bearing.wave_motion import BALLS
+from rolling.bearing_kind.body_forms import assumed_waves
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.bearing_sources import assumed_keys
@@ -28,6 +32,7 @@ SIZE_SHARE = 0.02  # of a diameter of balls or of their circle
 MASS_SHARE = 0.2  # of a mass that is estimated from the section of a ring
 _STEPS = 400  # frequencies in a band
 _LEAST_DB = 0.05  # that is worth a word
+_KEYS = {AMPLITUDE: "wave_amplitude_um", OF_EXPONENT: "wave_exponent", CRESTS: "wave_crests"}
 
 
 class AssumedWorth(NamedTuple):
@@ -69,10 +74,33 @@ def assumed_worth(scene: BearingScene, key: str) -> AssumedWorth | None:
     return None
 
 
+def _surface_worth(scene: BearingScene) -> dict[str, tuple[float, str]]:
+    """Return what assumed waves are worth, by key: the largest of the bands [dB], and words."""
+    bodies = assumed_waves(scene)
+    if not bodies:
+        return {}
+    worth = {}
+    for (body, assumption), spread_db in assumptions_db(
+        bodies, scene.model, VELOCITY_BANDS_HZ
+    ).items():
+        largest = max(spread_db.values())
+        if largest < _LEAST_DB:
+            continue
+        key = f"surfaces.{body}.{_KEYS[assumption]}"
+        if body == BALLS and assumption == AMPLITUDE:
+            key = "surfaces.balls.grade"  # which limits the form
+        bands = ", ".join(f"{value:.1f}" for value in spread_db.values())
+        worth[key] = largest, f"{key} (± {bands} dB)"
+    return worth
+
+
 def assumed_doubt(scene: BearingScene) -> Doubt | None:
     """Name the assumed values of a scene with what they are worth, the largest first."""
-    words = list[tuple[float, str]]()
+    of_surfaces = _surface_worth(scene)
+    words = list(of_surfaces.values())
     for key in assumed_keys(scene):
+        if key in of_surfaces:
+            continue
         worth = assumed_worth(scene, key)
         words.append((worth.largest_db, worth.words) if worth is not None else (0.0, key))
     if not words:

@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 from bearing_runs import WAVY, loads_bearing
 
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from rolling.bearing.assumed_surfaces import FORM_DB, assumptions_db
 from rolling.bearing.linear_ring import LinearRing, linear_ring
 from rolling.bearing_kind.assumed_worth import assumed_doubt, assumed_worth, band_changes_db
 from rolling.bearing_kind.band_edges import edge_doubts, moved_edges
+from rolling.bearing_kind.body_forms import assumed_waves
 
 SCENE = loads_bearing(WAVY)
 
@@ -43,6 +46,19 @@ def test_the_doubt_names_the_largest_first_and_no_given_value() -> None:
     given = SCENE.with_({"bearing.contact_loss_factor": 0.05, "bearing.ring_mass_kg": 0.06})
     rest = assumed_doubt(given)
     assert rest is None or ("loss_factor" not in rest.text and "ring_mass" not in rest.text)
+
+
+def test_assumed_surfaces_have_their_decibels_the_largest_first() -> None:
+    """The form of balls alone has the whole of what a grade leaves, 20 log10(3) / sqrt(3)."""
+    graded = SCENE.with_({"bearing.surfaces.balls": {"kind": "graded", "grade": "G10"}})
+    (waves,) = assumed_waves(graded)
+    worth = assumptions_db([waves], graded.model, VELOCITY_BANDS_HZ)
+    assert worth["balls", "amplitude"]["low"] == pytest.approx(FORM_DB)
+    doubt = assumed_doubt(graded)
+    assert doubt is not None
+    assert "surfaces.balls.grade (± 5.5, 5.5, " in doubt.text
+    places = [doubt.text.index(key) for key in ("loss_factor", "surfaces.balls.grade", "ring_mass")]
+    assert places == sorted(places)
 
 
 def test_a_value_that_the_scene_does_not_take_has_no_worth() -> None:
