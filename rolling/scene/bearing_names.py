@@ -122,7 +122,7 @@ def prefix_of(name: str) -> str:
     return letters[0].strip(" -") if letters and has_digits else ""
 
 
-class _Size(NamedTuple):
+class _BoreAndSeries(NamedTuple):
     """Size that a basic designation states: bore [mm], and diameter series, 8 and 9 below 0."""
 
     bore_mm: int
@@ -132,7 +132,7 @@ class _Size(NamedTuple):
 _SMALL_BORES = {0: 10, 1: 12, 2: 15, 3: 17}  # mm, by their codes; larger ones have 5 mm a code
 
 
-def _size(digits: str) -> _Size | None:
+def _size(digits: str) -> _BoreAndSeries | None:
     """Return the size of the digits of a basic designation, None of too few or too many.
 
     The last two are the code of the bore, and the one before is the diameter series. Of three
@@ -141,9 +141,9 @@ def _size(digits: str) -> _Size | None:
     if not 3 <= len(digits) <= 5:
         return None
     if len(digits) == 3 and digits[0] == "6":
-        return _Size(int(digits[2]), _series(digits[1]))
+        return _BoreAndSeries(int(digits[2]), _series(digits[1]))
     code = int(digits[-2:])
-    return _Size(_SMALL_BORES.get(code, 5 * code), _series(digits[-3]))
+    return _BoreAndSeries(_SMALL_BORES.get(code, 5 * code), _series(digits[-3]))
 
 
 def _series(digit: str) -> int:
