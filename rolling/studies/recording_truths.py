@@ -44,25 +44,17 @@ _RANDOM = {
     "correlation_length_um": 60,
     "correlation_length_across_um": 10,
 }
-_WAVES = {"kind": "raceway", "finish": "superfinished"}
-_BALLS = {"kind": "graded", "grade": "G10", "seed": 1, "wave_exponent": 1}
-_ISOTROPIC = {"wave_crests": "isotropic"}
-# Surfaces are not known either, so the healthy record chooses one of the program's.
+# Surfaces are not known either, so the healthy record chooses those of the scene or others.
 SURFACES: dict[str, dict[str, Any]] = {
-    "superfinished": {
-        "balls": _BALLS,
-        "inner": _WAVES | {"seed": 2},
-        "outer": _WAVES | {"seed": 3},
-    },
+    "superfinished": {},
     "superfinished, isotropic": {
-        "balls": _BALLS,
-        "inner": _WAVES | _ISOTROPIC | {"seed": 2},
-        "outer": _WAVES | _ISOTROPIC | {"seed": 3},
+        "bearing.surfaces.inner.wave_crests": "isotropic",
+        "bearing.surfaces.outer.wave_crests": "isotropic",
     },
     "without waves": {
-        "balls": {"kind": "graded", "grade": "G10", "seed": 1},
-        "inner": _RANDOM | {"seed": 2},
-        "outer": _RANDOM | {"seed": 3},
+        "bearing.surfaces.balls": {"kind": "graded", "grade": "G10", "seed": 1},
+        "bearing.surfaces.inner": _RANDOM | {"seed": 2},
+        "bearing.surfaces.outer": _RANDOM | {"seed": 3},
     },
 }
 FIT_S = 0.4  # of a motion in the fit
@@ -107,7 +99,7 @@ def recording_rows(
     bands_um_s = [published["healthy band", _item(band)] for band in VELOCITY_BANDS_HZ]
     fits = []
     for words, surfaces in SURFACES.items():
-        fits.append(fitted(scene.with_({"bearing.surfaces": surfaces}), bands_um_s))
+        fits.append(fitted(scene.with_(surfaces), bands_um_s))
         yield "rms miss of the healthy bands", words, math.nan, fits[-1].miss_db
     fit = min(fits, key=lambda fit: fit.miss_db)
     bearing = fit.scene.bearing

@@ -75,19 +75,21 @@ def test_each_figure_of_the_recordings_has_one_of_ours(monkeypatch: pytest.Monke
     least, most = recording_truths.ANGLE_DEG
     for scene in tried:
         assert least <= np.degrees(scene.model.rolling_angle) <= most
-    assert len(tried) == 2  # balls with a clearance of 100 um would roll at other angles
-    assert len(rows) == len(FIGURES) + 4 + pits  # of two records, outer over inner
+    # Balls with a clearance of 100 um would roll at other angles.
+    assert len(tried) == 2 * len(recording_truths.SURFACES)
+    alone = len(recording_truths.SURFACES) + 4  # fitted values
+    assert len(rows) == alone + len(FIGURES) + pits  # of two records, outer over inner
     for row in rows:
         if row.rule == "rise":
             assert row.ours == pytest.approx(20.0, abs=1e-6)
         if row.rule == "outer over inner":
             assert row.ours == pytest.approx(0.0, abs=1e-6)
-    fitted = {row.rule: row.ours for row in rows[:4]}
+    fitted = {row.rule: row.ours for row in rows[:alone]}
     least, most = recording_truths.HOUSING_KG
     assert least <= fitted["fitted mass of the housing"] <= most
     case = validate.tomllib.loads((validate.FOLDER / "cases.toml").read_text("utf-8"))
     table = validate.rows_of(case["cases"]["recordings"], iter(rows))
-    assert table["holds"][:4].all()  # fitted values are shown only
+    assert table["holds"][:alone].all()  # fitted values are shown only
     assert not table["holds"].all()
     assert "|fitted axial load|N|-|" in validate.case_table(table)
 
