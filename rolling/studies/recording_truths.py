@@ -9,7 +9,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,11 +24,7 @@ from acoustics import (
 from acoustics.arrays import Array
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
-from rolling.bearing_kind.bearing_simulation import move_bearing
-from rolling.bearing_kind.contact_plan import contact_plan
-from rolling.bearing_kind.solved_bearing import SolvedBearing
 from rolling.contact.solver import ContactError
-from rolling.kinds.run_folder import RunFolder
 from rolling.run.solving import simulate_runs
 from rolling.scene.bearing_scene import BearingScene
 
@@ -160,11 +155,11 @@ class Fit(NamedTuple):
 def fitted(scene: BearingScene, bands_um_s: list[float]) -> Fit:
     """Fit clearance, loads and housing by the least rms of the decibels in the three bands.
 
-    The contacts respond linearly, so that nothing is marched.
+    Oil parts the surfaces of the scene, so that nothing is marched.
     """
     fits = []
     for loaded in _within_bounds(scene):
-        run = _linear_run(loaded.with_({"sound.duration_s": FIT_S, "sound.listen_s": FIT_S}))
+        (run,) = _runs(loaded.with_({"sound.duration_s": FIT_S, "sound.listen_s": FIT_S}))
         for mass in np.geomspace(*HOUSING_KG, _MASSES).tolist():
             own = _bands_um_s(in_seat(run, mass), run.record.rate_hz, VELOCITY_BANDS_HZ)
             misses = [
@@ -188,12 +183,6 @@ def _within_bounds(scene: BearingScene) -> Iterator[BearingScene]:
         )
         if ANGLE_DEG[0] <= math.degrees(loaded.model.rolling_angle) <= ANGLE_DEG[1]:
             yield loaded
-
-
-def _linear_run(scene: BearingScene) -> SolvedBearing:
-    """Return the motion of a healthy bearing whose contacts respond linearly."""
-    place = RunFolder({}, scene, Path())
-    return move_bearing(place, "linear", contact_plan(scene), {})
 
 
 def _runs(scene: BearingScene) -> list[Any]:
