@@ -153,7 +153,9 @@ def _fault_numbers(
     )
     # A small fault has fewer nodes where the window would have too many.
     least_um = 1e6 * math.sqrt(4 * reach_along * reach_beside / WINDOW_NODES)
-    narrowest_um = min(fault.size_um, fault.rim_width_um or fault.size_um)
+    narrowest_um = fault.size_um
+    if fault.in_si.rim_width_m > 0:
+        narrowest_um = min(narrowest_um, 1e6 * fault.in_si.rim_width_m)
     wanted_um = min(max(narrowest_um / NODES_PER_FAULT, least_um), narrowest_um / 2)
     spacing_um = min(numbers.spacing_um, float(f"{wanted_um:.2g}"))
     step_um = min(numbers.spacing_um * numbers.step_nodes, fault.size_um / STEPS_PER_FAULT)

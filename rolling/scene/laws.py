@@ -405,7 +405,7 @@ class SurfaceFault(Section):
             length_m=(self.length_um or 0.0) * 1e-6,
             angle_rad=math.radians(angle_deg),
             rim_height_m=(self.rim_height_um or 0.0) * 1e-6,
-            rim_width_m=(self.rim_width_um or 0.0) * 1e-6,
+            rim_width_m=(self.rim_width_um or 0.0) * 1e-6 if self.rim_height_um else 0.0,
         )
 
     @property

@@ -304,6 +304,29 @@ def test_a_narrow_pit_is_bridged() -> None:
     assert 0 < change_over(pit).max() < 0.02 * 0.5e-6  # a part of its area over the ellipse's
 
 
+def test_a_rim_lifts_the_ball_that_its_pit_lets_down() -> None:
+    """It is lifted by less than the height of the rim, and by nothing if that is zero."""
+    pit = {"kind": "pit", "at_mm": [0.0, 0.0], "size_um": 80, "depth_um": 10}
+    bare = change_over(SurfaceFault(**pit))
+    rimmed = change_over(SurfaceFault(**pit, rim_height_um=1, rim_width_um=48))
+    assert bare.min() > -1e-11
+    assert -1e-6 < rimmed.min() < -20e-9
+    level = change_over(SurfaceFault(**pit, rim_height_um=0, rim_width_um=80))
+    assert np.array_equal(level, bare)
+
+
+def test_a_deep_pit_needs_no_window_for_its_bottom(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ball sinks no deeper than its edges let it, and a window three times as deep holds that."""
+    pit = SurfaceFault(kind="pit", at_mm=[0.0, 0.0], size_um=120, depth_um=40)
+    small = stretch_over(pit).with_fault
+    narrow = change_over(pit)
+    monkeypatch.setattr("rolling.bearing_kind.faults.SINKING", 12.0)
+    large = stretch_over(pit).with_fault
+    wide = change_over(pit)
+    assert large.surface.width_um > 1.3 * small.surface.width_um
+    assert narrow.max() == pytest.approx(wide.max(), rel=0.01)
+
+
 def test_a_fault_stands_at_its_place_in_the_tracks() -> None:
     """The fault of a ball stands in both tracks of that ball alone."""
     geometry = bearing()
