@@ -96,9 +96,10 @@ def bands_um_s(scene: rc.BearingScene) -> dict[str, list[float]]:
 
 def changes_db(after: list[float], before: list[float]) -> str:
     """Write the changes of three bands [dB] as cells."""
-    cells = [
-        f"{20 * math.log10(new / old):+.1f} dB" for new, old in zip(after, before, strict=True)
-    ]
+    cells = []
+    for new, old in zip(after, before, strict=True):
+        decibels = round(20 * math.log10(new / old), 1) + 0.0  # no negative zero
+        cells.append("0.0 dB" if decibels == 0 else f"{decibels:+.1f} dB")
     return "|".join(cells)
 
 
