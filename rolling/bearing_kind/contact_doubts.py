@@ -139,6 +139,9 @@ def superposition(contacts: JudgedContacts) -> Iterator[Doubt]:
         ring_law = None if surface is None else law_of(surface)
         if ball_law is None or ring_law is None:
             continue
+        film = plan.films.get(ring)
+        if film is not None and film.weight >= 1:  # what is linear adds
+            continue
         middle = plan.loads_n[len(plan.loads_n) // 2]
         approach = waves.hertz_approach(contact_of(plan.geometry, ring), middle)
         worst = max(worst, math.hypot(ball_law.rq_m, ring_law.rq_m) / approach)

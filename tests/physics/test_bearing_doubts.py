@@ -110,6 +110,8 @@ def test_each_rule_about_rough_contacts_raises_its_doubt(tmp_path: Path) -> None
         ),
         judged_contacts(tmp_path, f"bearing.surfaces.outer={turn}"),
     ]
+    parted = judged_contacts(tmp_path, *rough, "bearing.oil={viscosity_40_mm2_s: 1000}")
+    assert not [*contact_doubts.superposition(parted)]  # the response through a film is linear
     raised = {rule for rule in contact_doubts.RULES for case in cases if [*rule(case)]}
     assert raised == set(contact_doubts.RULES)
     keys = {doubt.key for rule in contact_doubts.RULES for case in cases for doubt in rule(case)}
