@@ -84,7 +84,7 @@ class LinearResponse:
         The spectrum is that of a real transform, (along, across / 2 + 1).
         """
         along, across = heights.shape
-        waves_along = np.asarray(2 * np.pi * np.fft.fftfreq(along, spacing_m), dtype=float)
+        waves_along = np.asarray(2 * np.pi * np.fft.fftfreq(along, spacing_m), dtype=np.float64)
         waves_across = 2 * np.pi * np.fft.rfftfreq(across, spacing_m)
         length, width = self.semi_axes_m
         spectrum = fft.rfft2(heights)
