@@ -69,6 +69,8 @@ def linear_advice(
     candidate : Candidate. The candidate.
     workers, folder : int, Path. Number of processes and folder, for which changes are refused.
     """
+    if audition.linear_change(candidate, candidate) is None:
+        return LinearAdvice(candidate.label, [])
     changed, _ = drawing.changes_of(audition, candidate.scene, candidate, workers, folder)
     found = []
     for change in changed:
