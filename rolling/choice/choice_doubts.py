@@ -16,7 +16,7 @@ from rolling.numbers.quantity import PART_WORDS
 
 WITHOUT_SOLUTION = "pairs_without_solution"  # key of the doubt that stands beside the verdict
 ALIKE_PLACES = "alike_places"
-FEW_SHARE = 0.75  # of the places, below which few independent ones limit the answer
+FEW_SHARE = 0.6  # of the places, below which few independent ones limit the answer
 LEAST_DB = 0.1  # smallest part that the ± leaves out and a note names
 _LEFT_OUT_ADVICE = "the pairs that are left out; choose a wider surface"
 
@@ -66,8 +66,8 @@ def _alike_places(choice: ChoiceNumbers) -> Iterator[Doubt]:
         yield Doubt(ALIKE_PLACES, gain, Severity.NOTE)
         return
     text = (
-        f"The {choice.noun} share ridges, so that {difference.independent:.1f} independent places"
-        f" of each are in the ±, and not {difference.pairs}. {gain}"
+        f"The {choice.noun} are partly alike, so that {difference.independent:.1f} independent"
+        f" places of each are in the ±, and not {difference.pairs}. {gain}"
     )
     is_few = difference.independent < FEW_SHARE * difference.pairs
     yield Doubt(ALIKE_PLACES, text, Severity.INDICATIVE if is_few else Severity.NOTE)
