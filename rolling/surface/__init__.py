@@ -23,6 +23,8 @@ profile_parameters
     evaluate profiles along the track by the names of ISO 21920-2
 contact_average
     the spectrum of the heights that a contact averages along its track
+alike_places
+    how much alike the levels of tracks on one surface are
 refined, subcell_contact
     compute heights between the nodes, on other grids and on sub-cells, and the contact on them
 """

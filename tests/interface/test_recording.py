@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -136,7 +137,10 @@ def test_without_calibration_shapes_are_compared(
     )
     assert cli.main(["compare", str(folder), str(wav)]) == 0
     out = folder / "compare-a_b_c.ogg.html"
-    assert {path.name for path in folder.iterdir()} - before == {out.name, "compare-a_b_c.ogg.csv"}
+    written = {path.name for path in folder.iterdir()} - before
+    assert written == {out.name, "compare-a_b_c.ogg.csv", "compare-a_b_c.ogg.json"}
+    stated = json.loads(out.with_suffix(".json").read_text())
+    assert run.scene.name in stated["conditions"]["scenes"] and "a <b> & c.ogg" in stated["methods"]
     said = capsys.readouterr().out
     html = out.read_text(encoding="utf-8")
     assert said.splitlines()[-1] == str(out) and "is made equal" in " ".join(said.split())
