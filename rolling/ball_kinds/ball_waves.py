@@ -14,7 +14,7 @@ from acoustics.arrays import Array
 from rolling.ball_kinds.ball_heard import loss_factors_of
 from rolling.ball_kinds.chain import stiffness_along, with_loss
 from rolling.choice.heard_specimen import Specimen
-from rolling.choice.wave_bands import PlateWaves, SoundingWaves
+from rolling.choice.wave_bands import PlateBands, PlateWaves
 from rolling.contact.load_shares import approach_of_part, load_shares
 from rolling.contact.subcells import half_space_of
 from rolling.in_si.contact_of_scene import rolling_contact
@@ -68,7 +68,7 @@ def _refuse_without_waves(scene: Scene) -> None:
         )
 
 
-def wave_bands(specimens: Sequence[Specimen]) -> SoundingWaves:
+def wave_bands(specimens: Sequence[Specimen]) -> PlateBands:
     """Return the waves of the first specimens, and what each band does to their level.
 
     Raises
@@ -86,7 +86,7 @@ def wave_bands(specimens: Sequence[Specimen]) -> SoundingWaves:
             responses.append(_responses(specimen, bands))
         parts = waves_of_plate(specimen.scene, bands)
         squares.append([float(np.mean(np.square(part))) for part in parts])
-    return SoundingWaves(
+    return PlateBands(
         wavelength_m=bands,
         rms_m=np.sqrt(np.mean(squares, axis=0)),
         responses=np.array(responses),

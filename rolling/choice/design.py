@@ -17,7 +17,7 @@ from rolling.choice.change_words import two_digits
 from rolling.choice.choice_numbers import OmittedPair
 from rolling.choice.difference import Difference
 from rolling.choice.heard_specimen import HeardQuantity
-from rolling.choice.wave_bands import SoundingWaves
+from rolling.choice.wave_bands import PlateBands
 from rolling.kinds.stated_conditions import conditions_of
 from rolling.numbers.conditions import Conditions
 from rolling.results.notes import UNVALIDATED
@@ -62,7 +62,7 @@ class Design:
         The quantity that gets quieter: the vibration of a ball.
     quieter_db : float, dB
         The fall that was asked for.
-    bands : SoundingWaves
+    bands : PlateBands
         Waves of the surface as it is, and their response.
     rounds : list of Round
         The changed surfaces that were marched; the last one is the answer.
@@ -83,7 +83,7 @@ class Design:
     name: str
     quantity: HeardQuantity
     quieter_db: float
-    bands: SoundingWaves
+    bands: PlateBands
     rounds: list[Round]
     noun: str
     folder: Path

@@ -23,7 +23,7 @@ from rolling.choice.design import LEAST_SHOWN_DB, Design, Round
 from rolling.choice.heard_specimen import HeardQuantity, Specimen
 from rolling.choice.least_change import fall_of, least_change
 from rolling.choice.sensitivity import quantity_of, refuse_sweep
-from rolling.choice.wave_bands import PlateWaves, SoundingWaves
+from rolling.choice.wave_bands import PlateBands, PlateWaves
 from rolling.kinds.stated_conditions import with_conditions, write_answer_file
 from rolling.scene.identity import digest
 from rolling.scene.messages import SceneError, is_number, quoted
@@ -130,11 +130,12 @@ class DesignSearch:
             raise SceneError([f"{name}: makes no sound within hearing, so none could be quieter"])
         bands = self._waves.bands(self._unmarched(base))
         useful = bands.useful
-        if not useful.any():
+        if not bands.is_known or not useful.any():
             raise SceneError(
                 [
-                    f"{name}: no band of waves surely makes the sound, so none is named; more"
-                    " specimens (--pairs) or a longer track would tell"
+                    f"{name}: the level does not surely fall with all waves of the plate (by"
+                    f" {bands.response.sum():.2f} dB per decibel), so none is named; more specimens"
+                    " (--pairs) or a longer track would tell"
                 ]
             )
         self._refuse_too_much(bands)
@@ -161,7 +162,7 @@ class DesignSearch:
         others = [specimen for specimen in base.specimens if specimen.number >= self._count]
         return others or list(base.specimens)
 
-    def _refuse_too_much(self, bands: SoundingWaves) -> None:
+    def _refuse_too_much(self, bands: PlateBands) -> None:
         """Refuse a fall that not even a plate without waves has."""
         if not self._waves.has_other_sources:
             return
@@ -195,15 +196,15 @@ class DesignSearch:
             if following_db is None:
                 break
             aimed_db = following_db
-        best = min(rounds, key=lambda one: abs(one.fall_db - self._quieter_db))
+        best = min(rounds, key=lambda marched: abs(marched.fall_db - self._quieter_db))
         rounds.remove(best)
         rounds.append(best)
         if best.fall_db < self._quieter_db and best.lowered_db.max() >= MOST_DB:
             raise SceneError(
                 [
-                    f"quieter: got {self._quieter_db:g} dB, but with bands lowered by"
-                    f" {MOST_DB:g} dB the scene is {best.fall_db:.1f} dB quieter; can be met: up"
-                    f" to {best.fall_db:.1f} dB"
+                    f"quieter: got {self._quieter_db:g} dB, but with bands lowered by up to"
+                    f" {MOST_DB:g} dB the scene is {best.fall_db:.1f} dB quieter; allowed: up to"
+                    " that, or more specimens (--pairs), which make more bands known"
                 ]
             )
         return rounds
@@ -247,8 +248,10 @@ def _next_aim(rounds: list[Round], wanted_db: float) -> float | None:
     The fall that is marched grows with the one that is aimed at: between two of them it follows a
     line, and beyond it is proportional.
     """
-    known = sorted((one.fall_db, one.aimed_db) for one in rounds if math.isfinite(one.fall_db))
-    silent = [one.aimed_db for one in rounds if not math.isfinite(one.fall_db)]
+    known = sorted(
+        (marched.fall_db, marched.aimed_db) for marched in rounds if math.isfinite(marched.fall_db)
+    )
+    silent = [marched.aimed_db for marched in rounds if not math.isfinite(marched.fall_db)]
     below = [pair for pair in known if pair[0] < wanted_db]
     above = [pair for pair in known if pair[0] >= wanted_db]
     if below and above:

@@ -15,7 +15,7 @@ LEAST_SHARE = 0.01  # of the largest response, below which one is not worth its 
 
 
 @dataclass(frozen=True, eq=False)
-class SoundingWaves:
+class PlateBands:
     """Waves of some specimens by band, and what each of them does to the level.
 
     Attributes
@@ -46,18 +46,36 @@ class SoundingWaves:
         return np.asarray(self.responses.std(axis=0, ddof=1) / np.sqrt(count))
 
     @property
+    def is_known(self) -> bool:
+        """Whether the response of all bands together is surely above 0."""
+        together = self.responses.sum(axis=1)
+        error = 0.0
+        if len(together) > 1:
+            error = float(together.std(ddof=1)) / len(together) ** 0.5
+        return bool(together.mean() > SURE_ERRORS * error)
+
+    @property
     def useful(self) -> Array:
         """Response of the bands whose waves surely make sound, 0 for all others, (bands,).
 
         A band counts by the mean over itself and its neighbours, so that none is left out between
-        two others by chance.
+        two others by chance. Where the bands that count have less than half of the whole response,
+        the mean itself stands for the response of each band.
         """
         response = self.response
-        together = np.convolve(response, np.ones(3), mode="same")
-        error = np.sqrt(np.convolve(np.square(self.error), np.ones(3), mode="same"))
+        together = _over_neighbours(response)
+        error = np.sqrt(_over_neighbours(np.square(self.error)))
         counts = together > SURE_ERRORS * error
         counts &= response >= LEAST_SHARE * response.max(initial=0.0)
-        return np.where(counts, np.maximum(response, 0.0), 0.0)
+        useful = np.where(counts, np.maximum(response, 0.0), 0.0)
+        if useful.sum() < 0.5 * response.sum():
+            return np.where(self.rms_m > 0, np.maximum(together / 3, 0.0), 0.0)
+        return useful
+
+
+def _over_neighbours(values: Array) -> Array:
+    """Return the sum of each value and its neighbours."""
+    return np.convolve(values, np.ones(3), mode="same")
 
 
 @dataclass(frozen=True)
@@ -69,4 +87,4 @@ class PlateWaves:
     """
 
     has_other_sources: bool
-    bands: Callable[[Sequence[Specimen]], SoundingWaves]
+    bands: Callable[[Sequence[Specimen]], PlateBands]

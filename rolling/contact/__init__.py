@@ -22,6 +22,7 @@ Public modules:
 - `smooth_contact`, `estimated_contact`: the contact of smooth bodies (`SmoothContact`), and the
   estimated reach of a rough one.
 - `memory`: the plate that remembers its indentation.
+- `load_shares`: the linear response of a contact to its surface.
 
 Private modules, mostly compiled. Functions marked `njit` are kernels, which are cached. Those
 marked `inlined` are part of the kernels that call them. Those marked `linked` are compiled once and

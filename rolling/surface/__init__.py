@@ -9,6 +9,8 @@ wave_law, stylus
     laws of random waves around a circle; what a stylus reads of roughness across its lay
 single_faults, ball_form
     add pits, scratches and other faults; waves around a ball, and ball and plate together
+lowered_waves
+    lowers waves along the track by third octaves, with the phases that they have
 levelling
     finds tilt and seam of heights, and removes the tilt
 markers
