@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from acoustics.arrays import Array
+from acoustics.numbers import rounded
 from acoustics.texts import printable
 from rolling.check import refusals
 from rolling.commands.replaced import SOURCE, refuse_others, source_name
 from rolling.contact.track import MIN_NODES
 from rolling.in_si import measured, offered_lines
-from rolling.in_si.described_file import FileOptions, described_file, offer_of_file
+from rolling.in_si.described_file import ChainStep, FileOptions, described_file, offer_of_file
+from rolling.in_si.plate_file import ScaleLimited, scale_limited_file
 from rolling.in_si.scene_surface import scene_surface
 from rolling.results.roughness_sheet import MADE_HEIGHTS
 from rolling.scene import height_files
@@ -23,7 +26,7 @@ from rolling.scene.file import read_as
 from rolling.scene.height_files import is_array
 from rolling.scene.height_format import HeightFormatError
 from rolling.scene.scene import Scene
-from rolling.scene.surfaces import Instrument
+from rolling.scene.surfaces import HeightFile, Instrument
 from rolling.surface import character
 from rolling.surface.instrument import faded, sight
 from rolling.terminal import progress, whole_files
@@ -96,10 +99,20 @@ def surface(
     nodes = " x ".join(str(count) for count in described.heights.shape)
     sides = " x ".join(str(step) for step in np.round(1e6 * described.steps, 6))
     print(f"{printable(described.name)}: {nodes} nodes of {sides} um, {described.words}\n")
+    _print_chain(described.chain)
     _print_character(described)
     print("\n".join(["\nAll parameters of ISO 25178-2:", *lines]))
     print(f"\nall files: {printable(str(folder))}")
     return []
+
+
+def _print_chain(chain: Sequence[ChainStep]) -> None:
+    """Print the steps of the preparation, each with its effect and its reason."""
+    for step in chain:
+        words = "; ".join(word for word in (step.effect, step.reason) if word)
+        print(wrapped(printable(f"{step.name}: {words}"), "  "))
+    if chain:
+        print()
 
 
 def _print_character(described: _DescribedSurface) -> None:
@@ -128,6 +141,13 @@ def _print_offer(offer: offered_lines.Offer) -> None:
         print(f"  {printable(offer.line)}")
 
 
+class MeasuredMap(NamedTuple):
+    """Heights [m] (along, across) as they were measured, and their spacings [m]."""
+
+    heights: Array
+    steps: Array
+
+
 @dataclass(frozen=True)
 class _DescribedSurface:
     """Surface that `rolling surface` describes.
@@ -141,6 +161,9 @@ class _DescribedSurface:
     of_file : Offer or None. The line of a scene that rolls over the file; None for a scene.
     may_be_turned : bool. Whether the option `along` is left to choose.
     sight : str. What the instrument sees of a file; empty where there is nothing to say.
+    chain : list of ChainStep. The preparation of a file, step by step.
+    before : MeasuredMap or None. The heights of a file before their preparation.
+    period : (along, across) array or None, m. What a run rolls over, where that is something else.
     facts : tuple of pairs of str. Where the heights are from, and what was removed, for a report.
     departures : tuple of str. What a measurement would have and the heights do not, in sentences.
     """
@@ -154,6 +177,9 @@ class _DescribedSurface:
     of_file: offered_lines.Offer | None = None
     may_be_turned: bool = False
     sight: str = ""
+    chain: Sequence[ChainStep] = ()
+    before: MeasuredMap | None = None
+    period: Array | None = None
     facts: tuple[tuple[str, str], ...] = ()
     departures: tuple[str, ...] = ()
 
@@ -183,6 +209,21 @@ def _surface_of_scene(path: Path, overrides: Sequence[str]) -> _DescribedSurface
     surface = scene_surface(scene)
     for doubt in surface.suspicions:
         progress.line(f"warning: {doubt}")
+    own = _measurement_of_scene(scene)
+    if own is not None:
+        return _DescribedSurface(
+            name=scene.name,
+            words="prepared by the scene; the ball rolls over a period of it, whose ends are"
+            f" joined, with an Ra of {rounded(1e6 * surface.statistics.ra, 3)} um",
+            heights=own.heights,
+            steps=np.array(own.steps),
+            is_periodic=False,
+            pair=offered_lines.pair_of_scene(scene),
+            chain=[ChainStep(effect.step, "by the scene", effect.text) for effect in own.effects],
+            period=surface.heights,
+            facts=(("Heights", f"the file of the scene {printable(scene.name)}, prepared by it"),),
+            departures=("What the instrument filtered before it wrote the file is not known.",),
+        )
     return _DescribedSurface(
         name=scene.name,
         words="periodic",
@@ -197,6 +238,17 @@ def _surface_of_scene(path: Path, overrides: Sequence[str]) -> _DescribedSurface
     )
 
 
+def _measurement_of_scene(scene: Scene) -> ScaleLimited | None:
+    """Return the measured heights of a scene that the ball rolls over alone, else None."""
+    path = scene.height_path
+    plate = scene.surface
+    if path is None or not isinstance(plate, HeightFile) or plate.made_periodic == "none":
+        return None
+    if plate.faults or scene.sphere.surface is not None:
+        return None
+    return scale_limited_file(path, plate)
+
+
 def _surface_of_file(path: Path, options: FileOptions) -> _DescribedSurface:
     """Read and level a file of heights, and print the doubts about it."""
     if is_array(path):
@@ -209,8 +261,8 @@ def _surface_of_file(path: Path, options: FileOptions) -> _DescribedSurface:
     for doubt in read.doubts:
         progress.line(printable(f"warning: {path}: {doubt}"))
     _refuse_many(read.heights.size)
-    words = "less its least-squares plane"
-    gaps = np.count_nonzero(np.isnan(read.heights))
+    gaps = int(np.count_nonzero(np.isnan(read.measured_heights)))
+    words = "prepared as below" if read.chain else "less its least-squares plane"
     if gaps:
         words += f", {gaps} unmeasured"
     instrument = None
@@ -225,14 +277,23 @@ def _surface_of_file(path: Path, options: FileOptions) -> _DescribedSurface:
         pair=offered_lines.pair_of_steel(),
         of_file=offer_of_file(path, read.keys),
         may_be_turned=options.along is None and 1 not in read.heights.shape,
+        chain=read.chain,
+        before=MeasuredMap(read.measured_heights, read.measured_steps) if read.chain else None,
         sight=_sight_words(read.heights, read.steps, instrument),
         facts=(
             ("Heights", f"the file {printable(path.name)} as it was measured"),
-            ("Form and plane", "the least-squares plane is removed"),
-            ("Unmeasured nodes", f"{gaps:,}, which do not count"),
+            ("Form", _form_words(read.keys)),
+            ("Unmeasured nodes", f"{gaps:,}, {'filled' if read.chain else 'which do not count'}"),
         ),
         departures=("What the instrument filtered before it wrote the file is not known.",),
     )
+
+
+def _form_words(keys: Mapping[str, Any]) -> str:
+    """Name the form that is removed."""
+    if keys.get("level") == "quadratic":
+        return "the least-squares surface of second order is removed"
+    return "the least-squares plane is removed"
 
 
 def _sight_words(heights: Array, steps: Array, instrument: Instrument | None) -> str:
@@ -259,7 +320,12 @@ def _parameters_and_picture(
     Both files name their source, so that the command knows its own when it is given again.
     """
     from rolling.figures.settings import left_out_if_it_fails
-    from rolling.figures.topography import parameter_lines, parameter_table, topography
+    from rolling.figures.topography import (
+        before_and_after,
+        parameter_lines,
+        parameter_table,
+        topography,
+    )
     from rolling.results.runs_table import csv_bytes
     from rolling.surface.parameters import is_upper_bound, parameters
 
@@ -273,6 +339,12 @@ def _parameters_and_picture(
         drawn = topography(described.name, values, heights, steps, described.is_periodic, is_bound)
         facts = {"Software": "rolling-contact-noise", SOURCE: source}
         contents["surface.png"] = drawn.file("png", facts) or b""
+    before = described.before
+    if before is not None and 1 not in heights.shape:
+        with left_out_if_it_fails("preparation.png"):
+            maps = before_and_after(described.name, before.heights, before.steps, heights, steps)
+            facts = {"Software": "rolling-contact-noise", SOURCE: source}
+            contents["preparation.png"] = maps.file("png", facts) or b""
     return parameter_lines(values, is_bound), contents
 
 
@@ -299,7 +371,8 @@ def _roughness_report(described: _DescribedSurface, source: str) -> dict[str, by
 def _save_heights(path: Path, described: _DescribedSurface) -> None:
     """Write the heights of a surface in the format of the ending of a path."""
     along, across = described.steps
+    heights = described.heights if described.period is None else described.period
     try:
-        measured.write(path, described.heights, (along, across))
+        measured.write(path, heights, (along, across))
     except HeightFormatError as error:
         raise FolderError(error.of(f"--save {path}")) from error

@@ -79,6 +79,42 @@ def topography(
     return picture.Picture("surface", figure, parameter_table(values, str_is_bound))
 
 
+@own_settings()
+def before_and_after(
+    name: str, before: Array, before_steps: Array, after: Array, after_steps: Array
+) -> picture.Picture:
+    """Draw heights as they were measured and as they are prepared, one map beside the other.
+
+    Parameters
+    ----------
+    name : str
+        Name of the surface.
+    before, after : (m, n) array, m
+        Heights along and across, NaN at unmeasured points, which stay empty.
+    before_steps, after_steps : (2,) array, m
+        Node spacings along and across.
+    """
+    figure = Figure(
+        figsize=(picture.WIDTH_IN, _HEIGHT_IN / 2), dpi=picture.DPI, layout="constrained"
+    )
+    FigureCanvasAgg(figure)
+    rows = []
+    pairs = (("as measured", before, before_steps), ("prepared", after, after_steps))
+    for ax, (words, heights, steps) in zip(figure.subplots(1, 2), pairs, strict=True):
+        heights_um = 1e6 * iso.about_mean(heights)
+        descending = np.sort(heights_um[~np.isnan(heights_um)])[::-1]
+        extremes = int(_HIDDEN * len(descending))
+        _draw_heights(
+            ax, heights_um, 1e6 * steps, descending[extremes : len(descending) - extremes]
+        )
+        numbers = iso.roughness(heights, steps)
+        ax.set_title(f"{words}: Sa {written('Sa', numbers).replace(' um', ' µm')}", loc="left")
+        rows.append({"heights": words, "Sa_m": numbers["Sa"], "Sq_m": numbers["Sq"]})
+    title = picture.drawable(f"Preparation of {name}")
+    figure.suptitle(title, x=0.012, ha="left", fontsize=11, parse_math=False)
+    return picture.Picture("preparation", figure, pd.DataFrame(rows))
+
+
 def parameter_table(values: dict[str, float], str_is_bound: bool = False) -> pd.DataFrame:
     """Tabulate the parameters of a surface with their units and meanings."""
     meanings = iso.meanings(str_is_bound)

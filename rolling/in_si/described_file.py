@@ -1,8 +1,8 @@
 """A file of heights as a person describes it, and the section of a scene that rolls over it.
 
-The heights are read as that section makes them be read: marks of unmeasured points and outliers
-beside them count as unmeasured, and the ball rolls along the same axis. So the numbers that are
-printed of a file are those of the scene.
+The chain of the preparation is decided from the heights, each step with its reason, and stands in
+that section. The heights are prepared by the section itself, so the numbers that are printed of a
+file are those of a scene with the line.
 """
 
 from dataclasses import dataclass, replace
@@ -16,14 +16,16 @@ from acoustics.numbers import rounded
 from rolling.in_si import measured
 from rolling.in_si.in_metres import HIGHEST, LARGEST_RA
 from rolling.in_si.offered_lines import PROFILE_NODES, Offer, line
-from rolling.in_si.plate_file import prepared_file
+from rolling.in_si.plate_file import prepared_file, scale_limited_file
 from rolling.scene import height_grid
 from rolling.scene.height_files import is_instrument, is_period, takes_units
 from rolling.scene.height_format import UNITS, HeightFormatError
-from rolling.scene.messages import SceneError
+from rolling.scene.messages import TABLES, SceneError
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import markers, preparation
+from rolling.surface.chosen_form import chosen_form
 from rolling.surface.parameters import without_plane
+from rolling.surface.period_grid import SAME
 from rolling.terminal.whole_files import FolderError
 
 
@@ -40,25 +42,49 @@ class FileOptions:
 
 
 @dataclass(frozen=True)
+class ChainStep:
+    """A step of the preparation of a file.
+
+    name : str. The step in words.
+    reason : str. Why it is taken.
+    effect : str. What it did, with the roughness before and after; empty where nothing changed.
+    """
+
+    name: str
+    reason: str
+    effect: str = ""
+
+
+@dataclass(frozen=True)
 class DescribedFile:
-    """Measured heights less their plane.
+    """Measured heights as a scene prepares them, but for their ends.
+
+    Where no scene takes the file they are less their plane only.
 
     heights : (along, across) array, m. NaN where they are not measured. A profile lies along.
     steps : (2,) array, m. Spacings along and across.
     doubts : list of str. A sentence for each doubt about the file.
     keys : dict. Keys of the section `surface` of a scene that rolls over the file.
     taken : str. What of a text was taken for what; empty for other files.
+    chain : list of ChainStep. The preparation; empty where no scene takes the file.
+    measured_heights : (along, across) array, m. The heights before, NaN where not measured.
+    measured_steps : (2,) array, m. Their spacings.
     """
 
     heights: Array
     steps: Array
     doubts: list[str]
     keys: dict[str, Any]
-    taken: str = ""
+    taken: str
+    chain: list[ChainStep]
+    measured_heights: Array
+    measured_steps: Array
 
 
 def described_file(path: Path, options: FileOptions) -> DescribedFile:
-    """Read measured heights less their plane, with the keys of a scene that rolls over them.
+    """Read measured heights and prepare them by a chain that is decided from them.
+
+    Marks of missing points are taken where they lie far beyond all heights, and are doubted else.
 
     Raises
     ------
@@ -66,13 +92,15 @@ def described_file(path: Path, options: FileOptions) -> DescribedFile:
     """
     read = _read(path, options)
     suspects = markers.suspected(read.numbers, read.unit)
+    is_marked = bool(suspects) and markers.are_certain(read.numbers, suspects)
     doubts = measured.doubts(path, read, "--xy-unit", "--height-unit")
     if suspects:
-        doubts.append(markers.sentence(suspects, "file"))
-    heights = markers.without(read.numbers, suspects) * UNITS[read.unit]
+        doubts.append(markers.sentence(suspects, "file" if is_marked else "possible"))
+    marks = suspects if is_marked else ()
+    heights = markers.without(read.numbers, marks) * UNITS[read.unit]
     _refuse_unusable(path, heights, doubts)
     _ask_for_unit(path, read, options)
-    if suspects:
+    if is_marked:
         heights, _ = preparation.without_outliers(heights, markers.OUTLIERS)
     level = without_plane(heights)
     if np.nanmean(np.abs(level)) > LARGEST_RA:
@@ -82,13 +110,53 @@ def described_file(path: Path, options: FileOptions) -> DescribedFile:
     steps = np.array(read.spacing_m)
     is_profile = 1 in level.shape
     if len(level) == 1 or (options.along == "x" and not is_profile):
+        heights = heights.T
         level = np.ascontiguousarray(level.T)
         steps = steps[::-1]
-    has_gaps = bool(np.isnan(level).any())
-    keys = _keys(path, options, bool(suspects), has_gaps)
+    gaps = int(np.count_nonzero(np.isnan(level)))
+    keys = _keys(path, options, is_marked, has_gaps=gaps > 0)
     if is_profile:
         keys["width_um"] = float(f"{PROFILE_NODES * 1e6 * steps[0]:.10g}")
-    return DescribedFile(heights=level, steps=steps, doubts=doubts, keys=keys, taken=read.taken)
+    form = chosen_form(level)
+    if form.level != "plane":
+        keys["level"] = form.level
+    reasons = {
+        "outliers": markers.sentence(suspects, "reason") if is_marked else "",
+        "unmeasured": "a ball cannot roll over nothing",
+        "f_operator": form.reason,
+    }
+    described = DescribedFile(
+        heights=level,
+        steps=steps,
+        doubts=doubts,
+        keys=keys,
+        taken=read.taken,
+        chain=[],
+        measured_heights=heights,
+        measured_steps=steps,
+    )
+    try:
+        prepared = scale_limited_file(path, HeightFile(**keys))
+    except (SceneError, ValueError):  # the offered line says why
+        return described
+    chain = [
+        ChainStep(
+            name=TABLES["steps"].get(effect.step, effect.step),
+            reason=reasons.get(effect.step, ""),
+            effect=effect.text,
+        )
+        for effect in prepared.effects
+    ]
+    chain.append(ChainStep("filters", "none, as the scan names no nesting index"))
+    if abs(steps[1] / steps[0] - 1) > SAME and not is_profile:
+        chain.append(ChainStep("resampling", "to square nodes for the ball, at the finer spacing"))
+    chain.append(ChainStep("period", "its ends are blended for the ball, as the scan has edges"))
+    return replace(
+        described,
+        heights=prepared.heights,
+        steps=np.array(prepared.steps),
+        chain=chain,
+    )
 
 
 def _read(path: Path, options: FileOptions) -> height_grid.Measured:

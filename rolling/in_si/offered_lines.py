@@ -17,11 +17,13 @@ from rolling.scene.surfaces import Gaussian
 from rolling.surface.character import Character, Pair, lengths_text
 from rolling.surface.heights import SurfaceError, turned_reach
 from rolling.surface.lay import Ellipse
+from rolling.surface.parameters import DECAY
 
 MATERIAL = "steel-100cr6"  # of ball and plate, where a file or an elastic plate names none
 _SKEWED = 0.2  # skewness from which heights are not made Gaussian
 _PEAKED = 0.5  # the same of the kurtosis about 3
 PROFILE_NODES = 128  # width of a surface that is made after a profile
+EQUAL = 1.1  # ratio of both lengths below which they differ by chance
 HOLDS = 2.5  # lengths across that the width of a made surface holds, so that it has them
 
 
@@ -75,13 +77,13 @@ def offer_of_statistics(numbers: Character, spacing: float, width: float) -> Off
     """
     if numbers.rq == 0:
         return None
-    lay = numbers.ellipse
+    lay = _lay_of_law(numbers)
     if lay is None:
         return Offer(
             "No random surface is like it in a scene, because its autocorrelation falls to 1/e"
             f" {lengths_text(numbers)}."
         )
-    sentence = "In a scene, this makes a random surface of these Ra and 1/e lengths"
+    sentence = "In a scene, this makes a random surface of this Ra, Sal and Str"
     if lay.is_continued:
         sentence += (
             "; the longer one continues the decay up to half the surface, at most to its whole side"
@@ -106,6 +108,23 @@ def offer_of_statistics(numbers: Character, spacing: float, width: float) -> Off
             continue
         return Offer(f"{sentence}:", line(made))
     return Offer(f"No random surface is like it in a scene: {reason}")
+
+
+def _lay_of_law(numbers: Character) -> Ellipse | None:
+    """Return the 1/e lengths of the law whose autocorrelation falls to 0.2 as that of a surface.
+
+    So the random surface has its Sal and Str. Of a surface that falls to 1/e and not to 0.2 along
+    any axis these are its own 1/e lengths.
+    """
+    decay = numbers.decay
+    if decay is None:
+        return numbers.ellipse
+    ratio = -math.log(DECAY) if numbers.is_exponential else math.sqrt(-math.log(DECAY))
+    first = decay.first / ratio
+    second = decay.second / ratio
+    if max(first, second) < EQUAL * min(first, second):
+        first = second = math.sqrt(first * second)
+    return decay._replace(first=first, second=second)
 
 
 def _law_keys(numbers: Character, lay: Ellipse) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """Heights of the file of a plate: read, and prepared by the keys of its section."""
 
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from rolling.surface import markers
 from rolling.surface.heights import SurfaceError
 from rolling.surface.levelling import Levelling
 from rolling.surface.markers import Marker, Nodes
-from rolling.surface.preparation import Effect, PreparationSteps, prepare
+from rolling.surface.preparation import Effect, PreparationSteps, prepare, scale_limited
 
 
 def prepared_file(path: Path, surface: HeightFile) -> tuple[Array, Levelling, list[Effect]]:
@@ -30,10 +31,40 @@ def prepared_file(path: Path, surface: HeightFile) -> tuple[Array, Levelling, li
         The heights cannot be used.
     """
     grid = height_grid.height_grid(path, surface)
-    marked = None
-    if surface.outliers is not None:
-        _, marked = suspected(path, surface)
-    return prepare(read(path, surface), steps_of(surface), grid, marked)
+    return prepare(read(path, surface), steps_of(surface), grid, _marked(path, surface))
+
+
+@dataclass(frozen=True, eq=False)
+class ScaleLimited:
+    """Heights of a plate as prepared, with their own ends.
+
+    heights : (along, across) array, m. A profile is one column.
+    steps : (float, float), m. Spacings along and across, those of the file.
+    effects : list of Effect. Steps that were taken.
+    """
+
+    heights: Array
+    steps: tuple[float, float]
+    effects: list[Effect]
+
+
+def scale_limited_file(path: Path, surface: HeightFile) -> ScaleLimited:
+    """Read and prepare the heights of the plate on their own nodes, up to their ends.
+
+    Raises
+    ------
+    SurfaceError
+        The heights cannot be used.
+    """
+    grid = height_grid.height_grid(path, surface)
+    marked = _marked(path, surface)
+    heights, effects = scale_limited(read(path, surface), steps_of(surface), grid, marked)
+    return ScaleLimited(heights=heights, steps=grid.steps, effects=effects)
+
+
+def _marked(path: Path, surface: HeightFile) -> Nodes | None:
+    """Return the nodes that hold marks, where outliers count as unmeasured."""
+    return None if surface.outliers is None else suspected(path, surface)[1]
 
 
 def steps_of(surface: HeightFile) -> PreparationSteps:

@@ -35,6 +35,7 @@ class Character(NamedTuple):
     rms_slope : float. Root mean square gradient Sdq, of neighbouring nodes.
     ellipse : Ellipse or None. Lags at which the autocorrelation falls to 1/e in the directions of
         the lay; of a profile both are the one along. None where it falls along no axis.
+    decay : Ellipse or None. The same of the decay to 0.2, by which ISO 25178-2 has Sal and Str.
     """
 
     ra: float
@@ -46,6 +47,7 @@ class Character(NamedTuple):
     is_exponential: bool
     rms_slope: float
     ellipse: Ellipse | None
+    decay: Ellipse | None
 
 
 class Pair(NamedTuple):
@@ -66,7 +68,7 @@ def character(heights: Array, steps: Array, wrap: bool) -> Character:
     values = roughness(heights, steps, wrap)
     z = about_mean(heights)
     lengths = [math.nan, math.nan]
-    ratios = []
+    decays = [math.nan, math.nan]
     share = None
     if values["Sq"] > 0:
         share = autocorrelation(z, wrap)
@@ -74,14 +76,20 @@ def character(heights: Array, steps: Array, wrap: bool) -> Character:
         curves = share[middle[0] :, middle[1]], share[middle[0], middle[1] :]
         for axis, curve in enumerate(curves):
             lengths[axis] = _lag(curve, E_FOLD) * steps[axis]
-            ratios.append(_lag(curve, DECAY) / _lag(curve, E_FOLD))
-    known = [ratio for ratio in ratios if math.isfinite(ratio)]
+            decays[axis] = _lag(curve, DECAY) * steps[axis]
+    pairs = zip(decays, lengths, strict=True)
+    known = [decay / length for decay, length in pairs if math.isfinite(decay)]
     is_exponential = bool(known) and float(np.mean(known)) > _EXPONENTIAL_ABOVE
     of_lay = None
+    of_decay = None
+    exponent = 1 if is_exponential else 2
     if share is not None and 1 not in heights.shape:
-        of_lay = ellipse(share, lengths, steps, wrap, exponent=1 if is_exponential else 2)
+        of_lay = ellipse(share, lengths, steps, wrap, exponent)
+        of_decay = ellipse(share, decays, steps, wrap, exponent, DECAY)
     elif math.isfinite(lengths[0]):
         of_lay = Ellipse(lengths[0], lengths[0])
+        if math.isfinite(decays[0]):
+            of_decay = Ellipse(decays[0], decays[0])
     return Character(
         ra=values["Sa"],
         rq=values["Sq"],
@@ -92,6 +100,7 @@ def character(heights: Array, steps: Array, wrap: bool) -> Character:
         is_exponential=is_exponential,
         rms_slope=values["Sdq"],
         ellipse=of_lay,
+        decay=of_decay,
     )
 
 

@@ -1,4 +1,4 @@
-"""The ellipse on which the autocorrelation of heights falls to 1/e, by which a scene has a lay."""
+"""The ellipse on which an autocorrelation falls to a level, by which a scene has a lay."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SIDES = 2.0  # times half the surface: a length beyond all lags is taken to reac
 
 
 class Ellipse(NamedTuple):
-    """Lags at which an autocorrelation falls to 1/e, in two perpendicular directions.
+    """Lags at which an autocorrelation falls to a level, in two perpendicular directions.
 
     first, second : float, m. The lags in both directions.
     angle_deg : float. Direction of the first, from the track towards positive y; 0 unless the lay
@@ -39,29 +39,36 @@ class Ellipse(NamedTuple):
 
 
 def ellipse(
-    share: Array, axes: Sequence[float], steps: Array, wrap: bool, exponent: int
+    share: Array,
+    axes: Sequence[float],
+    steps: Array,
+    wrap: bool,
+    exponent: int,
+    level: float = E_FOLD,
 ) -> Ellipse | None:
     """Return the ellipse of an autocorrelation with lag 0 in the middle.
 
-    Where the autocorrelation stays above 1/e up to half the surface, its decay up to there goes on
-    as exp(-(r/L)^exponent). It is None where the autocorrelation falls to 1/e along no axis.
+    Where the autocorrelation stays above the level up to half the surface, its decay up to there
+    goes on as exp(-(r/L)^exponent). It is None where it falls to the level along no axis.
 
     Parameters
     ----------
     share : (m, n) array
         Autocorrelation, of several nodes each way.
     axes : (2,) sequence, m
-        Lags along and across at which it falls to 1/e, NaN where it does not.
+        Lags along and across at which it falls to the level, NaN where it does not.
     steps : (2,) array, m
         Spacings along and across.
     wrap : bool
         Whether the surface closes.
     exponent : int
         2 of a Gaussian decay, 1 of an exponential one.
+    level : float
+        Value to which the autocorrelation falls, by default 1/e.
     """
     if not np.isfinite(axes).any():
         return None
-    lags, ends = decay_of_rays(share, steps, wrap, E_FOLD)
+    lags, ends = decay_of_rays(share, steps, wrap, level)
     quarter = len(lags) // 2  # rays from along to across
     lags[[0, quarter]] = axes  # as the sentences have them
     first = _turned_ray(lags)
@@ -73,7 +80,8 @@ def ellipse(
     for ray in (first, second):
         length = float(lags[ray])
         if not math.isfinite(length):
-            length = _continued(_at(share, steps, ray, ends[ray]), float(ends[ray]), exponent)
+            end = float(ends[ray])
+            length = _continued(_at(share, steps, ray, end), end, exponent, level)
         lengths.append(length)
     is_continued = not np.isfinite(lags[[first, second]]).all()
     return Ellipse(lengths[0], lengths[1], angle_deg, is_continued)
@@ -105,9 +113,10 @@ def _at(share: Array, steps: Array, ray: int, distance: float) -> float:
     return float(ndimage.map_coordinates(share, place[:, None], order=1, mode="nearest")[0])
 
 
-def _continued(share: float, end: float, exponent: int) -> float:
-    """Return the lag [m] at which a decay from 1 to a share above 1/e at an end falls to 1/e."""
+def _continued(share: float, end: float, exponent: int, level: float) -> float:
+    """Return the lag [m] at which a decay from 1 to a share at an end falls to a lower level."""
     longest = SIDES * end
     if share >= 1.0:
         return longest
-    return float(min(end / (-math.log(share)) ** (1 / exponent), longest))
+    ratio = math.log(level) / math.log(share)
+    return float(min(end * ratio ** (1 / exponent), longest))

@@ -28,6 +28,7 @@ USUAL = 0.999  # quantile of the differences between neighbours that counts as t
 NEAR = 0.1  # quantile of the jumps that must be large
 FLOOR = 25  # nodes of a flat part, on average, from which it is a floor
 OUTLIERS = 6  # threshold of `surface.outliers` with which a scene replaces such values
+BEYOND = 10.0  # ranges of all other heights, from which on a mark is certain
 _MOST = 6  # different marks that are looked for
 _SAMPLED = 4_000_000  # nodes whose differences are sorted
 _SHIFTS = 20  # places at which a repeated surrounding is looked for
@@ -53,8 +54,9 @@ class Marker:
 def sentence(suspects: Sequence[Marker], section: str) -> str:
     """Write which values look like marks, and what to do about them.
 
-    The section is "surface" or "sphere.surface" of a scene, or "file" for a file without a scene,
-    in which such points count as unmeasured at once.
+    The section is "surface" or "sphere.surface" of a scene. Without a scene it is "file", where
+    such points count as unmeasured at once, "possible", where they do not, or "reason" for the
+    values alone.
     """
     keys = f"surface.outliers {OUTLIERS} together with surface.unmeasured fill"
     advice = f"{keys} replaces such points by their surroundings"
@@ -62,8 +64,27 @@ def sentence(suspects: Sequence[Marker], section: str) -> str:
         advice = "replace such points in the file, since a surface of a sphere has no key that does"
     elif section == "file":
         advice = f"they count as unmeasured here, and in a scene {advice}"
+    elif section == "possible":
+        advice = f"they count as heights here; if they are none, {advice}, also with --set"
     values = ", ".join(marker.text for marker in suspects)
+    if section == "reason":
+        return f"{values}, far beyond all others"
     return f"{values}, which looks like a mark of unmeasured or saturated points; {advice}"
+
+
+def are_certain(values: Array, suspects: Sequence[Marker]) -> bool:
+    """Tell whether suspects lie so far from all other heights that they are none.
+
+    One of them suffices, because a file that marks points in one way may mark them in another.
+    """
+    others = without(np.asarray(values, dtype=np.float64), suspects)
+    others = others[np.isfinite(others)]
+    if not others.size:
+        return False
+    highest = float(others.max())
+    lowest = float(others.min())
+    size = BEYOND * (highest - lowest)
+    return any(mark.value > highest + size or mark.value < lowest - size for mark in suspects)
 
 
 def without(values: Array, suspects: Sequence[Marker]) -> Array:

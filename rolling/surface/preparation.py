@@ -113,11 +113,44 @@ def prepare(
     effects : list of Effect
         Steps that were taken.
     """
+    work, plane = _scale_limited(heights, steps, grid, marked)
+    if steps.closing != "none":
+        _close(work, steps, grid)
+    if work.effects:
+        seams = (levelling.seam(work.heights, 0), levelling.seam(work.heights, 1))
+        plane = replace(plane, seams=seams)
+    return np.ascontiguousarray(work.heights), plane, work.effects
+
+
+def scale_limited(
+    heights: Array, steps: PreparationSteps, grid: HeightGrid, marked: Nodes | None = None
+) -> tuple[Array, list[Effect]]:
+    """Prepare heights [m] as `prepare` does, and leave their nodes and their ends as they are.
+
+    This is the scale-limited surface of ISO 25178-2, whose parameters a measurement has. A profile
+    is one column.
+    """
+    work, _ = _scale_limited(heights, steps, grid, marked, keeps_nodes=True)
+    prepared = work.heights[:, :1] if steps.is_profile else work.heights
+    return np.ascontiguousarray(prepared), work.effects
+
+
+def _scale_limited(
+    heights: Array,
+    steps: PreparationSteps,
+    grid: HeightGrid,
+    marked: Nodes | None,
+    keeps_nodes: bool = False,
+) -> tuple[Preparation, levelling.Levelling]:
+    """Take all steps but the last one, which makes a period of a measurement.
+
+    The nodes become square unless they are kept, and the levelling has slopes of square nodes.
+    """
     is_period = steps.closing == "none"
     if steps.is_profile:
         heights = np.repeat(heights, grid.resampled[1], axis=1)
         marked = None if marked is None else np.repeat(marked, grid.resampled[1], axis=1)
-    is_resampled = is_other(grid.steps, grid.spacing)
+    is_resampled = is_other(grid.steps, grid.spacing) and not keeps_nodes
     watched = (
         bool(steps.outliers)
         or bool(steps.s_filter_m)
@@ -149,12 +182,7 @@ def prepare(
         long = smoothed(work.heights, work.steps, steps.l_filter_m, is_period)
         text = f"waves longer than {1e6 * steps.l_filter_m:g} um removed"
         work.replace_heights(work.heights - long, "l_filter", text)
-    if not is_period:
-        _close(work, steps, grid)
-    if work.effects:
-        seams = (levelling.seam(work.heights, 0), levelling.seam(work.heights, 1))
-        plane = replace(plane, seams=seams)
-    return np.ascontiguousarray(work.heights), plane, work.effects
+    return work, plane
 
 
 def _remove_outliers(work: Preparation, threshold: float, marked: Nodes | None) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,14 +12,17 @@ import pytest
 from acoustics.arrays import Array
 from rolling import cli
 from rolling.check import findings
+from rolling.figures.topography import parameter_lines
 from rolling.in_si import measured, scene_surface
 from rolling.in_si.described_file import FileOptions, described_file, offer_of_file
 from rolling.in_si.offered_lines import Offer, line, offer_of_statistics
+from rolling.in_si.plate_file import scale_limited_file
 from rolling.scene.file import loads
 from rolling.scene.laws import Roughness
 from rolling.scene.scene import Scene
 from rolling.surface import made
 from rolling.surface.character import character
+from rolling.surface.parameters import parameters
 
 SCENE = """\
 name: offered
@@ -107,24 +111,30 @@ def test_both_lines_of_a_ground_scan_run_and_give_what_was_printed(
     np.savetxt("scan.csv", heights, fmt="%.4f", delimiter=",")
     assert cli.main(["surface", "scan.csv", "--spacing-um", "2", "--height-unit", "um"]) == 0
     said = capsys.readouterr().out
+    read = described_file(Path("scan.csv"), FileOptions(spacing_um=2.0, height_unit="um"))
     printed = float(re.search(r"Roughness: Ra (\S+) um", said)[1])
     blended = float(re.search(r"with an Ra of (\S+) um once", said)[1])
     of_file, of_law = (text.strip() for text in said.splitlines() if "surface: {" in text)
     scene = scene_with(of_file)
+    assert np.array_equal(scale_limited_file(Path("scan.csv"), scene.surface).heights, read.heights)
     assert float(f"{ra_um(scene):.3g}") == blended == pytest.approx(printed, rel=0.07)
     short_um = float(re.search(rf"1/e after (\S+) um {lengths} the track, and not", said)[1])
     offered = scene_with(of_law, duration_s=0.008)
     by_axis = dict(zip(("along", "across"), offered.surface.lengths_um, strict=True))
-    assert by_axis.pop(lengths) == short_um
+    assert by_axis.pop(lengths) == pytest.approx(short_um, rel=0.15)  # of another law
     (long_um,) = by_axis.values()
     assert 160 < long_um <= 320  # between half the side of the scan and all of it
+    printed_sal = parameters(read.heights, read.steps, False)["Sal"]
     seeds = [offered.with_({"surface.seed": seed}) for seed in range(4)]
     assert np.mean([ra_um(scene) for scene in seeds]) == pytest.approx(printed, rel=2e-3)
     measured_um = []
+    sal = []
     for scene in seeds:
         surface = scene_surface.scene_surface(scene)
         numbers = character(surface.heights, np.full(2, surface.spacing), True)
         measured_um.append((1e6 * numbers.along, 1e6 * numbers.across))
+        sal.append(parameters(surface.heights, np.full(2, surface.spacing), True)["Sal"])
+    assert np.mean(sal) == pytest.approx(printed_sal, rel=0.3)  # the scan holds two lengths
     expected = (short_um, long_um) if lengths == "along" else (long_um, short_um)
     assert np.nanmean(measured_um, axis=0) == pytest.approx(expected, rel=0.3)
 
@@ -233,7 +243,7 @@ def test_a_file_that_no_scene_takes_has_a_reason_in_place_of_a_line() -> None:
     np.save("bowl.npy", 1e-9 * np.add.outer(np.arange(60.0) ** 2, np.arange(60.0)))
     numbers = character(np.load("bowl.npy"), np.full(2, 2e-6), False)
     flat = offer_of_statistics(numbers._replace(rq=0.0), 2e-6, 1e-4)
-    unknown = offer_of_statistics(numbers._replace(ellipse=None), 2e-6, 1e-4)
+    unknown = offer_of_statistics(numbers._replace(ellipse=None, decay=None), 2e-6, 1e-4)
     assert flat is None and unknown is not None and not unknown.line
 
 
@@ -244,3 +254,46 @@ def test_any_name_in_a_line_is_read_back_as_it_is(text: str) -> None:
     from ruamel.yaml import YAML
 
     assert YAML(typ="safe").load(section)["surface"]["channel"] == text
+
+
+# ---- the chain of the preparation
+
+
+@pytest.mark.parametrize("form_um", [0.0, 3.0])
+@pytest.mark.parametrize("marks", [None, -9999.0, 0.0])
+def test_the_command_says_the_same_of_a_file_and_of_the_scene_with_its_line(
+    form_um: float,
+    marks: float | None,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Form and certain marks are repaired by the line itself; doubtful marks are told."""
+    monkeypatch.setattr("rolling.commands.surface._parameters_and_picture", lines_alone)
+    heights = waves((120, 90), 8.0, 16.0) + form_um * np.linspace(-1, 1, 120)[:, None] ** 2
+    if marks is not None:
+        heights[np.random.default_rng(5).random(heights.shape) < 0.004] = marks
+        heights += 4.0 * (marks == 0.0) * (heights != 0.0)
+    np.savetxt("scan.csv", heights, fmt="%.4f", delimiter=",")
+    assert cli.main(["surface", "scan.csv", "--spacing-um", "2", "--height-unit", "um"]) == 0
+    of_file = capsys.readouterr()
+    (line_of_file,) = [text.strip() for text in of_file.out.splitlines() if "kind: file" in text]
+    assert ("level: quadratic" in line_of_file) == (form_um > 0)
+    assert ("outliers: 6" in line_of_file) == (marks == -9999.0)
+    assert ("they count as heights here" in of_file.err) == (marks == 0.0)
+    Path("own.yaml").write_text(SCENE % "" + line_of_file + "\n")
+    assert cli.main(["surface", "own.yaml"]) == 0
+    of_scene = capsys.readouterr().out
+    names = ("Roughness", "The autocorrelation", "Sa ", "Sal ", "Str ", "Sdq ")
+    for name in names:
+        both = [
+            next(text for text in said.splitlines() if text.startswith(name))
+            for said in (of_file.out, of_scene)
+        ]
+        assert both[0] == both[1]
+
+
+def lines_alone(described: Any, source: str) -> tuple[list[str], dict[str, bytes]]:
+    """Return the lines of the parameters, and draw nothing."""
+    return parameter_lines(
+        parameters(described.heights, described.steps, described.is_periodic)
+    ), {}
