@@ -13,6 +13,9 @@ lowered_waves
     lowers waves along the track by third octaves, with the phases that they have
 levelling
     finds tilt and seam of heights, and removes the tilt
+levelling, chosen_form
+    finds tilt and seam of heights, and removes the tilt; the form that a measurement is described
+    without
 markers
     finds values that mark unmeasured points
 period_grid, preparation
