@@ -92,6 +92,20 @@ def test_every_format_gives_the_same_heights(tmp_path: Path, name: str) -> None:
         assert turned.spacing == pytest.approx(2e-6) and turned.surface.spacing_um is None
 
 
+@pytest.mark.parametrize("name", ["own.x3p", "OWN.SDF", "um.gwy"])
+def test_surfalize_reads_the_same_heights(tmp_path: Path, name: str) -> None:
+    """Another program reads the same files, in um, where it is installed."""
+    surfalize = pytest.importorskip("surfalize")
+    path = (tmp_path / name).with_suffix(Path(name).suffix.lower())
+    WRITERS[name](path)
+    read = height_grid.read(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of nodes that are not square
+        other = surfalize.Surface.load(path)
+    np.testing.assert_allclose(1e-6 * other.data, read.heights, rtol=0, atol=1e-15)
+    assert (1e-6 * other.step_y, 1e-6 * other.step_x) == pytest.approx(read.spacing_m)
+
+
 @pytest.mark.parametrize("xy_unit", ["m", "mm", "um"])
 @pytest.mark.parametrize("unit", ["um", "nm"])
 def test_triples_may_have_two_units(tmp_path: Path, xy_unit: str, unit: str) -> None:
