@@ -9,8 +9,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from rolling.scene.height_format import UNITS
-
 
 class Unit(NamedTuple):
     """A unit of UNITS, and the factor that brings numbers to it."""
@@ -364,11 +362,6 @@ def _zygo(result: Metadata, lines: Sequence[tuple[int, str]]) -> None:
         words = line.split()
         if number == lines[0][0] + 7 and len(words) >= 7:
             result.steps["both"] = Named(float(words[-2]), Unit("m"), number)
-
-
-def named_units() -> str:
-    """Return the units that keys and options take, in words."""
-    return ", ".join(UNITS)
 
 
 _WORD_WITH_UNIT = re.compile(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?")

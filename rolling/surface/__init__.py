@@ -11,8 +11,6 @@ single_faults, ball_form
     add pits, scratches and other faults; waves around a ball, and ball and plate together
 lowered_waves
     lowers waves along the track by third octaves, with the phases that they have
-levelling
-    finds tilt and seam of heights, and removes the tilt
 levelling, chosen_form
     finds tilt and seam of heights, and removes the tilt; the form that a measurement is described
     without

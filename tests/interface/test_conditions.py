@@ -9,9 +9,9 @@ import pytest
 
 import rolling as rc
 from rolling.ball_kinds.ball_conditions import preparation_words
-from rolling.results.runs_table import csv_bytes
 from rolling.kinds.registry import kind_of
 from rolling.kinds.stated_conditions import conditions_of, with_conditions
+from rolling.results.runs_table import csv_bytes
 
 
 @pytest.fixture
