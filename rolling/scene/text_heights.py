@@ -29,6 +29,8 @@ _SPARSE = 2  # nodes of a grid for each triple, at most, where nothing says that
 _SPARSE_POINTS = 4  # the same where the file says so
 _OFF_GRID = 0.05  # of a spacing that a point of a regular grid may lie off its node
 _MOST_OFF = 0.45  # the same for places with few digits
+_FARTHEST = 1e15  # of a place in any unit
+_MOST_NODES = 10**9  # along an axis, above all limits
 _MOST_DIGITS = 9  # behind the point of a place
 
 
@@ -628,8 +630,10 @@ def _axis(values: Array, name: str) -> _Axis:
     places = np.unique(values)
     if len(places) == 1:
         return _Axis(np.zeros(len(values), dtype=np.int64), size=1, spacing=0.0)
+    if not abs(places[0]) < _FARTHEST > abs(places[-1]):
+        raise HeightFormatError(f"got {name} from {places[0]:g} to {places[-1]:g}, no places")
     span = float(places[-1] - places[0])
-    counts = [len(places) - 1, round(span / float(np.median(np.diff(places))))]
+    counts = [len(places) - 1, min(round(span / float(np.median(np.diff(places)))), _MOST_NODES)]
     rounding = _rounding(places)
     for count in counts:
         step = span / count

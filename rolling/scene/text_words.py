@@ -4,6 +4,7 @@ The words are English and German, and Japanese where an instrument writes them. 
 is left alone: a line that says nothing here never changes a number.
 """
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -290,6 +291,8 @@ def _value_and_unit(cells: list[str]) -> tuple[float | None, Unit | None]:
     if before and before not in ("=", ":", "~"):
         return None, unit_in(text)
     value = float(number[0].replace(",", "."))
+    if math.isinf(value):
+        return None, None
     behind = text[number.end() :].split()
     for word in behind:
         if unit := unit_of(word.removesuffix("/pixel").removesuffix("/px").removesuffix("/Pixel")):
@@ -335,14 +338,17 @@ def _wyko(result: Metadata, lines: Sequence[tuple[int, str]]) -> None:
     in_nm = False
     wavelength = None
     for number, first, words in _entries(lines):
+        value, _ = _value_and_unit(words[-1:])
         if first == "Wyko":
             in_nm = words[-2:-1] == ["1"]
+        elif value is None:
+            continue
         elif first == "Pixel_size":
-            result.steps["both"] = Named(float(words[-1]), Unit("mm"), number)
+            result.steps["both"] = Named(value, Unit("mm"), number)
         elif first == "Wavelength":
-            wavelength = Named(float(words[-1]), Unit("nm"), number)
-        elif first in "XY" and words[1:2] == ["Size"]:
-            result.counts[first.lower()] = Named(float(words[-1]), None, number)
+            wavelength = Named(value, Unit("nm"), number)
+        elif first in ("X", "Y") and words[1:2] == ["Size"]:
+            result.counts[first.lower()] = Named(value, None, number)
     result.height_unit = Unit("nm")
     result.height_unit_line = lines[0][0]
     if not in_nm:
@@ -360,8 +366,9 @@ def _zygo(result: Metadata, lines: Sequence[tuple[int, str]]) -> None:
     result.height_unit_line = lines[0][0]
     for number, line in lines:
         words = line.split()
-        if number == lines[0][0] + 7 and len(words) >= 7:
-            result.steps["both"] = Named(float(words[-2]), Unit("m"), number)
+        value, _ = _value_and_unit(words[-2:-1])
+        if number == lines[0][0] + 7 and len(words) >= 7 and value is not None:
+            result.steps["both"] = Named(value, Unit("m"), number)
 
 
 _WORD_WITH_UNIT = re.compile(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?")

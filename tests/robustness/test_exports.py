@@ -411,6 +411,17 @@ REFUSALS: dict[str, tuple[str, str | bytes, str]] = {
         + "\n".join(f"{x} {y} {z}" for x, y, z in np.random.default_rng(2).random((40, 3))),
         "interpolate the points onto one",
     ),
+    "places without end": (
+        "z.csv",
+        "x[um] y[um] z[um]\n" + "\n".join([*points(Z), "1e308 0 1"]),
+        "no places",
+    ),
+    "a header of other words": (
+        "z.asc",
+        WYKO.format(flag=1).replace("0.002", "small").replace("Size\t15", "Size\tplate") + rows(Z),
+        "--spacing-um: missing",
+    ),
+    "a number of points without end": ("z.csv", "columns;1e999\n" + rows(Z, ";"), "--spacing-um"),
     "places of a profile in unequal steps": (
         "z.csv",
         "x[mm] z[um]\n" + "\n".join(f"{0.002 * k * k:.4f} {z:.4f}" for k, z in enumerate(PROFILE)),
@@ -456,7 +467,7 @@ def test_blocks_that_numpy_reads_end_anywhere(
 def test_an_extreme_height_is_a_mark(tmp_path: Path) -> None:
     path = write(tmp_path / "z.csv", HEAD + rows(Z, ";").replace(f"{Z[7, 3]:.4f}", "1e308"))
     read = described_file(path, FileOptions())
-    assert "exactly 1e+308 um" in str(read.doubts) and np.isnan(read.heights[7, 3])
+    assert "exactly 1e+308 um" in str(read.doubts) and np.isnan(read.measured_heights[7, 3])
     assert np.nanmax(np.abs(read.heights)) < 5e-6
 
 
