@@ -43,7 +43,7 @@ from rolling.scene.laws import SelfAffineLaw
 from rolling.scene.messages import nearest
 from rolling.scene.scene import Scene
 from rolling.sound.wavelengths import wavelength_bands
-from rolling.studies import bearing_truths, printed_truths, recording_truths
+from rolling.studies import bearing_truths, printed_truths, recording_truths, slope_truths
 from rolling.studies.output import markdown_table
 from rolling.surface.heights import statistics
 from rolling.terminal import progress
@@ -467,53 +467,14 @@ def recordings() -> PublishedValues:
         yield PublishedValue(rule, item, published, ours)
 
 
-# ---- slopes of level
-
-
-def speed_and_roughness() -> PublishedValues:
-    """Compare exponents of the sound pressure against roughness and speed over several surfaces."""
-    runs = _runs(_scene("speed-and-roughness"))
-    levels = pd.Series({values: run.sound.levels.laeq_db for values, run in runs.items()})
-    _, roughness, speeds = levels.index.levels  # seeds, Ra, speeds
-    exponents = [_exponent(levels.xs(speed, level=2).unstack(0)) for speed in speeds]
-    for speed, exponent in zip(speeds, exponents, strict=True):
-        yield PublishedValue("exponent of Ra, chain", f"{speed:g} m/s", math.nan, exponent)
-    yield PublishedValue("exponent of Ra, sliding", "", math.nan, exponents[-1])
-    by_speed = _exponent(levels.xs(roughness[0], level=1).unstack(0))
-    yield PublishedValue("exponent of speed, sliding", "", math.nan, by_speed)
-    yield PublishedValue("off a line over log v", "", math.nan, _off_a_line_db(levels))
-    yield PublishedValue("loudest band by Ra", "", math.nan, _moved_bands(runs, roughness))
-
-
-def _off_a_line_db(levels: pd.Series) -> Array:
-    """Return the rms distance [dB] of levels from a line over log v, for each seed and Ra."""
-    by_speed = levels.unstack(2)
-    log_speeds = np.log10(by_speed.columns.to_numpy(float))
-    values = by_speed.to_numpy()
-    fits = np.polyfit(log_speeds, values.T, 1)
-    lines = log_speeds[:, None] * fits[0] + fits[1]
-    return np.asarray(np.sqrt(np.mean((values.T - lines) ** 2, axis=0)))
-
-
-def _moved_bands(runs: Mapping[Values, Run], roughness: Sequence[float]) -> Array:
-    """Return by how many third octaves the loudest one moves between two Ra, for each other key."""
-    loudest = {values: _loudest_band(run) for values, run in runs.items()}
-    table = pd.Series(loudest).unstack(1)
-    return np.asarray(np.abs((table[roughness[1]] - table[roughness[0]]).to_numpy(float)))
-
-
-def _loudest_band(run: Run) -> int:
-    """Return the number of the loudest third octave."""
-    levels = [
-        -math.inf if level is None else level for level in run.sound.levels.third_octave_db.values()
-    ]
-    return int(np.argmax(levels))
-
-
-def _exponent(levels: pd.DataFrame) -> Array:
-    """Return the exponents of the sound pressure by levels [dB], by column."""
-    exponents: Array = np.polyfit(20 * np.log10(levels.index.to_numpy(float)), levels, 1)[0]
-    return exponents
+def laws() -> PublishedValues:
+    """Compare slopes of level and contact with those that papers print."""
+    gentle, rough, smooth = (
+        [*_runs(_scene(name)).values()]
+        for name in ("speed-and-roughness", "rough-slopes", "smooth-slopes")
+    )
+    for rule, item, published, ours in slope_truths.slope_rows(gentle, rough, smooth):
+        yield PublishedValue(rule, item, published, ours)
 
 
 # ---- contact filter of wheel and rail
@@ -752,7 +713,7 @@ CASES: dict[str, Callable[[], PublishedValues]] = {
     "colliding-spheres": colliding_spheres,
     "bearings": bearings,
     "recordings": recordings,
-    "speed-and-roughness": speed_and_roughness,
+    "laws": laws,
     "contact-filter": contact_filter,
     "synthetic-recording": synthetic_recording,
     BENCH: bench,

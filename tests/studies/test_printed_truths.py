@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from rolling.studies import bearing_truths, printed_truths
+from rolling.studies import bearing_truths, printed_truths, slope_truths
 
 
 @pytest.mark.law("Surface parameters: surfalize and SurfaceTopography give the same ones.")
@@ -45,3 +46,10 @@ def test_the_closed_form_solves_its_equation() -> None:
     pressure = printed_truths.colliding_spheres(times, 0.005)
     assert np.all(pressure[times < -0.01 / 343.2] == 0)
     assert abs(pressure.sum()) < 1e-3 * np.abs(pressure).sum()
+
+
+def test_a_slope_is_in_decibels_per_decade() -> None:
+    """A pressure that follows the power 1.5 rises by 30 dB a decade, on each surface."""
+    speeds = np.array([0.3, 1.0, 3.0])
+    levels = pd.DataFrame({seed: seed + 30 * np.log10(speeds) for seed in (1, 2)}, index=speeds)
+    assert slope_truths.db_per_decade(levels) == pytest.approx([30.0, 30.0])
