@@ -11,6 +11,7 @@ from finished import VIBRATING, marched
 
 from acoustics import resampling
 from rolling import cli, save_run
+from rolling.kinds.stated_conditions import conditions_of
 from rolling.recordings import recording_comparison
 from rolling.report import recording_page
 from rolling.report.bench import read_bench
@@ -115,7 +116,8 @@ def test_full_scale_of_each_channel_and_names_of_channels(run: Run, tmp_path: Pa
         run, wav, calibration, None, "acceleration", ["-", "corner"]
     )
     assert set(alone.table["channel"]) == {"corner"}
-    assert b"<h3>Third octaves, corner</h3>" in recording_page.page(run, alone)
+    page = recording_page.page(run, alone, conditions_of({"run": run.scene}), "as it was done")
+    assert b"<h3>Third octaves, corner</h3>" in page and b"as it was done" in page
 
 
 REFUSED = {
