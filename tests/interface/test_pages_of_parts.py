@@ -31,6 +31,7 @@ from rolling.choice.sensitivity import Sensitivities, Sensitivity
 from rolling.figures.picture import finish, picture
 from rolling.kinds.reading import read_scene
 from rolling.kinds.registry import kind_of
+from rolling.kinds.stated_conditions import conditions_of
 from rolling.recordings import agreement
 from rolling.recordings.recording_comparison import compare
 from rolling.report import recording_page
@@ -92,7 +93,8 @@ def comparison_page(folder: Path) -> bytes:
     run = marched(VIBRATING.replace("sound: {", "sound: {listen_s: 2, "))
     pressure = run.long.pressure
     soundfile.write(folder / "own.wav", pressure / np.abs(pressure).max() / 2, 48000)
-    return recording_page.page(run, compare(run, folder / "own.wav"))
+    conditions = conditions_of({"run": run.scene})
+    return recording_page.page(run, compare(run, folder / "own.wav"), conditions, "as it was done")
 
 
 def gallery_page_of(folder: Path) -> bytes:
