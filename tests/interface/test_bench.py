@@ -179,7 +179,7 @@ def test_a_second_comparison_keeps_the_first(run: Run, tmp_path: Path) -> None:
     assert (folder / "compare-a.wav.csv").read_bytes() == first
     names = {path.name for path in folder.glob("compare-*")}
     stems = ("compare-a.wav", "compare-a.wav-2")
-    assert names == {f"{stem}.{ending}" for stem in stems for ending in ("csv", "html")}
+    assert names == {f"{stem}.{ending}" for stem in stems for ending in ("csv", "html", "json")}
 
 
 def test_an_empty_folder_is_told_what_a_bench_needs(tmp_path: Path) -> None:
