@@ -77,7 +77,23 @@ class Design:
 
     Examples
     --------
-    `rolling.design(scene, quieter_db=3).table()`
+    >>> from pathlib import Path
+    >>> import numpy as np, rolling
+    >>> from rolling.choice.audition import SOUND
+    >>> from rolling.choice.design import Round
+    >>> from rolling.choice.wave_bands import PlateBands
+    >>> fall = rolling.Difference("sound", 2, 3.0, 0.1, 0.99, {"scatter": 0.1})
+    >>> bands = PlateBands(
+    ...     wavelength_m=np.array([1e-4, 5e-5]), rms_m=np.array([4e-8, 2e-8]),
+    ...     responses=np.array([[0.5, 0.4], [0.6, 0.3]]),
+    ... )
+    >>> design = rolling.Design(
+    ...     name="scene", conditions="", quantity=SOUND, quieter_db=3.0, bands=bands,
+    ...     rounds=[Round(3.0, np.array([6.0, 0.0]), fall)], noun="surfaces", folder=Path(),
+    ...     scene=None, changed=None,
+    ... )
+    >>> design.table()["amplitude_target_nm"].round(1).tolist()
+    [20.0]
     """
 
     name: str
