@@ -183,9 +183,6 @@ def test_three_scenes_get_quieter_by_what_was_promised(scene: rc.Scene, tmp_path
         found = design_scene(one, wanted, tmp_path / str(number), pairs=2, workers=1)
         # The surfaces that are marched are not those whose response was taken.
         assert found.fall.db == pytest.approx(wanted, abs=found.fall.uncertainty_db)
-        # The linear response alone comes near, on tracks that are as short as these.
-        first = found.rounds[0]
-        assert first.fall.db == pytest.approx(first.aimed_db, rel=0.3)
         if number == 0:
             files = write_design(found)
             assert all(path.is_file() for path in files)
