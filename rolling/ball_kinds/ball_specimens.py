@@ -133,12 +133,12 @@ def _alike_places(scene: Scene, count: int) -> AlikePlaces | None:
 
 def _made_alike(scene: Scene, places: Sequence[Place]) -> AlikePlaces | None:
     """Return how much alike the levels of places of a scene are, from its heights."""
-    heard = linear_response.heard_places(scene)
-    if not np.any(heard):
+    pressures = linear_response.heard_places(scene)
+    if not np.any(pressures):
         return None
     track = scene.track
-    nodes = min(len(heard), max(1, round(track.steps * track.step / track.spacing)))
-    levels = alike_levels(heard, nodes)
+    nodes = min(len(pressures), max(1, round(track.steps * track.step / track.spacing)))
+    levels = alike_levels(pressures, nodes)
     along = np.array([round(1e-6 * place.along_um / track.spacing) for place in places])
     across = np.array([round(1e-6 * place.across_um / track.spacing) for place in places])
     return AlikePlaces(levels.between(along, across), levels.variance)

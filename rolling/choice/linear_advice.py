@@ -72,7 +72,7 @@ def linear_advice(
     if audition.linear_change(candidate, candidate) is None:
         return LinearAdvice(candidate.label, [])
     changed, _ = drawing.changes_of(audition, candidate.scene, candidate, workers, folder)
-    found = []
+    changes = []
     for change in changed:
         if change.key == drawing.DISTANCE:
             continue
@@ -83,7 +83,7 @@ def linear_advice(
         uncertainty_db = audition.linear_error(change.key, louder_db)
         if uncertainty_db is None or abs(louder_db) < max(SHOWN_DB, uncertainty_db):
             continue
-        found.append(
+        changes.append(
             LinearChange(
                 key=change.key,
                 words=drawing.helping_words(change, louder_db),
@@ -91,5 +91,5 @@ def linear_advice(
                 uncertainty_db=uncertainty_db,
             )
         )
-    found.sort(key=lambda change: -change.quieter_db)
-    return LinearAdvice(candidate.label, found[:MOST])
+    changes.sort(key=lambda change: -change.quieter_db)
+    return LinearAdvice(candidate.label, changes[:MOST])

@@ -107,9 +107,9 @@ def before_and_after(
         _draw_heights(
             ax, heights_um, 1e6 * steps, descending[extremes : len(descending) - extremes]
         )
-        numbers = iso.roughness(heights, steps)
-        ax.set_title(f"{words}: Sa {written('Sa', numbers).replace(' um', ' µm')}", loc="left")
-        rows.append({"heights": words, "Sa_m": numbers["Sa"], "Sq_m": numbers["Sq"]})
+        values = iso.roughness(heights, steps)
+        ax.set_title(f"{words}: Sa {written('Sa', values).replace(' um', ' µm')}", loc="left")
+        rows.append({"heights": words, "Sa_m": values["Sa"], "Sq_m": values["Sq"]})
     title = picture.drawable(f"Preparation of {name}")
     figure.suptitle(title, x=0.012, ha="left", fontsize=11, parse_math=False)
     return picture.Picture("preparation", figure, pd.DataFrame(rows))

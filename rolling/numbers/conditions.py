@@ -59,14 +59,14 @@ class Conditions:
         if not self.by_label:
             return []
         first, *others = self.by_label.values()
-        return [one for one in first if all(one in other for other in others)]
+        return [condition for condition in first if all(condition in other for other in others)]
 
     @property
     def own(self) -> dict[str, list[Condition]]:
         """The conditions in which scenes differ, by label; empty lists where they have none."""
         shared = self.shared
         return {
-            label: [one for one in conditions if one not in shared]
+            label: [condition for condition in conditions if condition not in shared]
             for label, conditions in self.by_label.items()
         }
 
@@ -86,7 +86,7 @@ class Conditions:
 
     def columns(self, label: str) -> dict[str, str]:
         """Return the conditions of a scene for the columns of a table, with the program."""
-        values = {one.name: one.words for one in self.by_label[label]}
+        values = {condition.name: condition.words for condition in self.by_label[label]}
         return values | {PROGRAM: self.program}
 
     def paragraph(self, answer: Sequence[str]) -> str:
@@ -107,7 +107,7 @@ class Conditions:
     def as_json(self) -> dict[str, Any]:
         """Return the conditions for JSON, by label and name."""
         by_label = {
-            label: {one.name: one.words for one in conditions}
+            label: {condition.name: condition.words for condition in conditions}
             for label, conditions in self.by_label.items()
         }
         return {PROGRAM: self.program, "scenes": by_label}
@@ -121,4 +121,4 @@ def _sentence(conditions: Sequence[Condition]) -> str:
 
 def _listed(conditions: Sequence[Condition]) -> str:
     """Write conditions with their names."""
-    return "; ".join(f"{one.name}: {one.words}" for one in conditions)
+    return "; ".join(f"{condition.name}: {condition.words}" for condition in conditions)

@@ -155,8 +155,8 @@ def _digits(name: str) -> str:
     """Return the first digits of a name; letters O, I and L stand for those that they look like."""
     text = _plain(name)
     beginning = text[len(prefix_of(name)) :].lstrip(" -")
-    found = re.match(r"\d*", beginning.translate(str.maketrans("OIL", "011")))
-    return found[0] if found else ""
+    digits = re.match(r"\d*", beginning.translate(str.maketrans("OIL", "011")))
+    return digits[0] if digits else ""
 
 
 def _plain(name: str) -> str:

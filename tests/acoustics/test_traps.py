@@ -132,7 +132,8 @@ QUICK_DOORS: dict[str, Callable[[], object]] = {
     "surface_parameters": lambda: rolling.surface_parameters(1e-7 * SQUARE, 1e-6),
 }
 RUN_DOORS = {
-    *("choose", "coarsest_below", "live", "open_run", "save_run", "sensitivities", "simulate"),
+    *("choose", "coarsest_below", "design", "live", "open_run", "save_run", "sensitivities"),
+    "simulate",
     "simulate_sweep",
 }
 NO_NUMBERS = {"register"}  # takes a kind of scene, and computes nothing

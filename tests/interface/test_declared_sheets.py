@@ -248,7 +248,7 @@ def test_a_file_of_heights_has_its_report(tmp_path: Path, monkeypatch: pytest.Mo
         assert cli.main(["-q", "surface", "scan.xyz", "--declare"]) == 0
     read = json.loads(Path(f"outputs/scan.xyz-surface/{NAME}.json").read_text())
     (sheet,) = read["runs"][0]["sheets"]
-    assert sheet["facts"]["Form and plane"] == "the least-squares plane is removed"
+    assert sheet["facts"]["Form"] == "the least-squares plane is removed"
     values = {value["symbol"]: value["value"] for value in sheet["values"]}
     table = Path("outputs/scan.xyz-surface/surface.csv").read_text()
     for row in csv.DictReader(io.StringIO(table)):
