@@ -101,9 +101,9 @@ class LinearResponse:
             frequency = waves * (ratio * self.speed_m_s / (2 * np.pi))
             lowest, highest = AUDIBLE_HZ[0], min(AUDIBLE_HZ[1], self.highest_hz)
             inside = (frequency >= lowest) & (frequency <= highest)
-            heard = frequency[inside]
-            gain = approach_gain(self.bodies, self.listener, heard)
-            total[inside] += gain * 10 ** (a_weighting_db(heard) / 10)
+            audible_hz = frequency[inside]
+            gain = approach_gain(self.bodies, self.listener, audible_hz)
+            total[inside] += gain * 10 ** (a_weighting_db(audible_hz) / 10)
         return total / len(SPEED_RATIOS)
 
 

@@ -283,7 +283,7 @@ def _step_of_profile(known: Metadata, count: int) -> tuple[float, float] | None:
 def _steps(known: Metadata, shape: tuple[int, int]) -> tuple[float, float] | None:
     """Return the spacings along y and x in the unit of the first one, by lines of metadata."""
     unit = _unit_of_steps(known)
-    found = {}
+    steps = {}
     for axis, count in zip("yx", shape, strict=True):
         named = known.steps.get(axis) or known.steps.get("both")
         share = 1.0
@@ -291,11 +291,11 @@ def _steps(known: Metadata, shape: tuple[int, int]) -> tuple[float, float] | Non
             named = known.sizes.get(axis) or known.sizes.get("both")
             share = 1.0 / count
         if named is not None:
-            found[axis] = share * named.value * _ratio(named.unit, unit)
-    if not found:
+            steps[axis] = share * named.value * _ratio(named.unit, unit)
+    if not steps:
         return None
-    x = found.get("x", found.get("y", 0.0))
-    return found.get("y", x), x
+    x = steps.get("x", steps.get("y", 0.0))
+    return steps.get("y", x), x
 
 
 def _ratio(unit: Unit | None, other: Unit | None) -> float:
