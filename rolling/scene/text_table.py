@@ -342,7 +342,7 @@ def _longest(lines: Sequence[str], widths: Sequence[int]) -> _RowsOfOneWidth | N
             runs.append(run)
         elif lines[k] == _BAR or (lines[k] and not _is_comment(lines[k])):
             run = None
-    return max(runs, key=lambda one: one.size, default=None)
+    return max(runs, key=lambda run: run.size, default=None)
 
 
 def _width(line: str, signs: Signs) -> int:
@@ -453,7 +453,7 @@ def _no_numbers(lines: Sequence[str]) -> HeightFormatError:
     held = [(k, line) for k, line in enumerate(lines, 1) if line and not _is_comment(line)]
     if not held:
         return HeightFormatError(f"holds no heights, allowed: {_NUMBERS}")
-    place, line = max(held, key=lambda one: len(re.findall(r"\d", one[1])))
+    place, line = max(held, key=lambda numbered: len(re.findall(r"\d", numbered[1])))
     for cell in line.replace(";", " ").replace("\t", " ").split():
         if not _POINT.fullmatch(cell) and not _COMMA.fullmatch(cell) and not is_missing(cell):
             words = f"got {quoted(cell)}, allowed: {_NUMBERS}"
