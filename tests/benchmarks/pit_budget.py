@@ -66,6 +66,7 @@ class Cause:
     """What is another than in the dry bearing.
 
     changes : dict. Keys of the scene.
+    surfaces : str. Name of surfaces that the fit tries.
     housing_kg : float. Mass that moves with the outer ring.
     dips : float. Factor of what a pit changes of the approach.
     film : bool. Whether a film of oil acts over the pit, too.
@@ -75,6 +76,7 @@ class Cause:
     """
 
     changes: Mapping[str, Any] = field(default_factory=dict)
+    surfaces: str = SURFACES
     housing_kg: float = HOUSING_KG
     dips: float = 1.0
     film: bool = False
@@ -100,10 +102,8 @@ CAUSES = {
     "the same, with the film over pits too": Cause(OIL, film=True),
     "half a kilogram": Cause(housing_kg=0.5),
     "5 kg": Cause(housing_kg=5.0),
-    "superfinished raceways, waves across": Cause(recording_truths.SURFACES["superfinished"]),
-    "superfinished raceways, isotropic waves": Cause(
-        recording_truths.SURFACES["superfinished, isotropic"]
-    ),
+    "superfinished raceways, waves across": Cause(surfaces="superfinished"),
+    "superfinished raceways, isotropic waves": Cause(surfaces="superfinished, isotropic"),
     "dips ten times as deep": Cause(dips=10.0),
     "dips twenty times as deep": Cause(dips=20.0),
     "oil, film over pits, elastic ring": Cause(OIL | ELASTIC, film=True),
@@ -117,18 +117,10 @@ CAUSES = {
 }
 
 
-@functools.cache
-def fitted_scene() -> BearingScene:
-    """Return the recorded bearing as the healthy record decides it, with its surfaces."""
-    scene = read_as(validate.FOLDER / "recorded-6205.yaml", BearingScene)
-    return scene.with_(FITTED | recording_truths.SURFACES[SURFACES])
-
-
 def scene_of(cause: Cause) -> BearingScene:
-    """Return the healthy bearing of a cause."""
+    """Return the healthy bearing of a cause: that of the recordings as fitted, but dry."""
     scene = read_as(validate.FOLDER / "recorded-6205.yaml", BearingScene)
-    has_surfaces = any(key.startswith("bearing.surfaces") for key in cause.changes)
-    surfaces = {} if has_surfaces else recording_truths.SURFACES[SURFACES]
+    surfaces = recording_truths.SURFACES[cause.surfaces]
     return scene.with_(FITTED | surfaces | DRY | dict(cause.changes))
 
 
@@ -146,13 +138,12 @@ def change_by(pit: Pit, loads: tuple[float, float, str]) -> BodyTrack:
         Axial and radial load [N], and whether the angle moves or is fixed.
     """
     axial_n, radial_n, angle = loads
-    healthy = fitted_scene().with_(
-        {
-            "bearing.axial_load_n": axial_n,
-            "bearing.radial_load_n": radial_n,
-            "bearing.angle": angle,
-        }
-    )
+    changes = {
+        "bearing.axial_load_n": axial_n,
+        "bearing.radial_load_n": radial_n,
+        "bearing.angle": angle,
+    }
+    healthy = scene_of(Cause(changes))
     fault = {
         "kind": "pit",
         "at_mm": recording_truths.PIT_AT_MM[pit.ring],
