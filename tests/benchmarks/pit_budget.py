@@ -104,8 +104,8 @@ CAUSES = {
     "5 kg": Cause(housing_kg=5.0),
     "superfinished raceways, waves across": Cause(surfaces="superfinished"),
     "superfinished raceways, isotropic waves": Cause(surfaces="superfinished, isotropic"),
-    "dips ten times as deep": Cause(dips=10.0),
-    "dips twenty times as deep": Cause(dips=20.0),
+    "dips ten times as deep": Cause(dips=10.0, sizes_um=(SMALL_UM,)),
+    "dips twenty times as deep": Cause(dips=20.0, sizes_um=(SMALL_UM,)),
     "oil, film over pits, elastic ring": Cause(OIL | ELASTIC, film=True),
     "none, records of 0.2 s": Cause(sizes_um=ENDS, record_s=SHORT_S),
     "balls with mass, records of 0.2 s": Cause(BALL_MASS, sizes_um=ENDS, record_s=SHORT_S),
@@ -210,6 +210,7 @@ def row_of(words: str, cause: Cause) -> str:
     for ring, size_um in itertools.product(recording_truths.LINES, recording_truths.PITS_UM):
         if size_um not in cause.sizes_um:
             cells.append("")
+            last = ""  # of the largest pit of the outer ring alone
             continue
         change = change_of(scene, Pit(ring, size_um, cause.rim_um))
         change = BodyTrack(change.loads_n, cause.dips * change.approach_m)
