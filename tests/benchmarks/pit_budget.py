@@ -24,12 +24,13 @@ import numpy as np
 import pandas as pd
 
 from acoustics.arrays import Array
+from rolling.bearing import waves
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_motion import move_ring
 from rolling.bearing.ring_record import RingRecord, record_of
 from rolling.bearing.tracks import BearingTracks, BodyTrack
 from rolling.bearing_kind.contact_marches import march_contacts
-from rolling.bearing_kind.contact_plan import ContactPlan, contact_plan, radius_of
+from rolling.bearing_kind.contact_plan import ContactPlan, contact_of, contact_plan, radius_of
 from rolling.bearing_kind.joined_tracks import bearing_tracks, film_of, rows_through_film
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.file import read_as
@@ -265,18 +266,23 @@ def causes_table(only: list[str]) -> Iterator[str]:
 
 def dips_table(only: list[str]) -> Iterator[str]:
     """Yield how far the centre of a ball dips over pits at the loads of its marches [nm]."""
-    yield "|pit|loads|dip, dry|through a film of 100 mm²/s|"
-    yield "|---|---|---|---|"
+    yield "|pit|loads|contact, along and across|dip, dry|through a film of 100 mm²/s|"
+    yield "|---|---|---|---|---|"
     scene = scene_of(Cause(OIL))
     plan = contact_plan(scene)
     for ring, size_um in itertools.product(recording_truths.LINES, recording_truths.PITS_UM):
         change = change_of(scene, Pit(ring, size_um))
+        loads = change.loads_n
+        axes = [waves.semi_axes(contact_of(plan.geometry, ring), load) for load in loads]
+        along = [2e3 * pair.along for pair in axes]
+        across = [2e3 * pair.across for pair in axes]
         dry = 1e9 * change.approach_m.max(axis=1)
         rows = through_film(change, plan, ring).approach_m
         wet = 1e9 * (rows.max(axis=1) - np.median(rows, axis=1))
         yield (
-            f"|{ring}, {size_um / 1000:g} mm|{change.loads_n[0]:.0f} to {change.loads_n[-1]:.0f} N|"
-            f"{dry.min():.0f} to {dry.max():.0f} nm|{wet.min():.0f} to {wet.max():.0f} nm|"
+            f"|{ring}, {size_um / 1000:g} mm|{loads[0]:.0f} to {loads[-1]:.0f} N"
+            f"|{along[0]:.2f} to {along[-1]:.2f} mm, {across[0]:.1f} to {across[-1]:.1f} mm"
+            f"|{dry.min():.0f} to {dry.max():.0f} nm|{wet.min():.0f} to {wet.max():.0f} nm|"
         )
 
 
