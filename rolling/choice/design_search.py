@@ -216,7 +216,11 @@ class DesignSearch:
         for pair in omitted:
             self._omitted.setdefault(pair.number, pair)
         fall = self._work.audition.difference(
-            self._quantity.name, base.heard, quiet.heard, omitted=len(omitted)
+            self._quantity.name,
+            base.heard,
+            quiet.heard,
+            omitted=len(omitted),
+            correlation=self._work.correlation(base, quiet),
         )
         made = Round(aimed_db=aimed_db, lowered_db=lowered_db, fall=fall)
         progress.line(

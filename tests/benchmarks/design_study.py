@@ -109,9 +109,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("outputs/design-study"))
     parser.add_argument("--workers", type=int, default=0)
+    parser.add_argument("--only", nargs="*", default=(), help="names of scenes, such as drawn-2")
     given = parser.parse_args()
     rows = []
     for scene, quieter_db in drawn():
+        if given.only and scene.name not in given.only:
+            continue
         folder = given.out / scene.name
         found = design_scene(scene, quieter_db, folder, workers=given.workers)
         others = on_others(found, given.out / f"{scene.name}-others", given.workers)

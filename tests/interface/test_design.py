@@ -11,6 +11,8 @@ from scipy.optimize import minimize
 
 import rolling as rc
 from rolling import cli
+from rolling.choice.audition import audition_of
+from rolling.choice.choosing import open_choice
 from rolling.choice.design_search import design_scene, write_design
 from rolling.choice.least_change import fall_of, least_change
 from rolling.contact.load_shares import approach_of_part, load_shares
@@ -177,14 +179,40 @@ def drawn(scene: rc.Scene) -> list[rc.Scene]:
 
 
 @pytest.mark.slow
-@pytest.mark.law("Design: scenes get quieter by what was promised, within its ±.")
-def test_three_scenes_get_quieter_by_what_was_promised(scene: rc.Scene, tmp_path: Path) -> None:
+@pytest.mark.law("Design: surfaces that it has not seen get quieter by its promise, within its ±.")
+def test_unseen_surfaces_get_quieter_by_what_was_promised(scene: rc.Scene, tmp_path: Path) -> None:
     for number, (one, wanted) in enumerate(zip(drawn(scene), (3.0, 2.0, 4.0), strict=True)):
         found = design_scene(one, wanted, tmp_path / str(number), pairs=2, workers=1)
         # The surfaces that are marched are not those whose response was taken.
         assert found.fall.db == pytest.approx(wanted, abs=found.fall.uncertainty_db)
+        half = found.scene.with_(
+            {
+                "surface.lowered_db": {
+                    wavelength: round(db / 2, 2)
+                    for wavelength, db in found.changed.surface.lowered_db.items()
+                }
+            }
+        )
+        by_half, by_whole = falls_of_others(found, half, tmp_path / f"others-{number}")
+        assert 0 < by_half.db < by_whole.db
+        both = float(np.hypot(found.fall.uncertainty_db, by_whole.uncertainty_db))
+        assert by_whole.db == pytest.approx(found.fall.db, abs=2 * both)
         if number == 0:
             files = write_design(found)
             assert all(path.is_file() for path in files)
             again = rc.read_scene(tmp_path / "0" / "design.yaml")
             assert again.surface == found.changed.surface
+
+
+def falls_of_others(found: rc.Design, half: rc.Scene, folder: Path) -> list[rc.Difference]:
+    """March four surfaces that a design has not seen, and return their falls by half and whole."""
+    audition = audition_of(found.scene)
+    other = {"surface.seed": found.scene.surface.seed + 500}
+    base = audition.unchanged(found.scene.with_(other))
+    quiet = [
+        replace(base, label=label, scene=lower.with_(other))
+        for label, lower in (("half", half), ("whole", found.changed))
+    ]
+    with open_choice([base, *quiet], folder, workers=1) as work:
+        ((now, *lower), _) = work.hear([base, *quiet], 4)
+    return [audition.difference(found.quantity.name, now.heard, one.heard) for one in lower]
