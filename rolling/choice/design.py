@@ -74,6 +74,9 @@ class Design:
         The scene as it is, and with its waves lowered.
     omitted : sequence of OmittedPair
         Specimens that are left out, because a contact has no solution. Default: none.
+    doubt : str
+        Sentence on bands whose response is not known, so that more waves are lowered than may be
+        necessary. Default: empty.
 
     Examples
     --------
@@ -106,6 +109,7 @@ class Design:
     scene: Any
     changed: Any
     omitted: Sequence[OmittedPair] = ()
+    doubt: str = ""
 
     @property
     def conditions(self) -> Conditions:
@@ -115,12 +119,21 @@ class Design:
     @property
     def methods(self) -> str:
         """Paragraph on methods that one may paste into a report, with all conditions."""
-        compared = (
-            f"Of all changes of the waves that are enough by the linear response, the one with the"
-            f" smallest {MEASURE} was marched on {self.noun} of the same phases. The ± is one"
-            " standard uncertainty of the mean change by Student's t."
-        )
-        return self.conditions.paragraph([compared, *self.sentences[:1], UNVALIDATED])
+        compared = [
+            f"Of all changes of the waves that are enough by {self.by_response}, the one with the"
+            f" smallest {MEASURE} was marched on {self.noun} with the same phases."
+        ]
+        if self.fall.uncertainty_db is not None:
+            compared.append("The ± is one standard uncertainty of the mean change by Student's t.")
+        if self.doubt:
+            compared.append(self.doubt)
+        return self.conditions.paragraph([*compared, *self.sentences[:1], UNVALIDATED])
+
+    @property
+    def by_response(self) -> str:
+        """Name the response by which a change is enough."""
+        words = "the linear response"
+        return f"{words}, as far as it is known" if self.doubt else words
 
     @property
     def fall(self) -> Difference:
@@ -248,9 +261,11 @@ def _sentences(result: Design) -> Iterator[str]:
         f" phases); {result.quieter_db:g} dB were asked for."
     )
     yield (
-        f"Lower most: {'; '.join(strongest)}. By the linear response no other change that is"
-        f" enough has a smaller {MEASURE}."
+        f"Lower most: {'; '.join(strongest)}. No other change that is enough by"
+        f" {result.by_response} has a smaller {MEASURE}."
     )
+    if result.doubt:
+        yield result.doubt
     total = float(result.bands.response.sum())
     rq_now = 1e9 * float(np.sqrt(np.sum(np.square(result.bands.rms_m))))
     rq_target = 1e9 * float(np.sqrt(np.sum(np.square(result.target_rms_m))))

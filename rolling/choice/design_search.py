@@ -129,8 +129,7 @@ class DesignSearch:
         if not np.all(np.isfinite(base.levels_in(self._quantity.name))):
             raise SceneError([f"{name}: makes no sound within hearing, so none could be quieter"])
         bands = self._waves.bands(self._unmarched(base))
-        useful = bands.useful
-        if not bands.is_known or not useful.any():
+        if not bands.is_known:
             raise SceneError(
                 [
                     f"{name}: the level does not surely fall with all waves of the plate (by"
@@ -139,13 +138,14 @@ class DesignSearch:
                 ]
             )
         self._refuse_too_much(bands)
-        rounds = self._rounds(useful, bands.wavelength_m)
+        rounds, doubt = self._confirmed(bands)
         return Design(
             name=name,
             quantity=self._quantity,
             quieter_db=self._quieter_db,
             bands=bands,
             rounds=rounds,
+            doubt=doubt,
             noun=self._work.specimens.noun,
             folder=self._work.folder,
             scene=self._base.scene,
@@ -179,27 +179,21 @@ class DesignSearch:
             ]
         )
 
-    def _rounds(self, useful: Array, wavelength_m: Array) -> list[Round]:
-        """Return the changed surfaces that were marched, the nearest one last."""
-        rounds: list[Round] = []
-        aimed_db = self._quieter_db
-        for _ in range(ROUNDS):
-            lowered = np.minimum(least_change(useful, aimed_db), MOST_DB)
-            lowered = np.where(lowered >= LEAST_SHOWN_DB, np.round(lowered, 2), 0.0)
-            if not lowered.any():
-                lowered[np.argmax(useful)] = LEAST_SHOWN_DB
-            rounds.append(self._march(wavelength_m, lowered, fall_of(useful, lowered)))
-            off_db = abs(rounds[-1].fall_db - self._quieter_db)
-            if off_db <= max(NEAR * self._quieter_db, NEAR_DB):
-                break
-            following_db = _next_aim(rounds, self._quieter_db)
-            if following_db is None:
-                break
-            aimed_db = following_db
-        best = min(rounds, key=lambda marched: abs(marched.fall_db - self._quieter_db))
-        rounds.remove(best)
-        rounds.append(best)
-        if best.fall_db < self._quieter_db and best.lowered_db.max() >= MOST_DB:
+    def _confirmed(self, bands: PlateBands) -> tuple[list[Round], str]:
+        """Return the changed surfaces that were marched, and what is not known of the response.
+
+        The finest response that marches confirm counts. On few specimens or short tracks single
+        bands are known by chance, and to lower them does nothing.
+        """
+        *finer, coarsest = bands.resolutions
+        for resolution in finer:
+            rounds = self._rounds(resolution.response, bands.wavelength_m, ends_early=True)
+            if not (self._is_short(rounds[-1]) or _fails(rounds[-1])):
+                return rounds, resolution.doubt
+            progress.line("the marches do not confirm this response, so a coarser one follows")
+        rounds = self._rounds(coarsest.response, bands.wavelength_m, ends_early=False)
+        best = rounds[-1]
+        if self._is_short(best):
             raise SceneError(
                 [
                     f"quieter: got {self._quieter_db:g} dB, but with bands lowered by up to"
@@ -207,6 +201,44 @@ class DesignSearch:
                     " that, or more specimens (--pairs), which make more bands known"
                 ]
             )
+        return rounds, coarsest.doubt
+
+    def _is_short(self, best: Round) -> bool:
+        """Whether a surface falls short of what was asked for, and no band can be lower."""
+        return best.fall_db < self._quieter_db and best.lowered_db.max() >= MOST_DB
+
+    def _rounds(self, response: Array, wavelength_m: Array, ends_early: bool) -> list[Round]:
+        """Return the changed surfaces that were marched, the nearest one last.
+
+        Parameters
+        ----------
+        response : (bands,) array, dB/dB
+            The response that says which bands to lower.
+        wavelength_m : (bands,) array, m
+            Middles of the bands.
+        ends_early : bool
+            Whether a surface that fails ends the search.
+        """
+        rounds: list[Round] = []
+        aimed_db = self._quieter_db
+        for _ in range(ROUNDS):
+            lowered = np.minimum(least_change(response, aimed_db), MOST_DB)
+            lowered = np.where(lowered >= LEAST_SHOWN_DB, np.round(lowered, 2), 0.0)
+            if not lowered.any():
+                lowered[np.argmax(response)] = LEAST_SHOWN_DB
+            rounds.append(self._march(wavelength_m, lowered, fall_of(response, lowered)))
+            off_db = abs(rounds[-1].fall_db - self._quieter_db)
+            if off_db <= max(NEAR * self._quieter_db, NEAR_DB):
+                break
+            if ends_early and _fails(rounds[-1]):
+                return rounds
+            following_db = _next_aim(rounds, self._quieter_db)
+            if following_db is None:
+                break
+            aimed_db = following_db
+        best = min(rounds, key=lambda marched: abs(marched.fall_db - self._quieter_db))
+        rounds.remove(best)
+        rounds.append(best)
         return rounds
 
     def _march(self, wavelength_m: Array, lowered_db: Array, aimed_db: float) -> Round:
@@ -239,6 +271,11 @@ class DesignSearch:
         values = {float(name): round(db, 2) for name, db in whole.items() if db > 0}
         label = f"lower waves {digest(list(values.items()))[:8]}"
         return self._work.audition.with_value(self._base, KEY, values, label)
+
+
+def _fails(marched: Round) -> bool:
+    """Whether the level surely falls by less than half of what the linear response aims at."""
+    return marched.fall_db + 2.0 * (marched.fall.uncertainty_db or 0.0) < marched.aimed_db / 2
 
 
 def _pairs(contender: Contender) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,6 +13,20 @@ from rolling.choice.heard_specimen import Specimen
 
 SURE_ERRORS = 2.0  # standard errors above 0 of a band and its neighbours, from which on it counts
 LEAST_SHARE = 0.01  # of the largest response, below which one is not worth its decibels
+LEAST_OF_WHOLE = 0.5  # of the response of all bands, that the sure ones have
+NEIGHBOURS = 3  # bands by which one counts, itself among them
+WIDE = 7  # bands whose mean is taken where single ones are not known
+
+
+class Resolution(NamedTuple):
+    """Response of a level to bands of waves, as finely as some specimens know it.
+
+    response : (bands,) array, dB/dB. At least 0; 0 of bands that are not lowered.
+    doubt : str. Sentence on what is not known; empty if each band is.
+    """
+
+    response: Array
+    doubt: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,27 +70,51 @@ class PlateBands:
         return bool(together.mean() > SURE_ERRORS * error)
 
     @property
-    def useful(self) -> Array:
+    def resolutions(self) -> list[Resolution]:
+        """The response as finely as it may be known, the finest first.
+
+        A design begins with the first. Where marches do not confirm it, the next one follows.
+        """
+        finest = Resolution(self._of_sure_bands, "")
+        smooth = Resolution(
+            self._smooth,
+            f"Single third octaves are not known by so few specimens, so {WIDE} neighbours share"
+            " their mean response. More of them (--pairs) may show that fewer waves are enough.",
+        )
+        alike = Resolution(
+            np.where(self.rms_m > 0, self.response.sum() / np.count_nonzero(self.rms_m), 0.0),
+            "These specimens do not tell which waves sound, so all waves are lowered alike. More of"
+            " them (--pairs) may show that fewer waves are enough.",
+        )
+        made = [smooth, alike] if smooth.response.any() else [alike]
+        if finest.response.sum() >= LEAST_OF_WHOLE * self.response.sum():
+            made.insert(0, finest)
+        return made
+
+    @property
+    def _of_sure_bands(self) -> Array:
         """Response of the bands whose waves surely make sound, 0 for all others, (bands,).
 
         A band counts by the mean over itself and its neighbours, so that none is left out between
-        two others by chance. Where the bands that count have less than half of the whole response,
-        the mean itself stands for the response of each band.
+        two others by chance.
         """
         response = self.response
-        together = _over_neighbours(response)
-        error = np.sqrt(_over_neighbours(np.square(self.error)))
+        together = _over_neighbours(response, NEIGHBOURS)
+        error = np.sqrt(_over_neighbours(np.square(self.error), NEIGHBOURS))
         counts = together > SURE_ERRORS * error
         counts &= response >= LEAST_SHARE * response.max(initial=0.0)
-        useful = np.where(counts, np.maximum(response, 0.0), 0.0)
-        if useful.sum() < 0.5 * response.sum():
-            return np.where(self.rms_m > 0, np.maximum(together / 3, 0.0), 0.0)
-        return useful
+        return np.where(counts, np.maximum(response, 0.0), 0.0)
+
+    @property
+    def _smooth(self) -> Array:
+        """Response as a mean over many neighbours, (bands,); 0 where it is negative."""
+        mean = _over_neighbours(self.response, WIDE) / WIDE
+        return np.where(self.rms_m > 0, np.maximum(mean, 0.0), 0.0)
 
 
-def _over_neighbours(values: Array) -> Array:
-    """Return the sum of each value and its neighbours."""
-    return np.convolve(values, np.ones(3), mode="same")
+def _over_neighbours(values: Array, count: int) -> Array:
+    """Return the sum of each value and its neighbours, of so many altogether."""
+    return np.convolve(values, np.ones(count), mode="same")
 
 
 @dataclass(frozen=True)
