@@ -221,7 +221,8 @@ def row_of(words: str, cause: Cause) -> str:
         own = reading(moved(scene, pitted, cause.record_s), cause.housing_kg)
         cells.append(_pair(levels_db(own) - healthy))
         line_hz = getattr(scene.kinematics, recording_truths.LINES[ring])
-        last = f"{own.kurtosis:.1f}, {own.envelope.read_line(line_hz).height or 0.0:.2g}"
+        height = own.envelope.read_line(line_hz).height or 0.0
+        last = f"{own.kurtosis:.1f}, {float(f'{height:.2g}'):g}"
     return "|" + "|".join([*cells, last]) + "|"
 
 
