@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 MEASURE = "sum of the squares of its decibels over third octaves"
 LEAST_SHOWN_DB = 0.05  # of a band; less is left as it is
+MORE = "More specimens (--pairs), or a longer track or scan, may show that fewer are enough."
 NAMED = 3  # bands that the sentence names
 
 
@@ -65,7 +66,8 @@ class Design:
     bands : PlateBands
         Waves of the surface as it is, and their response.
     rounds : list of Round
-        The changed surfaces that were marched; the last one is the answer.
+        The changed surfaces that were marched, in their order; the nearest to what was asked for
+        is the answer.
     noun : str
         What the specimens are: surfaces, or places of the scan.
     folder : Path
@@ -136,14 +138,19 @@ class Design:
         return f"{words}, as far as it is known" if self.doubt else words
 
     @property
+    def answer(self) -> Round:
+        """The changed surface whose fall by marches is the nearest to what was asked for."""
+        return nearest(self.rounds, self.quieter_db)
+
+    @property
     def fall(self) -> Difference:
         """Fall of the level by marches of the changed surface, with its ±."""
-        return self.rounds[-1].fall
+        return self.answer.fall
 
     @property
     def lowered_db(self) -> Array:
         """By how much each band is lowered, (bands,) [dB]."""
-        return self.rounds[-1].lowered_db
+        return self.answer.lowered_db
 
     @property
     def target_rms_m(self) -> Array:
@@ -238,6 +245,11 @@ class Design:
         return "\n".join(self.sentences)
 
 
+def nearest(rounds: Sequence[Round], quieter_db: float) -> Round:
+    """Return the changed surface whose fall by marches is the nearest to a wanted one [dB]."""
+    return min(rounds, key=lambda marched: abs(marched.fall_db - quieter_db))
+
+
 _PSD = ("frequency_1_mm", "psd_now_um3", "psd_target_um3")
 
 
@@ -261,11 +273,11 @@ def _sentences(result: Design) -> Iterator[str]:
         f" phases); {result.quieter_db:g} dB were asked for."
     )
     yield (
-        f"Lower most: {'; '.join(strongest)}. No other change that is enough by"
-        f" {result.by_response} has a smaller {MEASURE}."
+        f"Lower most: {'; '.join(strongest)}. By {result.by_response}, no other change that is"
+        f" enough has a smaller {MEASURE}."
     )
     if result.doubt:
-        yield result.doubt
+        yield f"{result.doubt} {MORE}"
     total = float(result.bands.response.sum())
     rq_now = 1e9 * float(np.sqrt(np.sum(np.square(result.bands.rms_m))))
     rq_target = 1e9 * float(np.sqrt(np.sum(np.square(result.target_rms_m))))
@@ -274,13 +286,20 @@ def _sentences(result: Design) -> Iterator[str]:
         f" All waves a decibel lower would make it {total:.2f} dB quieter."
     )
     first = result.rounds[0]
-    if len(result.rounds) > 1 and np.isfinite(first.fall_db):
+    if first is not result.answer and np.isfinite(first.fall_db):
         yield (
             f"The linear response aimed at {first.aimed_db:.2f} dB first, and marches gave"
             f" {first.fall_db:.2f} dB, because the contact is not linear; so it aims at"
-            f" {result.rounds[-1].aimed_db:.2f} dB."
+            f" {result.answer.aimed_db:.2f} dB."
         )
-    if fall.uncertainty_db is not None:
+    if fall.uncertainty_db is None:
+        yield f"The ± is not known, because {result.noun} are too few or too much alike."
+    else:
+        if not fall.is_sure:
+            yield (
+                "It is not sure that it gets quieter at all; more specimens (--pairs), or a longer"
+                " track or scan, would tell."
+            )
         off = abs(fall.db - result.quieter_db)
         if off > fall.uncertainty_db:
             yield (

@@ -19,7 +19,7 @@ from rolling.choice.audition import audition_of
 from rolling.choice.candidate import Candidate
 from rolling.choice.choice_numbers import Contender, OmittedPair
 from rolling.choice.choosing import OpenChoice, default_folder, open_choice
-from rolling.choice.design import LEAST_SHOWN_DB, Design, Round
+from rolling.choice.design import LEAST_SHOWN_DB, Design, Round, nearest
 from rolling.choice.heard_specimen import HeardQuantity, Specimen
 from rolling.choice.least_change import fall_of, least_change
 from rolling.choice.sensitivity import quantity_of, refuse_sweep
@@ -139,6 +139,7 @@ class DesignSearch:
             )
         self._refuse_too_much(bands)
         rounds, doubt = self._confirmed(bands)
+        answer = nearest(rounds, self._quieter_db)
         return Design(
             name=name,
             quantity=self._quantity,
@@ -149,7 +150,7 @@ class DesignSearch:
             noun=self._work.specimens.noun,
             folder=self._work.folder,
             scene=self._base.scene,
-            changed=self._changed(bands.wavelength_m, rounds[-1].lowered_db).scene,
+            changed=self._changed(bands.wavelength_m, answer.lowered_db).scene,
             omitted=[*self._omitted.values()],
         )
 
@@ -188,11 +189,21 @@ class DesignSearch:
         *finer, coarsest = bands.resolutions
         for resolution in finer:
             rounds = self._rounds(resolution.response, bands.wavelength_m, ends_early=True)
-            if not (self._is_short(rounds[-1]) or _fails(rounds[-1])):
+            best = nearest(rounds, self._quieter_db)
+            if not (self._is_short(best) or _fails(rounds[-1])):
                 return rounds, resolution.doubt
             progress.line("the marches do not confirm this response, so a coarser one follows")
         rounds = self._rounds(coarsest.response, bands.wavelength_m, ends_early=False)
-        best = rounds[-1]
+        best = nearest(rounds, self._quieter_db)
+        if best.fall_db < self._quieter_db / 2:
+            raise SceneError(
+                [
+                    f"quieter: got {self._quieter_db:g} dB, but with waves lowered by"
+                    f" {best.lowered_db.max():.1f} dB the level changes by {-best.fall_db:+.1f} dB"
+                    f" over {best.fall.pairs} {self._work.specimens.noun}, so these do not tell"
+                    " which waves sound; allowed: more specimens (--pairs) or a longer track"
+                ]
+            )
         if self._is_short(best):
             raise SceneError(
                 [
@@ -208,7 +219,7 @@ class DesignSearch:
         return best.fall_db < self._quieter_db and best.lowered_db.max() >= MOST_DB
 
     def _rounds(self, response: Array, wavelength_m: Array, ends_early: bool) -> list[Round]:
-        """Return the changed surfaces that were marched, the nearest one last.
+        """Return the changed surfaces that were marched, in their order.
 
         Parameters
         ----------
@@ -236,9 +247,6 @@ class DesignSearch:
             if following_db is None:
                 break
             aimed_db = following_db
-        best = min(rounds, key=lambda marched: abs(marched.fall_db - self._quieter_db))
-        rounds.remove(best)
-        rounds.append(best)
         return rounds
 
     def _march(self, wavelength_m: Array, lowered_db: Array, aimed_db: float) -> Round:
@@ -274,8 +282,8 @@ class DesignSearch:
 
 
 def _fails(marched: Round) -> bool:
-    """Whether the level surely falls by less than half of what the linear response aims at."""
-    return marched.fall_db + 2.0 * (marched.fall.uncertainty_db or 0.0) < marched.aimed_db / 2
+    """Whether the level falls by less than half of what the linear response aims at."""
+    return marched.fall_db < marched.aimed_db / 2
 
 
 def _pairs(contender: Contender) -> str:
@@ -304,6 +312,7 @@ def _next_aim(rounds: list[Round], wanted_db: float) -> float | None:
         return min(silent) / 2
     fall_db, aimed_db = below[-1]
     if fall_db <= 0:
+        aimed_db = max(aimed for _, aimed in below)
         return None if aimed_db > MOST_DB else 2 * aimed_db
     following = aimed_db * min(4.0, wanted_db / fall_db)
     if silent:
@@ -344,7 +353,7 @@ def target_notes(result: Design) -> list[str]:
     """Return what a workshop has to know of a target, line by line."""
     return [
         "Target of profiles along the rolling direction, in third octaves of wavelength.",
-        f"Lower waves make it {result.quieter_db:g} {result.quantity.decibels} quieter.",
+        result.sentences[0],
         *result.conditions.lines,
         "psd: one-sided power spectral density, mean over the band [um2 um]; amplitudes are rms.",
         "Waves without decibels may stay as they are.",

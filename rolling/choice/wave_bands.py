@@ -78,13 +78,12 @@ class PlateBands:
         finest = Resolution(self._of_sure_bands, "")
         smooth = Resolution(
             self._smooth,
-            f"Single third octaves are not known by so few specimens, so {WIDE} neighbours share"
-            " their mean response. More of them (--pairs) may show that fewer waves are enough.",
+            "Marches do not confirm the response of single third octaves that these specimens give,"
+            f" so {WIDE} neighbours share their mean response.",
         )
         alike = Resolution(
             np.where(self.rms_m > 0, self.response.sum() / np.count_nonzero(self.rms_m), 0.0),
-            "These specimens do not tell which waves sound, so all waves are lowered alike. More of"
-            " them (--pairs) may show that fewer waves are enough.",
+            "These specimens do not tell which waves sound, so all waves are lowered alike.",
         )
         made = [smooth, alike] if smooth.response.any() else [alike]
         if finest.response.sum() >= LEAST_OF_WHOLE * self.response.sum():

@@ -88,7 +88,8 @@ def row(found: Design, others: Difference) -> str:
     """Write a row of the table."""
     first = found.rounds[0]
     surface = found.scene.surface
-    words = f"{surface.kind}, Ra {surface.roughness_ra_um:g} um"
+    kind = getattr(surface, "autocorrelation", surface.kind)
+    words = f"{kind}, Ra {surface.roughness_ra_um:g} um"
     apart = others.db - found.fall.db
     both = float(np.hypot(others.uncertainty_db, found.fall.uncertainty_db))
     cells = [

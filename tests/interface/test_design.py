@@ -15,6 +15,7 @@ from rolling.choice.audition import audition_of
 from rolling.choice.choosing import open_choice
 from rolling.choice.design_search import design_scene, write_design
 from rolling.choice.least_change import fall_of, least_change
+from rolling.choice.wave_bands import PlateBands
 from rolling.contact.load_shares import approach_of_part, load_shares
 from rolling.contact.march import march
 from rolling.surface.lowered_waves import bands_of_track, lower_waves, waves_of_band
@@ -56,6 +57,23 @@ def test_the_least_change_is_the_minimum() -> None:
     # A sound that is linear in its waves: the remaining shares add up, however much is lowered.
     whole = response / response.sum()
     assert whole @ 10 ** (-least_change(whole, 9.0) / 10) == pytest.approx(10**-0.9)
+
+
+def test_bands_that_are_known_by_chance_do_not_stand_for_all() -> None:
+    def of(mean: float, scatter: float) -> PlateBands:
+        responses = np.random.default_rng(6).normal(mean, scatter, size=(6, 20))
+        return PlateBands(np.geomspace(1e-4, 1e-6, 20), np.full(20, 1e-8), responses)
+
+    finest, *_, alike = of(0.05, 0.002).resolutions
+    assert np.all(finest.response > 0)
+    assert not finest.doubt
+    assert alike.doubt
+    assert np.ptp(alike.response) == 0.0
+    assert alike.response.sum() == pytest.approx(of(0.05, 0.002).response.sum())
+    noisy = of(0.01, 0.1)
+    coarser = [one for one in noisy.resolutions if one.doubt]
+    assert all(np.all(one.response >= 0) and one.response.any() for one in coarser)
+    assert len(coarser) == 2
 
 
 @pytest.mark.law("Lower waves: amplitudes by their factors, phases and all other waves as before.")
@@ -185,18 +203,19 @@ def test_unseen_surfaces_get_quieter_by_what_was_promised(scene: rc.Scene, tmp_p
         found = design_scene(one, wanted, tmp_path / str(number), pairs=2, workers=1)
         # The surfaces that are marched are not those whose response was taken.
         assert found.fall.db == pytest.approx(wanted, abs=found.fall.uncertainty_db)
-        half = found.scene.with_(
-            {
-                "surface.lowered_db": {
-                    wavelength: round(db / 2, 2)
-                    for wavelength, db in found.changed.surface.lowered_db.items()
-                }
+        label = f"others-{number}"
+        if number:
+            (fall,) = falls_of_others(found, [found.changed], tmp_path / label)
+        else:
+            half = {
+                wavelength: round(db / 2, 2)
+                for wavelength, db in found.changed.surface.lowered_db.items()
             }
-        )
-        by_half, by_whole = falls_of_others(found, half, tmp_path / f"others-{number}")
-        assert 0 < by_half.db < by_whole.db
-        both = float(np.hypot(found.fall.uncertainty_db, by_whole.uncertainty_db))
-        assert by_whole.db == pytest.approx(found.fall.db, abs=2 * both)
+            lower = [found.scene.with_({"surface.lowered_db": half}), found.changed]
+            by_half, fall = falls_of_others(found, lower, tmp_path / label)
+            assert 0 < by_half.db < fall.db
+        both = float(np.hypot(found.fall.uncertainty_db, fall.uncertainty_db))
+        assert fall.db == pytest.approx(found.fall.db, abs=2 * both)
         if number == 0:
             files = write_design(found)
             assert all(path.is_file() for path in files)
@@ -204,15 +223,15 @@ def test_unseen_surfaces_get_quieter_by_what_was_promised(scene: rc.Scene, tmp_p
             assert again.surface == found.changed.surface
 
 
-def falls_of_others(found: rc.Design, half: rc.Scene, folder: Path) -> list[rc.Difference]:
-    """March four surfaces that a design has not seen, and return their falls by half and whole."""
+def falls_of_others(found: rc.Design, lower: list[rc.Scene], folder: Path) -> list[rc.Difference]:
+    """March four surfaces that a design has not seen, and return how much each scene is quieter."""
     audition = audition_of(found.scene)
     other = {"surface.seed": found.scene.surface.seed + 500}
     base = audition.unchanged(found.scene.with_(other))
     quiet = [
-        replace(base, label=label, scene=lower.with_(other))
-        for label, lower in (("half", half), ("whole", found.changed))
+        replace(base, label=f"lower {number}", scene=one.with_(other))
+        for number, one in enumerate(lower)
     ]
     with open_choice([base, *quiet], folder, workers=1) as work:
-        ((now, *lower), _) = work.hear([base, *quiet], 4)
-    return [audition.difference(found.quantity.name, now.heard, one.heard) for one in lower]
+        ((now, *lowered), _) = work.hear([base, *quiet], 4)
+    return [audition.difference(found.quantity.name, now.heard, one.heard) for one in lowered]
