@@ -93,7 +93,7 @@ class Design:
     ...     responses=np.array([[0.5, 0.4], [0.6, 0.3]]),
     ... )
     >>> design = rolling.Design(
-    ...     name="scene", conditions="", quantity=SOUND, quieter_db=3.0, bands=bands,
+    ...     name="scene", quantity=SOUND, quieter_db=3.0, bands=bands,
     ...     rounds=[Round(3.0, np.array([6.0, 0.0]), fall)], noun="surfaces", folder=Path(),
     ...     scene=None, changed=None,
     ... )
