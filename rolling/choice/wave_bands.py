@@ -78,8 +78,8 @@ class PlateBands:
         finest = Resolution(self._of_sure_bands, "")
         smooth = Resolution(
             self._smooth,
-            "Marches do not confirm the response of single third octaves that these specimens give,"
-            f" so {WIDE} neighbours share their mean response.",
+            "These specimens do not tell the response of single third octaves, so"
+            f" {WIDE} neighbours share their mean.",
         )
         alike = Resolution(
             np.where(self.rms_m > 0, self.response.sum() / np.count_nonzero(self.rms_m), 0.0),
@@ -113,7 +113,8 @@ class PlateBands:
 
 def _over_neighbours(values: Array, count: int) -> Array:
     """Return the sum of each value and its neighbours, of so many altogether."""
-    return np.convolve(values, np.ones(count), mode="same")
+    before = count // 2
+    return np.convolve(values, np.ones(count))[before : before + len(values)]
 
 
 @dataclass(frozen=True)

@@ -74,6 +74,8 @@ def test_bands_that_are_known_by_chance_do_not_stand_for_all() -> None:
     coarser = [one for one in noisy.resolutions if one.doubt]
     assert all(np.all(one.response >= 0) and one.response.any() for one in coarser)
     assert len(coarser) == 2
+    few = PlateBands(np.geomspace(1e-4, 5e-5, 4), np.full(4, 1e-8), noisy.responses[:, :4])
+    assert all(one.response.shape == (4,) for one in few.resolutions)
 
 
 @pytest.mark.law("Lower waves: amplitudes by their factors, phases and all other waves as before.")
