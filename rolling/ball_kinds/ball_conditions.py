@@ -30,12 +30,13 @@ def conditions(scene: Scene) -> list[Condition]:
         Condition("plate", _plate(scene)),
         Condition("load", _load(scene)),
         Condition("speed", _speed(scene)),
-        Condition("track", f"{rounded(1e3 * scene.track.distance, 4)} mm"),
+        Condition("track", f"{rounded(1e3 * scene.track.distance, 4)} mm", leads=False),
         Condition("listener", _listener(scene)),
-        Condition("surface", surface_words(scene)),
+        Condition("surface", surface_words(scene), leads=False),
     ]
     if isinstance(scene.surface, HeightFile):
-        listed.append(Condition("preparation", preparation_words(scene.surface)))
+        words = preparation_words(scene.surface)
+        listed.append(Condition("preparation", words, leads=False))
     return listed
 
 

@@ -15,21 +15,25 @@ from rolling.scene.bearing_scene import BearingScene
 def conditions(scene: BearingScene) -> list[Condition]:
     """Return the conditions of a scene: bearing, speed, load, oil, sensor and surfaces."""
     bearing = scene.bearing
-    listed = [
-        Condition("bearing", _bearing(scene)),
+    listed = []
+    if bearing.named:
+        listed.append(Condition("bearing", printable(bearing.named)))
+    listed += [
+        Condition("geometry", _geometry(scene), leads=not bearing.named),
         Condition("load", loads_words(scene)),
         Condition(
             "speed", f"{rounded(bearing.speed_rpm, 4)} rpm, the {bearing.turning} ring turns"
         ),
         Condition("oil", _oil(scene)),
-        Condition("sensor", _sensor(scene)),
+        Condition("sensor", _sensor(scene), leads=False),
     ]
     for name in ("balls", "inner", "outer"):
         words = _surface(getattr(bearing.surfaces, name))
-        listed.append(Condition(name if name == "balls" else f"{name} raceway", words))
+        body = name if name == "balls" else f"{name} raceway"
+        listed.append(Condition(body, words, leads=False))
     if scene.plate is not None:
         plate = f"{plate_material(scene.plate)} {plate_size(scene.plate)}".strip()
-        listed.append(Condition("housing plate", plate))
+        listed.append(Condition("housing plate", plate, leads=False))
     return listed
 
 
@@ -46,21 +50,20 @@ def method(scene: BearingScene) -> Method:
     )
 
 
-def _bearing(scene: BearingScene) -> str:
-    """Name a bearing, or give its balls and their circle."""
+def _geometry(scene: BearingScene) -> str:
+    """Write number, size and circle of the balls."""
     bearing = scene.bearing
-    balls = (
+    return (
         f"{bearing.balls} balls of {bearing.ball_diameter_mm:g} mm on a circle of"
         f" {bearing.pitch_diameter_mm:g} mm"
     )
-    return f"{printable(bearing.named)}, {balls}" if bearing.named else balls
 
 
 def _oil(scene: BearingScene) -> str:
     """Write viscosity and temperature of the oil."""
     oil = scene.bearing.oil
     if oil is None:
-        return "none, dry"
+        return "dry"
     return f"{oil.viscosity_40_mm2_s:g} mm²/s at 40 °C, contacts at {oil.temperature_c:g} °C"
 
 

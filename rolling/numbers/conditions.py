@@ -16,10 +16,14 @@ PROGRAM = "program"
 
 
 class Condition(NamedTuple):
-    """A condition of a scene: its name, such as load, and its value in words."""
+    """A condition of a scene: its name, such as load, and its value in words.
+
+    leads : bool. Whether the first view of a page has it; all others are in a fold.
+    """
 
     name: str
     words: str
+    leads: bool = True
 
 
 class Method(NamedTuple):
@@ -83,6 +87,12 @@ class Conditions:
             for label, conditions in self.own.items()
             if conditions
         ]
+
+    @property
+    def lead(self) -> str:
+        """What leads of the conditions that all share, for the first view of a page."""
+        words = [condition.words for condition in self.shared if condition.leads]
+        return "; ".join(words) or "Conditions"
 
     def columns(self, label: str) -> dict[str, str]:
         """Return the conditions of a scene for the columns of a table, with the program."""

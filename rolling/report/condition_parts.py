@@ -7,8 +7,8 @@ from rolling.numbers.conditions import Conditions
 
 
 def conditions_part(conditions: Conditions) -> Part:
-    """Return the lines that state the conditions, for the first view of a page."""
-    return Part("conditions.html", {"lines": conditions.lines})
+    """Return the conditions for the first view of a page: what leads, and all in a fold."""
+    return Part("conditions.html", {"lead": conditions.lead, "lines": conditions.lines})
 
 
 def methods_part(paragraph: str) -> Part:

@@ -609,8 +609,11 @@ def _equal_step(places: Array) -> float:
     """
     if len(places) < 2 or np.isnan(places).any():
         return 0.0
-    step = float(places[-1] - places[0]) / (len(places) - 1)
-    off = np.abs(places - (places[0] + step * np.arange(len(places))))
+    with np.errstate(over="ignore", invalid="ignore"):  # far apart, these are no places
+        step = float(places[-1] - places[0]) / (len(places) - 1)
+        off = np.abs(places - (places[0] + step * np.arange(len(places))))
+    if not np.isfinite(off).all():
+        return 0.0
     return step if off.max() <= _EQUAL * abs(step) else 0.0
 
 

@@ -50,7 +50,7 @@ def test_a_table_with_conditions_is_read_as_it_was(two: dict[str, rc.Scene]) -> 
     [
         ("quickstart", ["ball", "plate", "load", "speed", "track", "listener", "surface"]),
         ("marble-dropped", ["ball", "plate", "load", "speed", "track", "listener", "surface"]),
-        ("bearing-6204", ["bearing", "load", "speed", "oil", "sensor", "balls"]),
+        ("bearing-6204", ["bearing", "geometry", "load", "speed", "oil", "sensor", "balls"]),
     ],
 )
 def test_each_kind_states_its_conditions(name: str, wanted: list[str]) -> None:
