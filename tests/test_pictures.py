@@ -189,6 +189,7 @@ def test_a_dark_page_has_light_ink_dark_paper_and_the_hues_of_a_light_one() -> N
 
 
 def test_the_site_shows_the_twin_of_a_picture_on_a_dark_page() -> None:
+    pytest.importorskip("mkdocs", reason="the extra `docs` is not installed")
     place = ROOT / "docs" / "_hooks" / "site.py"
     spec = importlib.util.spec_from_file_location("site_hook", place)
     assert spec is not None and spec.loader is not None
