@@ -13,6 +13,7 @@ waves of any length that the contact does not bridge.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -108,6 +109,16 @@ def isotropic_response(phase_along: Array, axes: SemiAxes, exponent: float) -> A
     return np.asarray(np.sqrt(square))
 
 
+@lru_cache(maxsize=16)
+def _isotropic_share(orders: int, radius_m: float, axes: SemiAxes, exponent: float) -> Array:
+    """Return the response to random waves of all orders around a body, (orders,).
+
+    All balls of a bearing have the same one.
+    """
+    wave_number = np.arange(orders) / radius_m
+    return isotropic_response(wave_number * axes.along, axes, exponent)
+
+
 def approach_of_profile(
     heights_m: Array,
     radius_m: float,
@@ -143,11 +154,10 @@ def approach_of_profile(
     rows = []
     for load in loads_n:
         axes = semi_axes(contact, load)
-        phase = wave_number * axes.along
         if isotropic_exponent is None:
-            share = response(phase)
+            share = response(wave_number * axes.along)
         else:
-            share = isotropic_response(phase, axes, isotropic_exponent)
+            share = _isotropic_share(len(waves), radius_m, axes, isotropic_exponent)
         rows.append(-np.fft.irfft(waves * share, count))
     return np.array(rows)
 
