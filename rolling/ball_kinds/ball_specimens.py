@@ -79,7 +79,8 @@ class BallSpecimens(Specimens):
         self.count = MOST_PAIRS if is_random else 1
         if measured:
             self.noun = "places of the scan" if len(measured) == 1 else "places of the scans"
-            self.count = min(MOST_PAIRS, *(len(scan) for scan in measured))
+            fewest_places = min(len(scan) for scan in measured)
+            self.count = min(MOST_PAIRS, fewest_places)
 
     def shortage_words(self, wanted: int) -> str:
         """Say what a scene has in place of a wanted number of specimens."""
