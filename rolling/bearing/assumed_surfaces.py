@@ -1,10 +1,13 @@
-"""What assumed waves around balls and raceways leave uncertain in the bands of a ring.
+"""What assumed surfaces of balls and raceways leave uncertain in the bands of a ring.
 
 Linear theory tells which share of a band each order has. A wave law whose amplitude is assumed
 moves its share by the decibels by which the amplitude may be off, and one whose exponent is assumed
 by more the farther an order is from that at which the amplitude holds. Whether crests lie across
 the track is an assumption, too: a contact that is wide for a wave averages it more if it is as long
 across as along. Laws of one kind of body have the same assumption, so their shares add.
+
+Roughness moves the ring by the linear response of its contacts. An assumed Ra or correlation length
+counts by the levels of a band at the ends of its range.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,10 +35,14 @@ EXPONENT_OFF = 0.2
 ORDER = 3  # at which an amplitude holds, because such orders decide the deviation from roundness
 # A grade limits the form of balls, which may be anywhere from a third of the limit on.
 LEAST_FORM = 1 / 3
+# Ra and correlation lengths of a finish, from half to twice the assumed ones, as likely.
+ROUGHNESS_OFF = 2.0
 AMPLITUDE_DB = 20 * math.log10(LARGEST_OFF) / math.sqrt(3)
 EXPONENT = EXPONENT_OFF / math.sqrt(3)
 FORM_DB = -20 * math.log10(LEAST_FORM) / math.sqrt(3)  # rms about the limit, the end of the range
 _NOTHING = 1e-12
+_HIGHEST_ACROSS = 8.0  # wave number times correlation length across, beyond which are no waves
+_STEP_ACROSS = 0.25  # of the wave number times the semi-axis across or the correlation length
 
 
 @dataclass(frozen=True)
@@ -58,6 +66,41 @@ class AssumedWaves:
     amplitude_db: float
     exponent_db: Array
 
+    @property
+    def is_stated(self) -> bool:
+        """Whether nothing of them is assumed, so that they only share the power of a band."""
+        return not self.amplitude_db and not self.exponent_db.any()
+
+
+class RoughnessLaw(NamedTuple):
+    """Random heights with a Gaussian autocorrelation.
+
+    rq_m : float, m. Root-mean-square height.
+    along_m, across_m : float, m. Correlation lengths along and across the track.
+    """
+
+    rq_m: float
+    along_m: float
+    across_m: float
+
+
+@dataclass(frozen=True)
+class AssumedRoughness:
+    """Roughness of a raceway, and how far it may be off.
+
+    body : str. inner or outer.
+    law : RoughnessLaw.
+    others : dict. The laws at the lower and at the upper end of the range of each assumed value,
+        which is RA, LENGTH or LENGTH_ACROSS.
+    """
+
+    body: str
+    law: RoughnessLaw
+    others: Mapping[str, tuple[RoughnessLaw, RoughnessLaw]]
+
+
+AssumedSurface = AssumedWaves | AssumedRoughness
+
 
 def exponent_db(orders: int) -> Array:
     """Return the standard deviation of the level of orders from 0 on by an assumed exponent [dB].
@@ -75,27 +118,75 @@ def order_powers(
 
     By direction and band, (orders,).
     """
+    orders = len(waves.amplitudes_m)
+    gains = order_gains(waves.body, model, bands_hz)
+    powers = {direction: {band: np.zeros(orders) for band in bands_hz} for direction in DIRECTIONS}
+    for direction, of_bands in gains.items():
+        for band, gain in of_bands.items():
+            count = min(orders, len(gain))
+            amplitudes = waves.amplitudes_m[:count] * _followed(waves, model, count)
+            powers[direction][band][:count] = gain[:count] * np.square(amplitudes)
+    return powers
+
+
+def roughness_powers(
+    body: str, law: RoughnessLaw, model: BearingModel, gains: Mapping[str, Mapping[str, Array]]
+) -> dict[str, dict[str, float]]:
+    """Return the mean square of the ring's velocity by the roughness of a raceway [(m/s)^2].
+
+    By direction and band. The contacts are closed and follow heights by their linear response.
+
+    Parameters
+    ----------
+    body : str
+        inner or outer.
+    law : RoughnessLaw
+        Heights.
+    model : BearingModel
+        Bearing.
+    gains : dict, 1/s2
+        Gains of orders around the body, as of `order_gains`.
+    """
+    orders = len(gains[RADIAL][next(iter(gains[RADIAL]))])
+    ((axes, radius_m),) = _contacts_of(body, model)
+    along = np.arange(orders) / radius_m
+    steps = math.ceil(_HIGHEST_ACROSS / _STEP_ACROSS * max(1.0, axes.across / law.across_m))
+    across, step = np.linspace(0, _HIGHEST_ACROSS / law.across_m, steps, retstep=True)
+    followed = response(np.hypot(along[:, None] * axes.along, across * axes.across)) ** 2
+    density = np.exp(-((across * law.across_m / 2) ** 2)) * law.across_m / math.sqrt(math.pi)
+    line = law.along_m / math.sqrt(math.pi) * np.exp(-((along * law.along_m / 2) ** 2))
+    # Twice the mean square of the approach by each order; no order 0.
+    square = 2 * law.rq_m**2 / radius_m * line * np.trapezoid(followed * density, dx=step)
+    square[0] = 0.0
+    return {
+        direction: {band: float(gain @ square) for band, gain in of_bands.items()}
+        for direction, of_bands in gains.items()
+    }
+
+
+def order_gains(
+    body: str, model: BearingModel, bands_hz: Mapping[str, tuple[float, float]]
+) -> dict[str, dict[str, Array]]:
+    """Return the mean square of the ring's velocity over that of amplitudes of each order [1/s2].
+
+    The orders from 0 on are those that reach the end of the bands, and contacts follow them in
+    full. All balls have waves of their own. By direction and band, (orders,).
+    """
     motion = WaveMotion(model)
     speeds = model.kinematics
-    ring_hz = speeds.inner_hz if waves.body == INNER else speeds.outer_hz
-    turn_hz = speeds.ball_spin_hz if waves.body == BALLS else abs(speeds.cage_hz - ring_hz)
-    highest_hz = max(high for _, high in bands_hz.values())
-    count = min(len(waves.amplitudes_m), math.ceil(highest_hz / turn_hz) + 1)
-    followed = _followed(waves, model, count)
-    bodies = model.geometry.balls if waves.body == BALLS else 1
-    powers = {
-        direction: {band: np.zeros(len(waves.amplitudes_m)) for band in bands_hz}
-        for direction in DIRECTIONS
-    }
-    for order in np.flatnonzero(waves.amplitudes_m[:count]):
-        square = bodies * (waves.amplitudes_m[order] * followed[order]) ** 2 / 2
-        for line in motion.of_order(waves.body, int(order)):
+    ring_hz = speeds.inner_hz if body == INNER else speeds.outer_hz
+    turn_hz = speeds.ball_spin_hz if body == BALLS else abs(speeds.cage_hz - ring_hz)
+    orders = math.ceil(max(high for _, high in bands_hz.values()) / turn_hz) + 1
+    bodies = model.geometry.balls if body == BALLS else 1
+    gains = {direction: {band: np.zeros(orders) for band in bands_hz} for direction in DIRECTIONS}
+    for order in range(1, orders):
+        for line in motion.of_order(body, order):
             for band, (low, high) in bands_hz.items():
                 if not low <= line.frequency_hz < high:
                     continue
                 for direction, velocity in line.velocity.items():
-                    powers[direction][band][order] += square * velocity**2
-    return powers
+                    gains[direction][band][order] += bodies * velocity**2 / 2
+    return gains
 
 
 def _followed(waves: AssumedWaves, model: BearingModel, count: int) -> Array:
@@ -134,18 +225,106 @@ def crests_db(waves: AssumedWaves, model: BearingModel) -> Array:
     return np.asarray(10 * np.log10(np.clip(np.mean(squares, axis=0), _NOTHING, 1.0)))
 
 
+AMPLITUDE = "amplitude"
+OF_EXPONENT = "exponent"
+CRESTS = "crests"
+RA = "ra"
+LENGTH = "length"
+LENGTH_ACROSS = "length_across"
+
+
+class _SurfaceInBand(NamedTuple):
+    """What a surface makes of a band.
+
+    power : float, (m/s)^2. Its mean square of the ring's velocity.
+    weighted_db : dict, dB (m/s)^2. By assumption, the sum over orders of decibels times power.
+    ends : dict, (m/s)^2. By assumption, its power at the lower and the upper end of the range.
+    """
+
+    power: float
+    weighted_db: Mapping[str, float]
+    ends: Mapping[str, tuple[float, float]]
+
+    def decibels(self, whole: float) -> dict[str, float]:
+        """Return what assumptions leave uncertain in a band whose power is given [dB], signed."""
+        if not whole > 0:
+            return {}
+        found = {name: weighted / whole for name, weighted in self.weighted_db.items()}
+        rest = max(whole - self.power, 0.0)
+        for name, (low, high) in self.ends.items():
+            ratio = max(rest + high, _NOTHING * whole) / max(rest + low, _NOTHING * whole)
+            found[name] = 10 * math.log10(ratio) / math.sqrt(12)
+        return found
+
+
+_OfBands = dict[str, dict[str, _SurfaceInBand]]  # by direction and band
+
+
+def _of_surface(
+    surface: AssumedSurface, model: BearingModel, bands_hz: Mapping[str, tuple[float, float]]
+) -> _OfBands:
+    """Return what a surface makes of bands, by direction and band."""
+    if isinstance(surface, AssumedRoughness):
+        return _of_roughness(surface, model, bands_hz)
+    levels_db: dict[str, Array] = {}
+    if not surface.is_stated:
+        # Surfaces with and without crests are the ends of the range, one of which is stated.
+        levels_db = {
+            AMPLITUDE: np.full(len(surface.amplitudes_m), surface.amplitude_db),
+            OF_EXPONENT: surface.exponent_db,
+            CRESTS: crests_db(surface, model) / math.sqrt(3),
+        }
+    return {
+        direction: {
+            band: _SurfaceInBand(
+                power=float(power.sum()),
+                weighted_db={name: float(level @ power) for name, level in levels_db.items()},
+                ends={},
+            )
+            for band, power in of_bands.items()
+        }
+        for direction, of_bands in order_powers(surface, model, bands_hz).items()
+    }
+
+
+def _of_roughness(
+    surface: AssumedRoughness, model: BearingModel, bands_hz: Mapping[str, tuple[float, float]]
+) -> _OfBands:
+    """Return what the roughness of a raceway makes of bands, by direction and band."""
+    gains = order_gains(surface.body, model, bands_hz)
+    own = roughness_powers(surface.body, surface.law, model, gains)
+    ends = {
+        name: [roughness_powers(surface.body, law, model, gains) for law in laws]
+        for name, laws in surface.others.items()
+    }
+    return {
+        direction: {
+            band: _SurfaceInBand(
+                power=power,
+                weighted_db={},
+                ends={
+                    name: (low[direction][band], high[direction][band])
+                    for name, (low, high) in ends.items()
+                },
+            )
+            for band, power in of_bands.items()
+        }
+        for direction, of_bands in own.items()
+    }
+
+
 def surfaces_db(
-    bodies: Sequence[AssumedWaves],
+    surfaces: Sequence[AssumedSurface],
     model: BearingModel,
     velocity_m_s: Mapping[str, Mapping[str, float]],
     bands_hz: Mapping[str, tuple[float, float]],
 ) -> DecibelsOfBands:
-    """Return what assumed waves leave uncertain in bands [dB], by direction and band.
+    """Return what assumed surfaces leave uncertain in bands [dB], by direction and band.
 
     Parameters
     ----------
-    bodies : sequence of AssumedWaves
-        Waves around raceways and balls that are assumed.
+    surfaces : sequence of AssumedWaves and AssumedRoughness
+        Waves around raceways and balls, and roughness of raceways, that are assumed.
     model : BearingModel
         Bearing.
     velocity_m_s : dict, m/s
@@ -153,69 +332,37 @@ def surfaces_db(
     bands_hz : dict, Hz
         Edges of the bands by their names.
     """
-    powers = [order_powers(waves, model, bands_hz) for waves in bodies]
-    # Surfaces with and without crests are the ends of the range, one of which is stated.
-    crests = [crests_db(waves, model) / math.sqrt(3) for waves in bodies]
+    found = [_of_surface(surface, model, bands_hz) for surface in surfaces]
     parts: dict[str, dict[str, float]] = {direction: {} for direction in DIRECTIONS}
     for direction in DIRECTIONS:
         for band in bands_hz:
-            own = [power[direction][band] for power in powers]
-            expected = sum(float(power.sum()) for power in own)
-            whole = max(velocity_m_s[direction][band] ** 2, expected)
-            parts[direction][band] = _joined_db(bodies, own, crests, whole)
+            own = [bands[direction][band] for bands in found]
+            whole = max(velocity_m_s[direction][band] ** 2, sum(part.power for part in own))
+            by_assumption: dict[tuple[bool, str], float] = {}
+            for surface, part in zip(surfaces, own, strict=True):
+                for name, decibels in part.decibels(whole).items():
+                    key = (surface.body == BALLS, name)
+                    by_assumption[key] = by_assumption.get(key, 0.0) + decibels
+            parts[direction][band] = math.hypot(*by_assumption.values())
     return parts
 
 
-AMPLITUDE = "amplitude"
-OF_EXPONENT = "exponent"
-CRESTS = "crests"
-
-
 def assumptions_db(
-    bodies: Sequence[AssumedWaves],
+    surfaces: Sequence[AssumedSurface],
     model: BearingModel,
     bands_hz: Mapping[str, tuple[float, float]],
 ) -> dict[tuple[str, str], dict[str, float]]:
-    """Return what each assumption about waves leaves uncertain in bands radially [dB].
+    """Return what each assumption about surfaces leaves uncertain in bands radially [dB].
 
-    By body and AMPLITUDE, OF_EXPONENT or CRESTS, then by band. Nothing but these waves moves the
-    ring.
+    By body and assumption, AMPLITUDE, OF_EXPONENT and CRESTS of waves and RA, LENGTH and
+    LENGTH_ACROSS of roughness, then by band. Nothing but these surfaces moves the ring.
     """
-    powers = [order_powers(waves, model, bands_hz)[RADIAL] for waves in bodies]
+    found = [_of_surface(surface, model, bands_hz)[RADIAL] for surface in surfaces]
     worth: dict[tuple[str, str], dict[str, float]] = {}
-    for waves, power in zip(bodies, powers, strict=True):
-        orders = len(waves.amplitudes_m)
-        crest_db = crests_db(waves, model) / math.sqrt(3)
-        for name, level_db in (
-            (AMPLITUDE, np.full(orders, waves.amplitude_db)),
-            (OF_EXPONENT, waves.exponent_db),
-            (CRESTS, crest_db),
-        ):
-            worth[waves.body, name] = {}
-            for band in bands_hz:
-                whole = sum(float(other[band].sum()) for other in powers)
-                own_db = abs(float(level_db @ power[band])) / whole if whole > 0 else 0.0
-                worth[waves.body, name][band] = own_db
+    for band in bands_hz:
+        whole = sum(bands[band].power for bands in found)
+        for surface, bands in zip(surfaces, found, strict=True):
+            for name, decibels in bands[band].decibels(whole).items():
+                worth.setdefault((surface.body, name), dict.fromkeys(bands_hz, 0.0))
+                worth[surface.body, name][band] = abs(decibels)
     return worth
-
-
-def _joined_db(
-    bodies: Sequence[AssumedWaves],
-    powers: Sequence[Array],
-    crests: Sequence[Array],
-    whole: float,
-) -> float:
-    """Return the decibels of a band, whose power is given, by the orders of all bodies."""
-    if not whole > 0:
-        return 0.0
-    by_assumption: dict[tuple[bool, str], float] = {}
-    for waves, power, crest_db in zip(bodies, powers, crests, strict=True):
-        is_ball = waves.body == BALLS
-        for name, decibels in (
-            ("amplitude", waves.amplitude_db * float(power.sum())),
-            ("exponent", float(waves.exponent_db @ power)),
-            ("crests", float(crest_db @ power)),
-        ):
-            key = (is_ball, name)
-            by_assumption[key] = by_assumption.get(key, 0.0) + decibels / whole
-    return math.hypot(*by_assumption.values())

@@ -1,8 +1,8 @@
 """What the assumed values of a bearing are worth: how far other likely ones move its bands.
 
 A linear ring is asked, on waves whose velocity is the same at all frequencies, before anything is
-solved. So these are decibels of the transfer from waves to the ring, radially. Waves that are
-assumed themselves have a ± by their share of what all assumed waves make.
+solved. So these are decibels of the transfer from waves to the ring, radially. Waves and roughness
+that are assumed themselves have a ± by their share of what all random surfaces make.
 """
 
 from __future__ import annotations
@@ -20,7 +20,12 @@ from rolling.bearing.assumed_surfaces import AMPLITUDE, CRESTS, OF_EXPONENT, ass
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.model import BearingModel
 from rolling.bearing.wave_motion import BALLS
-from rolling.bearing_kind.body_forms import assumed_waves
+from rolling.bearing_kind.body_forms import (
+    ROUGHNESS_KEYS,
+    assumed_roughness,
+    assumed_surfaces,
+    random_waves,
+)
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.bearing_sources import assumed_keys
@@ -32,7 +37,13 @@ SIZE_SHARE = 0.02  # of a diameter of balls or of their circle
 MASS_SHARE = 0.2  # of a mass that is estimated from the section of a ring
 _STEPS = 400  # frequencies in a band
 _LEAST_DB = 0.05  # that is worth a word
-_KEYS = {AMPLITUDE: "wave_amplitude_um", OF_EXPONENT: "wave_exponent", CRESTS: "wave_crests"}
+_LITTLE = "less than 0.1 dB"
+_KEYS = {
+    AMPLITUDE: "wave_amplitude_um",
+    OF_EXPONENT: "wave_exponent",
+    CRESTS: "wave_crests",
+    **ROUGHNESS_KEYS,
+}
 
 
 class AssumedWorth(NamedTuple):
@@ -56,7 +67,7 @@ class AssumedWorth(NamedTuple):
     def words(self) -> str:
         """The key, with the changes in the three bands where they are worth a word."""
         if self.largest_db < _LEAST_DB:
-            return f"{self.key} (less than 0.1 dB)"
+            return f"{self.key} ({_LITTLE})"
         changes = ", ".join(f"{round(value, 1) + 0.0:+.1f}" for value in self.change_db.values())
         return f"{self.key} (at {rounded(self.other, 3)}: {changes} dB)"
 
@@ -75,20 +86,22 @@ def assumed_worth(scene: BearingScene, key: str) -> AssumedWorth | None:
 
 
 def _surface_worth(scene: BearingScene) -> dict[str, tuple[float, str]]:
-    """Return what assumed waves are worth, by key: the largest of the bands [dB], and words."""
-    bodies = assumed_waves(scene)
-    if not bodies:
+    """Return what assumed surfaces are worth, by key: the largest of the bands [dB], and words."""
+    if not assumed_surfaces(scene):
         return {}
+    keys = assumed_keys(scene)
     worth = {}
     for (body, assumption), spread_db in assumptions_db(
-        bodies, scene.model, VELOCITY_BANDS_HZ
+        [*random_waves(scene), *assumed_roughness(scene)], scene.model, VELOCITY_BANDS_HZ
     ).items():
         largest = max(spread_db.values())
-        if largest < _LEAST_DB:
-            continue
         key = f"surfaces.{body}.{_KEYS[assumption]}"
         if body == BALLS and assumption == AMPLITUDE:
             key = "surfaces.balls.grade"  # which limits the form
+        if largest < _LEAST_DB:
+            if key in keys:
+                worth[key] = largest, f"{key} ({_LITTLE})"
+            continue
         bands = ", ".join(f"{value:.1f}" for value in spread_db.values())
         worth[key] = largest, f"{key} (± {bands} dB)"
     return worth

@@ -7,7 +7,19 @@ from pathlib import Path
 
 import numpy as np
 
-from rolling.bearing.assumed_surfaces import AMPLITUDE_DB, FORM_DB, AssumedWaves, exponent_db
+from rolling.bearing.assumed_surfaces import (
+    AMPLITUDE_DB,
+    FORM_DB,
+    LENGTH,
+    LENGTH_ACROSS,
+    RA,
+    ROUGHNESS_OFF,
+    AssumedRoughness,
+    AssumedSurface,
+    AssumedWaves,
+    RoughnessLaw,
+    exponent_db,
+)
 from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.bearing_sources import USUAL_EXPONENT, assumed_of_surface
 from rolling.scene.raceways import BearingSurface, Raceway
@@ -57,8 +69,8 @@ def without_law(form: BallForm) -> BallForm:
     return replace(form, law=None, exponent=None)
 
 
-def assumed_waves(scene: BearingScene) -> list[AssumedWaves]:
-    """Return the random waves around balls and raceways that rest on an assumption.
+def random_waves(scene: BearingScene) -> list[AssumedWaves]:
+    """Return the random waves around balls and raceways, with what is assumed of them.
 
     A grade limits the form of balls only, and a finish by name gives a law that is assumed.
     """
@@ -67,26 +79,70 @@ def assumed_waves(scene: BearingScene) -> list[AssumedWaves]:
         surface = getattr(scene.bearing.surfaces, body)
         if surface is None or not surface.has_form:
             continue
-        amplitudes_m = random_amplitudes(form_of(surface, scene.folder), ORDERS)
-        exponent = getattr(surface, "wave_exponent", None) or USUAL_EXPONENT
         keys = assumed_of_surface(scene, body)
         is_graded = isinstance(surface, GradedBall)
         amplitude_db = AMPLITUDE_DB if "wave_amplitude_um" in keys else 0.0
         if is_graded:
             amplitude_db = FORM_DB
         is_assumed = is_graded or "wave_exponent" in keys
-        if amplitude_db or is_assumed:
-            spread_db = exponent_db(ORDERS) if is_assumed else np.zeros(ORDERS)
-            assumed = AssumedWaves(
-                body=body,
-                amplitudes_m=amplitudes_m,
-                exponent=exponent,
-                isotropic=isotropic_exponent(surface) is not None,
-                amplitude_db=amplitude_db,
-                exponent_db=spread_db,
-            )
-            waves.append(assumed)
+        assumed = AssumedWaves(
+            body=body,
+            amplitudes_m=random_amplitudes(form_of(surface, scene.folder), ORDERS),
+            exponent=getattr(surface, "wave_exponent", None) or USUAL_EXPONENT,
+            isotropic=isotropic_exponent(surface) is not None,
+            amplitude_db=amplitude_db,
+            exponent_db=exponent_db(ORDERS) if is_assumed else np.zeros(ORDERS),
+        )
+        waves.append(assumed)
     return waves
+
+
+def assumed_waves(scene: BearingScene) -> list[AssumedWaves]:
+    """Return the random waves around balls and raceways that rest on an assumption."""
+    return [waves for waves in random_waves(scene) if not waves.is_stated]
+
+
+# Keys of the roughness of a raceway that a finish may assume, by what they are in linear theory.
+ROUGHNESS_KEYS = {
+    RA: "roughness_ra_um",
+    LENGTH: "correlation_length_um",
+    LENGTH_ACROSS: "correlation_length_across_um",
+}
+
+
+def assumed_roughness(scene: BearingScene) -> list[AssumedRoughness]:
+    """Return the roughness of raceways of which a finish by name assumes something."""
+    found = []
+    for body in ("inner", "outer"):
+        surface = getattr(scene.bearing.surfaces, body)
+        keys = assumed_of_surface(scene, body)
+        names = [name for name, key in ROUGHNESS_KEYS.items() if key in keys]
+        if not isinstance(surface, Raceway) or not names:
+            continue
+        others = {}
+        for name in names:
+            key = ROUGHNESS_KEYS[name]
+            value = getattr(surface, key)
+            ends = [value / ROUGHNESS_OFF, value * ROUGHNESS_OFF]
+            if name == LENGTH_ACROSS:
+                # A longer one would be filtered out by the stylus that reads Ra.
+                ends[1] = min(ends[1], surface.longest_across_um)
+            low, high = (_law_of(surface.model_dump() | {key: end}) for end in ends)
+            others[name] = low, high
+        found.append(AssumedRoughness(body, _law_of(surface.model_dump()), others))
+    return found
+
+
+def _law_of(values: dict[str, object]) -> RoughnessLaw:
+    """Return the roughness of a raceway with some values, as linear theory takes it."""
+    law = Raceway.model_validate(values).law
+    along_um, across_um = law.lengths_um
+    return RoughnessLaw(rq_m=law.rq_m, along_m=1e-6 * along_um, across_m=1e-6 * across_um)
+
+
+def assumed_surfaces(scene: BearingScene) -> list[AssumedSurface]:
+    """Return waves of bodies and roughness of raceways that rest on an assumption."""
+    return [*assumed_waves(scene), *assumed_roughness(scene)]
 
 
 def measured_waves(surface: BearingSurface, folder: Path) -> Waves:

@@ -21,7 +21,7 @@ from rolling.bearing.band_uncertainty import (
 )
 from rolling.bearing.ring_record import AXIAL, DIRECTIONS, NOTHING_UM_S, RADIAL, UM_S
 from rolling.bearing_kind.bearing_check import contact_angle_doubt
-from rolling.bearing_kind.body_forms import assumed_waves
+from rolling.bearing_kind.body_forms import assumed_surfaces
 from rolling.bearing_kind.solved_bearing import SolvedBearing
 from rolling.numbers.bearing_numbers import (
     RMS_VELOCITY,
@@ -137,13 +137,13 @@ def _uncertainty(
     elif has_assumed_loss_factor(bearing.scene):
         damping_db = assumed_damping.loss_factor_db(record, model, bands_hz)
         parts = parts.with_part(LOSS_FACTOR, _of_moving(bearing, damping_db))
-    waves = assumed_waves(bearing.scene)
-    if waves:
+    surfaces = assumed_surfaces(bearing.scene)
+    if surfaces:
         velocity_m_s = {
             direction: {band: value / UM_S for band, value in bands.items()}
             for direction, bands in um_s.items()
         }
-        decibels = surfaces_db(waves, bearing.model, velocity_m_s, bands_hz)
+        decibels = surfaces_db(surfaces, bearing.model, velocity_m_s, bands_hz)
         parts = parts.with_part(SURFACES, decibels)
     return parts
 

@@ -121,7 +121,7 @@ class Raceway(RoundSurface):
     @model_validator(mode="after")
     def _is_read_by_a_stylus(self) -> Self:
         """Refuse roughness that is so long across the track that its stylus filters it out."""
-        most_um = LONGEST_ACROSS * 1e6 * self.cut_off_m
+        most_um = self.longest_across_um
         if self.correlation_length_across_um > most_um:
             raise mistake(
                 f"got {plain_number(self.correlation_length_across_um)}, allowed: up to"
@@ -131,6 +131,11 @@ class Raceway(RoundSurface):
                 needs=[".cut_off_um"],
             )
         return self
+
+    @property
+    def longest_across_um(self) -> float:
+        """Longest correlation length across [um] of which the stylus reads Ra."""
+        return LONGEST_ACROSS * 1e6 * self.cut_off_m
 
     @property
     def cut_off_m(self) -> float:

@@ -61,6 +61,23 @@ def test_assumed_surfaces_have_their_decibels_the_largest_first() -> None:
     assert places == sorted(places)
 
 
+def test_assumed_roughness_has_its_decibels_too() -> None:
+    """Much where waves are small, less than 0.1 dB beside those of its finish.
+
+    A Ra of 0.02 um is read with a shorter cut-off, so its range has less than 3.5 dB.
+    """
+    finish = {"kind": "raceway", "finish": "honed"}
+    rough = SCENE.with_({"bearing.surfaces.inner": finish})
+    doubt = assumed_doubt(rough)
+    assert doubt is not None
+    assert "surfaces.inner.correlation_length_um (less than 0.1 dB)" in doubt.text
+    smooth = SCENE.with_({"bearing.surfaces.inner": finish | {"wave_amplitude_um": 1e-4}})
+    doubt = assumed_doubt(smooth)
+    assert doubt is not None
+    assert "surfaces.inner.roughness_ra_um (± 2.8, " in doubt.text
+    assert "wave_amplitude_um" not in doubt.text
+
+
 def test_a_value_that_the_scene_does_not_take_has_no_worth() -> None:
     """A clearance beside a given contact angle is refused, so that none is stated."""
     assert assumed_worth(SCENE, "radial_clearance_um") is None

@@ -11,13 +11,18 @@ import pytest
 from bearings import model
 
 import rolling
+from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing.assumed_surfaces import (
     AMPLITUDE_DB,
     FORM_DB,
+    AssumedRoughness,
     AssumedWaves,
+    RoughnessLaw,
     crests_db,
     exponent_db,
+    order_gains,
     order_powers,
+    roughness_powers,
     surfaces_db,
 )
 from rolling.bearing.ring_motion import move_ring
@@ -25,8 +30,9 @@ from rolling.bearing.ring_record import AXIAL, DIRECTIONS, RADIAL
 from rolling.bearing.tracks import smooth_tracks, with_waves
 from rolling.bearing.waves import semi_axes
 from rolling.bearing_kind.bearing_simulation import record_of
-from rolling.bearing_kind.body_forms import assumed_waves, form_of
+from rolling.bearing_kind.body_forms import assumed_roughness, assumed_waves, form_of
 from rolling.bearing_kind.contact_plan import contact_plan
+from rolling.bearing_kind.contact_uncertainty import roughness_powers as marched_powers
 from rolling.bearing_kind.joined_tracks import bearing_tracks
 from rolling.scene.height_format import HeightFormatError
 from rolling.scene.roundness_files import MAX_BYTES, read_waves
@@ -337,3 +343,56 @@ def test_what_a_scene_states_itself_is_not_assumed() -> None:
     rows = {row.key: row.value for row in scene.check()}
     assert "surfaces.inner.wave_amplitude_um" in rows["assumed"]
     assert "surfaces.outer.wave_amplitude_um" not in rows["assumed"]
+
+
+# ---- roughness that is assumed
+
+
+@pytest.mark.law("Raceways: long roughness moves a contact by all of its height.")
+def test_a_contact_follows_roughness_that_is_longer_than_itself() -> None:
+    """The mean square over all orders is that of the heights, where each has a gain of 1."""
+    law = RoughnessLaw(rq_m=3e-8, along_m=3e-3, across_m=8e-3)
+    gains = {direction: {"all": np.ones(2048)} for direction in DIRECTIONS}
+    powers = roughness_powers("inner", law, model(), gains)
+    assert powers[RADIAL]["all"] == pytest.approx(2 * law.rq_m**2, rel=0.05)
+
+
+def test_the_power_of_roughness_is_that_of_its_heights() -> None:
+    """Made heights of 16 mm of track, whose waves scatter by 1 dB where no resonance picks few."""
+    rough = {"kind": "raceway", "finish": "honed", "correlation_length_um": 60.0}
+    scene = bearing_scene(outer=rough | {"seed": 3}).with_({"bearing.contact_loss_factor": 0.3})
+    (roughness,) = assumed_roughness(scene)
+    gains = order_gains("outer", scene.model, VELOCITY_BANDS_HZ)
+    powers = roughness_powers("outer", roughness.law, scene.model, gains)[RADIAL]
+    made_power = marched_powers(contact_plan(scene), {}, scene.model)["outer"]
+    for band in ("medium", "high"):
+        wanted = float(made_power.of_band(RADIAL, band).sum())
+        assert 10 * math.log10(powers[band] / wanted) == pytest.approx(0, abs=1.0), band
+
+
+def test_assumed_roughness_counts_by_the_range_of_its_power() -> None:
+    """Alone, Ra from half to twice has 20 log10(4) / sqrt(12); beside all else it has nothing."""
+    case = model()
+    law = RoughnessLaw(rq_m=3e-8, along_m=5e-4, across_m=1e-5)
+    ends = law._replace(rq_m=1.5e-8), law._replace(rq_m=6e-8)
+    rough = [AssumedRoughness(body, law, {"ra": ends}) for body in ("inner",)]
+    nothing = {direction: dict.fromkeys(BANDS, 0.0) for direction in DIRECTIONS}
+    alone = surfaces_db(rough, case, nothing, BANDS)
+    assert alone[RADIAL]["medium"] == pytest.approx(20 * math.log10(4) / math.sqrt(12))
+    much = {direction: dict.fromkeys(BANDS, 1.0) for direction in DIRECTIONS}
+    assert surfaces_db(rough, case, much, BANDS)[RADIAL]["medium"] < 0.01
+
+
+def test_roughness_is_assumed_as_far_as_its_finish_assumes_it() -> None:
+    """A Ra with a source and a length of one's own are not; ends of Ra move the stylus's filter."""
+    scene = bearing_scene(
+        inner={"kind": "raceway", "finish": "superfinished", "correlation_length_um": 80.0},
+        outer={"kind": "raceway", "finish": "honed"},
+    )
+    inner, outer = assumed_roughness(scene)
+    assert set(inner.others) == {"length_across"}
+    assert set(outer.others) == {"ra", "length", "length_across"}
+    low, high = outer.others["ra"]
+    law = raceway(finish="honed", roughness_ra_um=0.02).law
+    assert low.rq_m == pytest.approx(law.rq_m) and high.rq_m > outer.law.rq_m > low.rq_m
+    assert [law.along_m for law in outer.others["length"]] == pytest.approx([2.5e-4, 1e-3])
