@@ -10,9 +10,10 @@ from rolling.bearing.geometry import BearingGeometry
 from rolling.bearing.kinematics import Kinematics, centrifugal_force
 from rolling.bearing.ring_bending import BendingMode
 from rolling.bearing.static_load import (
+    FREE_TO_TILT,
+    LoadedRing,
     StaticBalance,
     balances_around,
-    load_vector,
     rolling_angle,
     static_balance,
 )
@@ -80,7 +81,7 @@ class BearingModel:
     @property
     def load(self) -> Array:
         """Load on each displacement of the ring [N], (m,)."""
-        rigid = load_vector(self.axial_load_n, self.radial_load_n, self.kinematics.moving)
+        rigid = self.loaded_ring.load
         return np.append(rigid, np.zeros(len(self.columns) - len(rigid)))
 
     @property
@@ -93,19 +94,22 @@ class BearingModel:
         """Contact angle [rad] at which the balls roll under the loads."""
         return rolling_angle(self.balances())
 
-    def balance(self, cage_angle: float = 0.0) -> StaticBalance:
-        """Return the static balance with ball 0 at an angle [rad], of balls without mass."""
-        return static_balance(
-            self.geometry,
+    @property
+    def loaded_ring(self) -> LoadedRing:
+        """The ring with its loads and what holds it."""
+        return LoadedRing(
             axial_load_n=self.axial_load_n,
             radial_load_n=self.radial_load_n,
-            cage_angle=cage_angle,
             gap_m=self.gap_m,
             moving=self.kinematics.moving,
             angle=self.angle,
-            moments_n_m=(0.0, 0.0) if self.tilts else None,
+            moments_n_m=FREE_TO_TILT if self.tilts else None,
             bending=self.bending,
         )
+
+    def balance(self, cage_angle: float = 0.0) -> StaticBalance:
+        """Return the static balance with ball 0 at an angle [rad], of balls without mass."""
+        return static_balance(self.geometry, self.loaded_ring, cage_angle)
 
     def lines(self, places: Array) -> ContactLines:
         """Return the contact lines of balls at some angles [rad] from the middle of the zone."""
@@ -120,13 +124,4 @@ class BearingModel:
 
     def balances(self) -> tuple[StaticBalance, ...]:
         """Return the balances at places of the cage from one ball to the next."""
-        return balances_around(
-            self.geometry,
-            axial_load_n=self.axial_load_n,
-            radial_load_n=self.radial_load_n,
-            gap_m=self.gap_m,
-            moving=self.kinematics.moving,
-            angle=self.angle,
-            tilts=self.tilts,
-            bending=self.bending,
-        )
+        return balances_around(self.geometry, self.loaded_ring)

@@ -7,7 +7,7 @@ clearance and tilts need no case of their own.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import acos, ceil, cos, log, pi, tan
 
@@ -80,15 +80,6 @@ class StaticBalance:
         return np.concatenate((self.displacement_m, self.tilt, self.bending_m))
 
 
-def load_vector(axial_load_n: float, radial_load_n: float, moving: Ring) -> Array:
-    """Return the load on the ring that moves [N], (3,).
-
-    The radial load presses it against the balls at angle 0, the middle of the load zone.
-    """
-    sign = 1.0 if moving == "inner" else -1.0
-    return np.array([sign * radial_load_n, 0.0, axial_load_n])
-
-
 def least_axial_load(geometry: BearingGeometry, radial_load_n: float) -> float:
     """Return the axial load [N] that must be exceeded so that a radial load has a balance.
 
@@ -98,27 +89,14 @@ def least_axial_load(geometry: BearingGeometry, radial_load_n: float) -> float:
     return radial_load_n * tan(geometry.contact_angle) / cos(pi / geometry.balls)
 
 
-def static_balance(
-    geometry: BearingGeometry,
-    *,
-    axial_load_n: float,
-    radial_load_n: float,
-    cage_angle: float = 0.0,
-    gap_m: float = 0.0,
-    moving: Ring = "outer",
-    angle: Angle = "fixed",
-    moments_n_m: tuple[float, float] | None = None,
-    bending: tuple[BendingMode, ...] = (),
-) -> StaticBalance:
-    """Return the static balance of the ring that moves.
+@dataclass(frozen=True, kw_only=True)
+class LoadedRing:
+    """Ring that moves, with its loads and what holds it.
 
-    Parameters
+    Attributes
     ----------
-    geometry : BearingGeometry
     axial_load_n, radial_load_n : float, N
         Loads on the ring, not negative, one of them positive.
-    cage_angle : float, rad
-        Angle of ball 0 from the middle of the load zone.
     gap_m : float, m
         Gap of each ball along its contact line while the ring is centred: half of the radial
         clearance at contact angle 0, and zero where an axial load has closed it.
@@ -131,6 +109,40 @@ def static_balance(
         held from tilting.
     bending : tuple of BendingMode
         Bending modes of the ring. Default: it is rigid.
+    """
+
+    axial_load_n: float
+    radial_load_n: float
+    gap_m: float = 0.0
+    moving: Ring = "outer"
+    angle: Angle = "fixed"
+    moments_n_m: tuple[float, float] | None = None
+    bending: tuple[BendingMode, ...] = ()
+
+    @property
+    def load(self) -> Array:
+        """Load on the ring [N], (3,).
+
+        The radial load presses it against the balls at angle 0, the middle of the load zone.
+        """
+        sign = 1.0 if self.moving == "inner" else -1.0
+        return np.array([sign * self.radial_load_n, 0.0, self.axial_load_n])
+
+
+FREE_TO_TILT = (0.0, 0.0)  # moments on a ring that tilts under none
+
+
+def static_balance(
+    geometry: BearingGeometry, ring: LoadedRing, cage_angle: float = 0.0
+) -> StaticBalance:
+    """Return the static balance of the ring that moves.
+
+    Parameters
+    ----------
+    geometry : BearingGeometry
+    ring : LoadedRing
+    cage_angle : float, rad
+        Angle of ball 0 from the middle of the load zone.
 
     Returns
     -------
@@ -142,8 +154,8 @@ def static_balance(
         If no load acts, a fixed contact angle does not let the axial load hold the ring on its
         balls, moments act at a fixed angle, or the balance is not found.
     """
-    _refuse_loads(geometry, axial_load_n, radial_load_n, angle)
-    if moments_n_m is not None and angle == "fixed":
+    _refuse_loads(geometry, ring)
+    if ring.moments_n_m is not None and ring.angle == "fixed":
         raise ValueError(
             "moments_n_m: allowed at a moving angle alone; at a fixed one a tilt presses the balls"
             " as a radial displacement does, and nothing tells them apart"
@@ -151,18 +163,18 @@ def static_balance(
     lines = contact_lines(
         geometry,
         geometry.ball_angles(cage_angle),
-        gap_m=gap_m,
-        moving=moving,
-        angle=angle,
-        orders=tuple(mode.order for mode in bending),
+        gap_m=ring.gap_m,
+        moving=ring.moving,
+        angle=ring.angle,
+        orders=tuple(mode.order for mode in ring.bending),
     )
-    moments = np.array(moments_n_m or ())
-    bent = np.repeat([mode.stiffness_n_m for mode in bending], 2)
-    load = load_vector(axial_load_n, radial_load_n, moving)
+    moments = np.array(ring.moments_n_m or ())
+    bent = np.repeat([mode.stiffness_n_m for mode in ring.bending], 2)
+    load = ring.load
     balls = _Balls(
         lines=lines,
         stiffness=geometry.series_stiffness,
-        columns=tuple(free_columns(len(moments) > 0, len(bending))),
+        columns=tuple(free_columns(len(moments) > 0, len(ring.bending))),
         springs=np.concatenate((0 * load, bent, 0 * moments)),
     )
     whole = np.zeros(RIGID + len(bent))
@@ -181,13 +193,13 @@ def static_balance(
     )
 
 
-def _refuse_loads(
-    geometry: BearingGeometry, axial_load_n: float, radial_load_n: float, angle: Angle
-) -> None:
+def _refuse_loads(geometry: BearingGeometry, ring: LoadedRing) -> None:
     """Refuse loads that have no balance, by a ValueError."""
+    axial_load_n = ring.axial_load_n
+    radial_load_n = ring.radial_load_n
     if axial_load_n < 0 or radial_load_n < 0 or axial_load_n + radial_load_n <= 0:
         raise ValueError("loads of a bearing: allowed: not negative, and one of them positive")
-    if angle == "moving":
+    if ring.angle == "moving":
         return
     least = least_axial_load(geometry, radial_load_n)
     if geometry.contact_angle > 0 and axial_load_n <= least:
@@ -342,37 +354,13 @@ def _newton_step(tangent: Array, missing: Array, typical: float) -> Array:
 
 
 @lru_cache(maxsize=32)  # of bearings whose check, motion and numbers ask for the same balances
-def balances_around(
-    geometry: BearingGeometry,
-    *,
-    axial_load_n: float,
-    radial_load_n: float,
-    gap_m: float = 0.0,
-    moving: Ring = "outer",
-    angle: Angle = "fixed",
-    tilts: bool = False,
-    bending: tuple[BendingMode, ...] = (),
-) -> tuple[StaticBalance, ...]:
+def balances_around(geometry: BearingGeometry, ring: LoadedRing) -> tuple[StaticBalance, ...]:
     """Return the balances at places of the cage from one ball to the next.
 
-    Parameters are those of `static_balance`, and whether the ring tilts under no moments. The
-    arrays are shared: they are not to be changed.
+    The arrays are shared: they are not to be changed.
     """
     spacing = 2 * pi / (CAGE_PLACES * geometry.balls)
-    return tuple(
-        static_balance(
-            geometry,
-            axial_load_n=axial_load_n,
-            radial_load_n=radial_load_n,
-            cage_angle=spacing * place,
-            gap_m=gap_m,
-            moving=moving,
-            angle=angle,
-            moments_n_m=(0.0, 0.0) if tilts else None,
-            bending=bending,
-        )
-        for place in range(CAGE_PLACES)
-    )
+    return tuple(static_balance(geometry, ring, spacing * place) for place in range(CAGE_PLACES))
 
 
 def rolling_angle(balances: Sequence[StaticBalance]) -> float:
@@ -385,20 +373,12 @@ def rolling_angle(balances: Sequence[StaticBalance]) -> float:
     return acos(min(float(loads @ cosines / loads.sum()), 1.0))
 
 
-def angles_under_loads(
-    geometry: BearingGeometry, *, axial_load_n: float, radial_load_n: float, gap_m: float = 0.0
-) -> tuple[float, float]:
+def angles_under_loads(geometry: BearingGeometry, ring: LoadedRing) -> tuple[float, float]:
     """Return the least and the largest contact angle [rad] of balls that bear load.
 
     They are those over the places of the cage, as loads turn them.
     """
-    balances = balances_around(
-        geometry,
-        axial_load_n=axial_load_n,
-        radial_load_n=radial_load_n,
-        gap_m=gap_m,
-        angle="moving",
-    )
+    balances = balances_around(geometry, replace(ring, angle="moving"))
     angles: list[float] = []
     for balance in balances:
         loads = balance.ball_load_n

@@ -178,9 +178,7 @@ def contact_angle_doubt(scene: BearingScene) -> Doubt | None:
 
 def _angles_under_loads(scene: BearingScene) -> tuple[float, float]:
     """Return the least and the largest contact angle [degrees] of balls that bear load."""
-    least, most = angles_under_loads(
-        scene.geometry, axial_load_n=scene.axial_load, radial_load_n=scene.radial_load
-    )
+    least, most = angles_under_loads(scene.geometry, scene.loaded_ring)
     return math.degrees(least), math.degrees(most)
 
 

@@ -113,15 +113,7 @@ def _draw_balls(machine: Machine, scenes: Sequence[BearingScene], scale: float) 
 
 def _balance(scene: BearingScene) -> StaticBalance:
     """Return the balance of the ring at rest, with a ball in the middle of the load zone."""
-    bearing = scene.bearing
-    return static_balance(
-        scene.geometry,
-        axial_load_n=bearing.axial_load_n,
-        radial_load_n=bearing.radial_load_n,
-        gap_m=scene.gap,
-        moving=scene.moving_ring,
-        angle=bearing.angle,
-    )
+    return static_balance(scene.geometry, scene.loaded_ring)
 
 
 def _nearest_ball(scene: BearingScene, pitch: float, direction: float) -> Place:

@@ -141,12 +141,7 @@ def _films(bearing: SolvedBearing) -> tuple[FilmNumbers, ...]:
 
 def _angles(bearing: SolvedBearing) -> AngleNumbers:
     """Return the free contact angle, and those under the loads."""
-    least, largest = angles_under_loads(
-        bearing.geometry,
-        axial_load_n=bearing.model.axial_load_n,
-        radial_load_n=bearing.model.radial_load_n,
-        gap_m=bearing.model.gap_m,
-    )
+    least, largest = angles_under_loads(bearing.geometry, bearing.scene.loaded_ring)
     return AngleNumbers(
         free_deg=math.degrees(bearing.geometry.contact_angle),
         least_under_loads_deg=math.degrees(least),

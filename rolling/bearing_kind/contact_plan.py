@@ -127,13 +127,7 @@ def contact_plan(scene: BearingScene) -> ContactPlan:
     plan = plan_contacts(
         scene.geometry,
         {"inner": surfaces.inner, "outer": surfaces.outer, "balls": surfaces.balls},
-        contact_loads(
-            scene.geometry,
-            axial_load_n=scene.axial_load,
-            radial_load_n=scene.radial_load,
-            gap_m=scene.gap,
-            angle=bearing.angle,
-        ),
+        contact_loads(scene.geometry, scene.loaded_ring),
         speed_m_s=scene.kinematics.rolling_speed_m_s,
         body={
             "youngs_modulus_gpa": bearing.youngs_modulus_gpa,

@@ -18,9 +18,8 @@ import numpy as np
 
 from acoustics.arrays import Array, short_repr
 from rolling.bearing import waves
-from rolling.bearing.contact_lines import Angle
 from rolling.bearing.geometry import BearingGeometry, RacewayContact
-from rolling.bearing.static_load import balances_around
+from rolling.bearing.static_load import LoadedRing, balances_around
 from rolling.contact.track import MIN_NODES
 from rolling.in_si.scene_surface import heights
 from rolling.scene.laws import Roughness, SurfaceFault
@@ -114,27 +113,14 @@ class RoughContact:
 # ---- loads
 
 
-def contact_loads(
-    geometry: BearingGeometry,
-    *,
-    axial_load_n: float,
-    radial_load_n: float,
-    gap_m: float = 0.0,
-    angle: Angle = "fixed",
-) -> tuple[float, ...]:
+def contact_loads(geometry: BearingGeometry, ring: LoadedRing) -> tuple[float, ...]:
     """Return the ascending loads [N] at which the contacts of a bearing are marched.
 
     They reach from half of the least load of a ball to twice the largest, in ratios of two at
     most. Loads below an eighth of the largest, at the edge of a load zone, are left out: they carry
     little force.
     """
-    balances = balances_around(
-        geometry,
-        axial_load_n=axial_load_n,
-        radial_load_n=radial_load_n,
-        gap_m=gap_m,
-        angle=angle,
-    )
+    balances = balances_around(geometry, ring)
     balls = [balance.ball_load_n for balance in balances]
     largest = float(np.max(balls))
     least = max(float(np.min(balls)) / 2, LEAST_OF_LARGEST * largest)

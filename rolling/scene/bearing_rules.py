@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,8 @@ from rolling.bearing.kinematics import Kinematics, kinematics_of
 from rolling.bearing.limits import broken_limits
 from rolling.bearing.model import BearingModel
 from rolling.bearing.static_load import (
+    FREE_TO_TILT,
+    LoadedRing,
     balances_around,
     least_axial_load,
     rolling_angle,
@@ -88,19 +91,25 @@ def gap_of(bearing: Bearing) -> float:
     return 0.0 if bearing.axial_load_n > 0 else free_clearance(bearing) / 2
 
 
+def loaded_ring_of(bearing: Bearing) -> LoadedRing:
+    """Return the ring that moves with its loads, rigid and held from tilting."""
+    return LoadedRing(
+        axial_load_n=bearing.axial_load_n,
+        radial_load_n=bearing.radial_load_n,
+        gap_m=gap_of(bearing),
+        moving="outer" if bearing.turning == "inner" else "inner",
+        angle=bearing.angle,
+    )
+
+
 def speeds_of(bearing: Bearing, geometry: BearingGeometry) -> Kinematics:
     """Return the speeds of a bearing, whose balls roll at the angle to which the loads turn it."""
     angle = None
     if bearing.angle == "moving":
-        balances = balances_around(
-            geometry,
-            axial_load_n=bearing.axial_load_n,
-            radial_load_n=bearing.radial_load_n,
-            gap_m=gap_of(bearing),
-            moving="outer" if bearing.turning == "inner" else "inner",
-            angle="moving",
-            tilts=bearing.tilt == "free",
-        )
+        ring = loaded_ring_of(bearing)
+        if bearing.tilt == "free":
+            ring = replace(ring, moments_n_m=FREE_TO_TILT)
+        balances = balances_around(geometry, ring)
         angle = rolling_angle(balances)
     return kinematics_of(geometry, bearing.turning, bearing.speed_rpm / 60, angle)
 
@@ -342,13 +351,13 @@ def largest_pressure(bearing: Bearing, geometry: BearingGeometry, share: float =
 
     One ball is in the middle of the load zone.
     """
-    balance = static_balance(
-        geometry,
-        axial_load_n=share * bearing.axial_load_n,
-        radial_load_n=share * bearing.radial_load_n,
-        gap_m=gap_of(bearing),
-        angle=bearing.angle,
+    ring = loaded_ring_of(bearing)
+    shared = replace(
+        ring,
+        axial_load_n=share * ring.axial_load_n,
+        radial_load_n=share * ring.radial_load_n,
     )
+    balance = static_balance(geometry, shared)
     load = float(balance.ball_load_n.max())
     if load <= 0:  # a load that is lost in the rounding of the gap
         return 0.0

@@ -33,7 +33,7 @@ from rolling.bearing.oil_film import (
     viscosity_slope,
 )
 from rolling.bearing.ring_bending import GroovedSection, RingBending
-from rolling.bearing.static_load import balances_around
+from rolling.bearing.static_load import LoadedRing, balances_around
 from rolling.scene import bearing_rules
 from rolling.scene import sweep as sweeps
 from rolling.scene.bearing_lengths import RingSection, ring_section
@@ -242,6 +242,11 @@ class BearingQuantities(SweptScene):
         """Speeds of rings, cage and balls."""
         return bearing_rules.speeds_of(self.bearing, self.geometry)
 
+    @property
+    def loaded_ring(self) -> LoadedRing:
+        """The ring that vibrates with its loads, rigid and held from tilting."""
+        return bearing_rules.loaded_ring_of(self.bearing)
+
     @cached_property
     def model(self) -> BearingModel:
         """Model of the bearing whose ring moves."""
@@ -296,14 +301,7 @@ class BearingQuantities(SweptScene):
     @property
     def _mean_ball_load(self) -> float:
         """Mean load of a ball that bears some [N], over the places of the cage."""
-        balances = balances_around(
-            self.geometry,
-            axial_load_n=self.axial_load,
-            radial_load_n=self.radial_load,
-            gap_m=self.gap,
-            moving=self.kinematics.moving,
-            angle=self.bearing.angle,
-        )
+        balances = balances_around(self.geometry, self.loaded_ring)
         loads = np.concatenate([balance.ball_load_n for balance in balances])
         return float(loads[loads > 0].mean())
 

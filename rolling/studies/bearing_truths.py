@@ -11,7 +11,7 @@ from rolling.bearing.geometry import BearingGeometry, Ring, assemble
 from rolling.bearing.kinematics import kinematics_of
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_motion import RingMotion, move_ring
-from rolling.bearing.static_load import static_balance
+from rolling.bearing.static_load import LoadedRing, static_balance
 from rolling.bearing.tracks import smooth_tracks, with_waves
 from rolling.contact import closed_forms
 from rolling.scene.bearing_lengths import angle_of, groove_distance
@@ -130,8 +130,7 @@ def _largest_loads() -> Iterator[tuple[str, str, float, float]]:
             exact = 4.37  # printed for many balls without clearance
         balance = static_balance(
             _geometry(balls, pitch_m=0.12, angle=0.0),
-            axial_load_n=0.0,
-            radial_load_n=RADIAL_N,
+            LoadedRing(axial_load_n=0.0, radial_load_n=RADIAL_N),
             cage_angle=cage,
         )
         own = float(balance.ball_load_n.max()) * balls / RADIAL_N
@@ -161,10 +160,8 @@ def _displacements() -> Iterator[tuple[str, str, float, float]]:
 
 def _under(geometry: BearingGeometry, axial_n: float, radial_n: float) -> Array:
     """Return the displacement of the inner ring [m] under loads that turn the contact angles."""
-    balance = static_balance(
-        geometry, axial_load_n=axial_n, radial_load_n=radial_n, moving="inner", angle="moving"
-    )
-    return balance.displacement_m
+    ring = LoadedRing(axial_load_n=axial_n, radial_load_n=radial_n, moving="inner", angle="moving")
+    return static_balance(geometry, ring).displacement_m
 
 
 def _waves() -> Iterator[tuple[str, str, float, float]]:

@@ -17,6 +17,7 @@ from acoustics.ring_velocity import velocity_bands
 from rolling.bearing import waves
 from rolling.bearing.band_uncertainty import BandUncertainty
 from rolling.bearing.ring_motion import move_ring
+from rolling.bearing.static_load import LoadedRing
 from rolling.bearing_kind.band_gain import gain_uncertainty_db
 from rolling.bearing_kind.contact_doubts import coarse_nodes_db, contact_doubts
 from rolling.bearing_kind.contact_gain import GROUPS, contact_gain
@@ -335,7 +336,8 @@ def test_a_fault_stands_at_its_place_in_the_tracks() -> None:
         geometry,
         {"balls": SmoothBall(faults=[groove]), "inner": SmoothBall(faults=[groove]), "outer": None},
         contact_loads(
-            geometry, axial_load_n=LOAD * 8 * np.sin(geometry.contact_angle), radial_load_n=0.0
+            geometry,
+            LoadedRing(axial_load_n=LOAD * 8 * np.sin(geometry.contact_angle), radial_load_n=0.0),
         ),
         speed_m_s=SPEED,
         body=BODY,
@@ -358,7 +360,7 @@ def test_a_wave_of_a_high_order_is_no_wave_of_a_low_order(order: int) -> None:
     plan = plan_contacts(
         bearing(),
         {"balls": None, "inner": SmoothBall(waviness={order: 0.05}), "outer": None},
-        contact_loads(bearing(), axial_load_n=LOAD, radial_load_n=0.0),
+        contact_loads(bearing(), LoadedRing(axial_load_n=LOAD, radial_load_n=0.0)),
         speed_m_s=SPEED,
         body=BODY,
         numerics=rolling.BearingNumerics(window_mm=1),
@@ -387,7 +389,7 @@ def test_other_specimens_have_other_heights_of_equal_level() -> None:
     plan = plan_contacts(
         geometry,
         {"balls": ball, "inner": None, "outer": None},
-        contact_loads(geometry, axial_load_n=25.0, radial_load_n=0.0),
+        contact_loads(geometry, LoadedRing(axial_load_n=25.0, radial_load_n=0.0)),
         speed_m_s=SPEED,
         body=BODY,
         numerics=rolling.BearingNumerics(window_mm=4, spacing_um=10),
@@ -414,7 +416,7 @@ def test_a_measured_turn_is_marched_whole(tmp_path: Path) -> None:
             "inner": None,
             "outer": None,
         },
-        contact_loads(bearing(ball_mm=3), axial_load_n=5.0, radial_load_n=0.0),
+        contact_loads(bearing(ball_mm=3), LoadedRing(axial_load_n=5.0, radial_load_n=0.0)),
         speed_m_s=SPEED,
         body=BODY,
         numerics=rolling.BearingNumerics(window_mm=1),
@@ -488,9 +490,9 @@ def test_twice_the_roughness_of_balls_is_6_db_in_the_high_band() -> None:
 
 def test_loads_reach_around_those_of_the_balls() -> None:
     geometry = bearing()
-    axial = contact_loads(geometry, axial_load_n=70, radial_load_n=0)
+    axial = contact_loads(geometry, LoadedRing(axial_load_n=70, radial_load_n=0))
     load = 70 / (8 * np.sin(geometry.contact_angle))
     assert axial == pytest.approx([load / 2, load, 2 * load], rel=1e-3)
-    zone = contact_loads(bearing(angle_deg=0), axial_load_n=0, radial_load_n=200)
+    zone = contact_loads(bearing(angle_deg=0), LoadedRing(axial_load_n=0, radial_load_n=200))
     assert zone[-1] == pytest.approx(2 * 4.35 * 200 / 8, rel=0.01)
     assert max(np.divide(zone[1:], zone[:-1])) <= 2.0 + 1e-3

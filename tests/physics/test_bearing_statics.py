@@ -15,6 +15,7 @@ from rolling.bearing.geometry import BearingGeometry
 from rolling.bearing.kinematics import kinematics_of, lines_of
 from rolling.bearing.linear_ring import free_tilt_db
 from rolling.bearing.static_load import (
+    LoadedRing,
     angles_under_loads,
     ball_loads,
     least_axial_load,
@@ -76,7 +77,7 @@ def test_axial_load_and_stiffness_of_all_balls(name: str, moving: str) -> None:
     geometry = GEOMETRIES[name]
     balls, angle = geometry.balls, geometry.contact_angle
     state = static_balance(
-        geometry, axial_load_n=70.0, radial_load_n=0.0, cage_angle=0.3, moving=moving
+        geometry, LoadedRing(axial_load_n=70.0, radial_load_n=0.0, moving=moving), cage_angle=0.3
     )
     load = 70.0 / (balls * sin(angle))
     np.testing.assert_allclose(state.ball_load_n, load, rtol=1e-9)
@@ -95,7 +96,7 @@ def test_largest_load_of_eight_balls(
     """The factors have three digits; a ball is at the bottom, or the bottom lies between two."""
     geometry = bearing(balls=8, ball_mm=ball_mm, angle_deg=0.0, inner=conformity)
     state = static_balance(
-        geometry, axial_load_n=0.0, radial_load_n=800.0, cage_angle=place * 2 * pi / 8
+        geometry, LoadedRing(axial_load_n=0.0, radial_load_n=800.0), cage_angle=place * 2 * pi / 8
     )
     assert state.ball_load_n.max() * 8 / 800.0 == pytest.approx(factor, abs=0.006)
 
@@ -115,10 +116,8 @@ def test_many_balls_follow_sjovall(balls: int, ball_mm: float, gap_um: float) ->
     for place in (0.0, 0.25, 0.5, 0.75):
         state = static_balance(
             geometry,
-            axial_load_n=0.0,
-            radial_load_n=1000.0,
+            LoadedRing(axial_load_n=0.0, radial_load_n=1000.0, gap_m=1e-6 * gap_um),
             cage_angle=place * 2 * pi / balls,
-            gap_m=1e-6 * gap_um,
         )
         shifts.append(-state.displacement_m[0])
         approach = shifts[-1] - 1e-6 * gap_um
@@ -134,7 +133,9 @@ def test_combined_loads_of_many_balls_follow_sjovall(ratio: float) -> None:
     geometry = angular(balls=30)
     axial = 500.0
     radial = ratio * axial / tan(geometry.contact_angle)
-    state = static_balance(geometry, axial_load_n=axial, radial_load_n=radial, cage_angle=0.05)
+    state = static_balance(
+        geometry, LoadedRing(axial_load_n=axial, radial_load_n=radial), cage_angle=0.05
+    )
     lines = contact_lines(geometry, np.array([0.0, pi]))
     nearest, farthest = lines.at(state.displacement_m).approach_m
     zone = nearest / (nearest - farthest)
@@ -161,7 +162,7 @@ def test_balls_bear_the_loads(balls: int, cage_angle: float) -> None:
     radial = 200.0
     axial = 1.2 * least_axial_load(geometry, radial)
     state = static_balance(
-        geometry, axial_load_n=axial, radial_load_n=radial, cage_angle=cage_angle
+        geometry, LoadedRing(axial_load_n=axial, radial_load_n=radial), cage_angle=cage_angle
     )
     np.testing.assert_allclose(state.ball_load_n, exact_loads(geometry, state, cage_angle))
     borne = state.ball_load_n @ state.lines
@@ -170,7 +171,7 @@ def test_balls_bear_the_loads(balls: int, cage_angle: float) -> None:
 
 def test_a_single_ball_may_bear_a_small_load_in_a_wide_clearance() -> None:
     geometry = bearing(angle_deg=0.0)
-    state = static_balance(geometry, axial_load_n=0.0, radial_load_n=1.0, gap_m=5e-6)
+    state = static_balance(geometry, LoadedRing(axial_load_n=0.0, radial_load_n=1.0, gap_m=5e-6))
     np.testing.assert_allclose(state.ball_load_n, [1.0, 0, 0, 0, 0, 0, 0, 0], atol=1e-9)
 
 
@@ -179,7 +180,9 @@ def test_a_single_ball_may_bear_a_small_load_in_a_wide_clearance() -> None:
 )
 def test_loads_without_a_balance_are_refused(angle_deg: float, axial: float, radial: float) -> None:
     with pytest.raises(ValueError, match="axial_load_n"):
-        static_balance(bearing(angle_deg=angle_deg), axial_load_n=axial, radial_load_n=radial)
+        static_balance(
+            bearing(angle_deg=angle_deg), LoadedRing(axial_load_n=axial, radial_load_n=radial)
+        )
 
 
 # ---- contact angles that turn
@@ -190,12 +193,12 @@ def test_the_angle_under_an_axial_load_balances_the_groove_centres(name: str) ->
     """The balls' force along the turned line has the axial load as its axial part."""
     geometry = GEOMETRIES[name]
     for load in (1.0, 300.0):
-        angle, most = angles_under_loads(geometry, axial_load_n=load, radial_load_n=0.0)
+        angle, most = angles_under_loads(geometry, LoadedRing(axial_load_n=load, radial_load_n=0.0))
         assert most == pytest.approx(angle, rel=1e-9)
         stretch = cos(geometry.contact_angle) / cos(angle) - 1
         force = geometry.series_stiffness * (stretch * geometry.groove_distance_m) ** 1.5
         assert geometry.balls * force * sin(angle) == pytest.approx(load, rel=1e-6)
-    angle, _ = angles_under_loads(bearing(), axial_load_n=70.0, radial_load_n=0.0)
+    angle, _ = angles_under_loads(bearing(), LoadedRing(axial_load_n=70.0, radial_load_n=0.0))
     assert degrees(angle) == pytest.approx(13.91, abs=0.01)
 
 
@@ -220,10 +223,10 @@ def test_moving_angles_give_the_printed_displacements(
     """Under 1 kN along a radius, or along the axis from the plane and from the first touch."""
     geometry = printed_bearing(clearance_um)
     plane = geometry.groove_distance_m * sin(geometry.contact_angle)
-    state = static_balance(geometry, axial_load_n=0.0, radial_load_n=1000.0, **MOVING)
+    state = static_balance(geometry, LoadedRing(axial_load_n=0.0, radial_load_n=1000.0, **MOVING))
     assert 1e6 * state.displacement_m[0] == pytest.approx(radial_um, rel=1e-4)
     assert state.displacement_m[2] == pytest.approx(-plane, abs=1e-10)
-    state = static_balance(geometry, axial_load_n=1000.0, radial_load_n=0.0, **MOVING)
+    state = static_balance(geometry, LoadedRing(axial_load_n=1000.0, radial_load_n=0.0, **MOVING))
     assert 1e6 * (state.displacement_m[2] + plane) == pytest.approx(axial_um, rel=1e-4)
     assert 1e6 * state.displacement_m[2] == pytest.approx(from_touch_um, rel=1e-4)
 
@@ -231,7 +234,8 @@ def test_moving_angles_give_the_printed_displacements(
 def test_a_clearance_is_a_gap_of_balls_in_the_middle_of_the_grooves() -> None:
     """A radial load alone meets 10 um as a free angle, or as a gap at an angle of 0."""
     state = static_balance(
-        printed_bearing(0.0), axial_load_n=0.0, radial_load_n=1000.0, gap_m=5e-6, **MOVING
+        printed_bearing(0.0),
+        LoadedRing(axial_load_n=0.0, radial_load_n=1000.0, gap_m=5e-6, **MOVING),
     )
     assert 1e6 * state.displacement_m[0] == pytest.approx(21.223, rel=1e-4)
     assert state.stiffness_n_m[2, 2] > 0  # loads hold the ring in the plane of the grooves
@@ -299,11 +303,13 @@ def test_moving_angles_balance_as_another_solver_has_it(seed: int, held: bool) -
     place = random.uniform(0, 6)
     state = static_balance(
         geometry,
-        axial_load_n=axial,
-        radial_load_n=radial,
+        LoadedRing(
+            axial_load_n=axial,
+            radial_load_n=radial,
+            moments_n_m=None if held else tuple(moments),
+            **MOVING,
+        ),
         cage_angle=place,
-        moments_n_m=None if held else tuple(moments),
-        **MOVING,
     )
     found = np.append(state.displacement_m, state.tilt)
     start = found * random.uniform(0.9, 1.1, 5)
@@ -323,12 +329,14 @@ def test_the_stiffness_is_the_change_of_forces_and_moments(moving: str, angle: s
     geometry = bearing(balls=9)
     state = static_balance(
         geometry,
-        axial_load_n=300.0,
-        radial_load_n=500.0,
+        LoadedRing(
+            axial_load_n=300.0,
+            radial_load_n=500.0,
+            moving=moving,
+            angle="moving",
+            moments_n_m=(0.4, -0.2),
+        ),
         cage_angle=0.2,
-        moving=moving,
-        angle="moving",
-        moments_n_m=(0.4, -0.2),
     )
     lines = contact_lines(geometry, geometry.ball_angles(0.2), moving=moving, angle=angle)
     place = np.append(state.displacement_m, state.tilt)
@@ -358,10 +366,12 @@ def test_radial_loads_lift_balls_from_an_axial_load() -> None:
     geometry = bearing(15, ball_mm=20.0, pitch_mm=150.0, angle_deg=25.0, inner=0.52, outer=0.53)
     loads = {"axial_load_n": 70.0, "radial_load_n": 150.0}
     with pytest.raises(ValueError, match="axial_load_n"):
-        static_balance(geometry, **loads)
-    state = static_balance(geometry, **loads, angle="moving")
+        static_balance(geometry, LoadedRing(**loads))
+    state = static_balance(geometry, LoadedRing(**loads, angle="moving"))
     assert sorted(state.ball_load_n.round(0).tolist())[-4:] == [0.0, 48.0, 48.0, 76.0]
-    state = static_balance(bearing(), axial_load_n=150.0, radial_load_n=1000.0, **MOVING)
+    state = static_balance(
+        bearing(), LoadedRing(axial_load_n=150.0, radial_load_n=1000.0, **MOVING)
+    )
     np.testing.assert_allclose(state.ball_load_n @ state.lines, [1000.0, 0.0, 150.0], atol=1e-7)
 
 
@@ -369,7 +379,9 @@ def test_radial_loads_lift_balls_from_an_axial_load() -> None:
 def test_small_loads_at_small_angles_are_balanced(force: float) -> None:
     """Z K (A/2)^1.5 alpha^4 at the angle alpha under the load, while it is small."""
     geometry = bearing(angle_deg=degrees(1e-14))
-    state = static_balance(geometry, axial_load_n=force, radial_load_n=0.0, angle="moving")
+    state = static_balance(
+        geometry, LoadedRing(axial_load_n=force, radial_load_n=0.0, angle="moving")
+    )
     approach = (geometry.groove_distance_m / 2) ** 1.5
     angle = (force / (geometry.balls * geometry.series_stiffness * approach)) ** 0.25
     np.testing.assert_allclose(state.angles, angle, rtol=2 * angle**2 + 1e-9)
@@ -382,12 +394,14 @@ def test_a_balance_that_is_not_found_is_no_number(
 ) -> None:
     monkeypatch.setattr("rolling.bearing.static_load._MAX_ITERATIONS", 1)
     with pytest.raises(ValueError, match="not found"):
-        static_balance(bearing(), axial_load_n=70.0, radial_load_n=100.0, angle=angle)
+        static_balance(bearing(), LoadedRing(axial_load_n=70.0, radial_load_n=100.0, angle=angle))
 
 
 def test_balls_roll_at_the_angle_under_their_loads() -> None:
     """Their speeds follow from the cosine, of which loaded balls have the most weight."""
-    state = static_balance(bearing(), axial_load_n=70.0, radial_load_n=250.0, angle="moving")
+    state = static_balance(
+        bearing(), LoadedRing(axial_load_n=70.0, radial_load_n=250.0, angle="moving")
+    )
     cosine = state.ball_load_n @ np.cos(state.angles) / state.ball_load_n.sum()
     assert cos(rolling_angle([state, state])) == pytest.approx(cosine, rel=1e-12)
     turned = kinematics_of(bearing(), "inner", 30.0, rolling_angle([state]))

@@ -9,6 +9,7 @@ import pytest
 
 import rolling
 from rolling.archive.definition import Arrays
+from rolling.bearing.static_load import LoadedRing
 from rolling.bearing_kind.contact_marches import march_contacts
 from rolling.bearing_kind.contact_plan import ContactPlan, plan_contacts
 from rolling.bearing_kind.joined_tracks import bearing_tracks
@@ -29,7 +30,7 @@ def small_plan(seed_of_ring: int = 2, balls: GaussianBall | None = ROUGH) -> Con
     return plan_contacts(
         bearing(),
         {"balls": balls, "inner": ROUGH.model_copy(update={"seed": seed_of_ring}), "outer": None},
-        contact_loads(bearing(), axial_load_n=10.0, radial_load_n=0.0),
+        contact_loads(bearing(), LoadedRing(axial_load_n=10.0, radial_load_n=0.0)),
         speed_m_s=1.5,
         body=BODY,
         numerics=rolling.BearingNumerics(window_mm=1.5, spacing_um=8),
