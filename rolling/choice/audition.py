@@ -37,7 +37,7 @@ from rolling.kinds.heard_sound import HeardSound, PlainSound, played_sound
 from rolling.kinds.registry import kind_of
 from rolling.kinds.run_folder import LISTEN, RunFolder
 from rolling.numbers.file_facts import Provenance
-from rolling.results.labels import value_at
+from rolling.results.labels import value_at, worded
 from rolling.results.provenance import program_provenance
 from rolling.run.pools import local_pool
 from rolling.run.worker import finish_run
@@ -166,7 +166,7 @@ class Audition:
         labelled_scenes: list[tuple[str, Any]] = []
         for scene in scenes:
             for values, run in scene.runs():
-                swept = [f"{key.rpartition('.')[2]} {value}" for key, value in values.items()]
+                swept = [worded(key, value) for key, value in values.items()]
                 labelled_scenes.append((", ".join(swept) or scene.name, run))
         if len(labelled_scenes) > MAX_CANDIDATES:
             raise SceneError(

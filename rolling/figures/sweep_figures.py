@@ -516,7 +516,7 @@ def _label_of(key: str) -> str:
     """
     word, unit = labels.named(key)
     word = word or key.rpartition(".")[2].removesuffix(f"_{unit}").replace("_", " ")
-    return f"{word} [{unit}]" if unit else word
+    return f"{word} [{unit}]" if unit and unit != word else word
 
 
 def _name_ticks(axis: Axis, places: dict[Any, float]) -> None:

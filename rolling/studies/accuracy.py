@@ -20,11 +20,11 @@ from rolling.check.long_steps import refuse_long_steps
 from rolling.contact.solver import ContactError
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.in_si.physics_of_scene import listener_of
+from rolling.results import labels
 from rolling.run import pools
 from rolling.run.executor import ended_by_signal
 from rolling.scene.identity import digest, scene_identity
 from rolling.scene.scene import Scene
-from rolling.scene.sweep import run_name
 from rolling.sound.contact_sound import contact_sound
 from rolling.studies import accuracy_variants as variants
 from rolling.studies import work_precision
@@ -265,7 +265,8 @@ def run_study(
     study = _stored(folder, identity)
     if study is None:
         if values:
-            progress.line(f"the first run of the sweep: {run_name(values)}; --set chooses another")
+            first = ", ".join(labels.worded(key, value) for key, value in values.items())
+            progress.line(f"the first run of the sweep: {first}; --set chooses another")
         study = accuracy(scene, duration_s, finest, workers).assign_attrs(identity=identity)
         folder.mkdir(parents=True, exist_ok=True)
         whole_files.write_bytes(folder / DATASET, bytes(study.to_netcdf(engine="h5netcdf")))

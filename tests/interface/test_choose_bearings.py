@@ -54,6 +54,7 @@ def test_twice_the_roughness_of_balls_is_six_decibels_more() -> None:
     rough = rc.read_scene("bearing-6204", [f"bearing.surfaces.balls={balls}", *SMOOTH[1:]])
     swept = rough.with_(sweep={"bearing.surfaces.balls.roughness_ra_um": [0.005, 0.01]})
     one, two = BearingAudition().candidates([swept])
+    assert [one.label, two.label] == ["Ra of balls 0.005 µm", "Ra of balls 0.01 µm"]
     for draw in (0, 3):
         high = [
             bearing_heard.heard_specimen(each.scene, contact_plan(each.scene), {}, draw)["high"]

@@ -18,6 +18,7 @@ from rolling.kinds.run_folder import RunFolder
 from rolling.results import labels
 from rolling.results.labels import LONGEST
 from rolling.scene import file, models
+from rolling.scene.bearing_scene import BearingScene
 from rolling.scene.scene import Scene
 
 SCENE = file.loads(PLAIN)
@@ -48,12 +49,13 @@ def of(*cases: Case) -> list[str]:
 
 
 def test_every_key_of_the_scene_has_words() -> None:
-    """Every key has words, except name, description and sweep."""
-    keys = {*models.keys(Scene)} - {*models.section_keys(Scene)}
-    assert len(keys) > 25
-    assert keys <= set(labels.WORDS)
-    words = [words.word for key, words in labels.WORDS.items() if key in keys]
-    assert len(set(words)) == len(words)
+    """Every key of a ball and of a bearing has words, except name, description and sweep."""
+    for model in (Scene, BearingScene):
+        keys = {*models.keys(model)} - {*models.section_keys(model)}
+        assert len(keys) > 25
+        assert keys <= set(labels.WORDS)
+        words = [word.word or word.unit for key, word in labels.WORDS.items() if key in keys]
+        assert len(set(words)) == len(words)
 
 
 def test_a_pair_of_edges_is_named() -> None:
