@@ -68,8 +68,15 @@ def _refuse_without_waves(scene: Scene) -> None:
         )
 
 
-def wave_bands(specimens: Sequence[Specimen]) -> PlateBands:
+def wave_bands(specimens: Sequence[Specimen], correlation: Array | None) -> PlateBands:
     """Return the waves of the first specimens, and what each band does to their level.
+
+    Parameters
+    ----------
+    specimens : sequence of Specimen
+        Solved specimens.
+    correlation : (specimens, specimens) array or None
+        Correlation of places of a scan; None where each specimen has a surface of its own.
 
     Raises
     ------
@@ -86,10 +93,12 @@ def wave_bands(specimens: Sequence[Specimen]) -> PlateBands:
             responses.append(_responses(specimen, bands))
         parts = waves_of_plate(specimen.scene, bands)
         squares.append([float(np.mean(np.square(part))) for part in parts])
+    count = len(responses)
     return PlateBands(
         wavelength_m=bands,
         rms_m=np.sqrt(np.mean(squares, axis=0)),
         responses=np.array(responses),
+        correlation=None if correlation is None else correlation[:count, :count],
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -25,7 +26,7 @@ from rolling.results.notes import UNVALIDATED
 
 if TYPE_CHECKING:
     from rolling.choice.design import Design
-    from rolling.choice.limit import Limit
+    from rolling.choice.limit import Limit, Point
     from rolling.choice.sensitivity import Sensitivities, Sensitivity
 
 
@@ -111,7 +112,7 @@ def limit_page(result: Limit) -> bytes:
                 printable(labels.worded(result.key, point.value)),
                 f"{point.mean_db:.1f}",
                 f"{point.upper_db:.1f}",
-                str(len(point.levels_db)),
+                _count_cell(point),
                 str(number),
             ]
         )
@@ -131,6 +132,14 @@ def limit_page(result: Limit) -> bytes:
     return made.written()
 
 
+def _count_cell(point: Point) -> str:
+    """Return the cell of the number of specimens of a value, and as how many they count."""
+    count = str(len(point.levels_db))
+    if point.independent is None:
+        return count
+    return f"{count}, as {point.independent:.1f} independent"
+
+
 def design_page(result: Design) -> bytes:
     """Write the page of a design: amplitudes of waves as they are and as they are aimed at."""
     lead, *others = result.sentences
@@ -140,13 +149,16 @@ def design_page(result: Design) -> bytes:
     heads = ["Wavelength", "rms now", "target", "lower by", "fall of the level"]
     rows: list[list[str]] = []
     for row in result.table().itertuples():
+        response = f"{row.response_db_per_db:.3f}"
+        if math.isfinite(row.response_error_db_per_db):
+            response += f" ± {row.response_error_db_per_db:.3f}"
         rows.append(
             [
                 f"{row.wavelength_um:g} um",
                 f"{row.amplitude_now_nm:.3g} nm",
                 f"{row.amplitude_target_nm:.3g} nm",
                 f"{row.lowered_db:.1f} dB",
-                f"{row.response_db_per_db:.3f} ± {row.response_error_db_per_db:.3f} dB/dB",
+                f"{response} dB/dB",
             ]
         )
     made = PageOfParts(

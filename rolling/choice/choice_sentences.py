@@ -15,7 +15,7 @@ from acoustics.pairs import SURE
 from acoustics.texts import printable
 from rolling.choice.choice_doubts import WITHOUT_SOLUTION, doubts
 from rolling.choice.choice_numbers import ChoiceNumbers, Contender
-from rolling.choice.difference import Difference
+from rolling.choice.difference import Difference, are_alike
 from rolling.choice.heard_specimen import HeardQuantity
 from rolling.numbers.doubt import Doubt, Severity
 from rolling.numbers.quantity import uncertain
@@ -149,14 +149,14 @@ def _specimens(difference: Difference, noun: str) -> str:
 
 def counted(difference: Difference, noun: str) -> str:
     """Say on how many specimens a difference was heard, and as how many independent ones."""
-    if not difference.shares_places:
-        return f"{difference.pairs} {noun}"
-    return f"{difference.pairs} {noun}, {independent_words(difference)}"
+    return counted_places(difference.pairs, difference.independent, noun)
 
 
-def independent_words(difference: Difference) -> str:
-    """Say as how many independent places the places of a difference count."""
-    return f"which count as {difference.independent:.1f} independent ones"
+def counted_places(count: int, independent: float | None, noun: str) -> str:
+    """Say how many specimens there are, and as how many independent ones they count."""
+    if independent is None or not are_alike(count, independent):
+        return f"{count} {noun}"
+    return f"{count} {noun}, which count as {independent:.1f} independent ones"
 
 
 def number(difference: Difference) -> str:

@@ -15,6 +15,7 @@ import numpy as np
 from acoustics.arrays import Array
 from rolling.choice.change_words import two_digits
 from rolling.choice.choice_numbers import OmittedPair
+from rolling.choice.choice_sentences import counted
 from rolling.choice.difference import Difference
 from rolling.choice.heard_specimen import HeardQuantity
 from rolling.choice.wave_bands import PlateBands
@@ -165,7 +166,8 @@ class Design:
         table : pandas.DataFrame
             One row per third octave: wavelength_um (its middle), amplitude_now_nm and
             amplitude_target_nm (rms of a profile along the track), lowered_db, response_db_per_db
-            (fall of the level where the band is a decibel lower) and its standard error.
+            (fall of the level where the band is a decibel lower) and its standard error, NaN where
+            a single specimen, or places that are as good as one, tell none.
         """
         whole = self.target()
         return whole[whole["lowered_db"] > 0].drop(columns=[*_PSD]).reset_index(drop=True)
@@ -269,7 +271,7 @@ def _sentences(result: Design) -> Iterator[str]:
     yield (
         f"With waves of {ends} lower along the track, the scene is"
         f" {two_digits(fall.db, fall.uncertainty_db)} {result.quantity.decibels} quieter"
-        f" ({fall.pairs} {result.noun}, each marched as it is and with lower waves of the same"
+        f" ({counted(fall, result.noun)}, each marched as it is and with lower waves of the same"
         f" phases); {result.quieter_db:g} dB were asked for."
     )
     yield (

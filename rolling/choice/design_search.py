@@ -8,6 +8,7 @@ corrected until the marches give the one that was asked for.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from rolling.choice.candidate import Candidate
 from rolling.choice.choice_numbers import Contender, OmittedPair
 from rolling.choice.choosing import OpenChoice, default_folder, open_choice
 from rolling.choice.design import LEAST_SHOWN_DB, Design, Round, nearest
-from rolling.choice.heard_specimen import HeardQuantity, Specimen
+from rolling.choice.heard_specimen import HeardQuantity
 from rolling.choice.least_change import fall_of, least_change
 from rolling.choice.sensitivity import quantity_of, refuse_sweep
 from rolling.choice.wave_bands import PlateBands, PlateWaves
@@ -128,13 +129,16 @@ class DesignSearch:
         name = self._base.scene.name
         if not np.all(np.isfinite(base.levels_in(self._quantity.name))):
             raise SceneError([f"{name}: makes no sound within hearing, so none could be quieter"])
-        bands = self._waves.bands(self._unmarched(base))
+        unmarched = self._unmarched(base)
+        bands = self._waves.bands(unmarched.specimens, self._work.correlation(unmarched, unmarched))
         if not bands.is_known:
+            more = "more specimens (--pairs) or a longer track would tell"
+            if bands.correlation is not None:
+                more = "a longer or wider scan would tell"
             raise SceneError(
                 [
                     f"{name}: the level does not surely fall with all waves of the plate (by"
-                    f" {bands.response.sum():.2f} dB per decibel), so none is named; more specimens"
-                    " (--pairs) or a longer track would tell"
+                    f" {bands.response.sum():.2f} dB per decibel), so none is named; {more}"
                 ]
             )
         self._refuse_too_much(bands)
@@ -154,14 +158,22 @@ class DesignSearch:
             omitted=[*self._omitted.values()],
         )
 
-    def _unmarched(self, base: Contender) -> list[Specimen]:
-        """Return the specimens on which no changed surface is marched.
+    def _unmarched(self, base: Contender) -> Contender:
+        """Return the specimens of a contender on which no changed surface is marched.
 
         A response fits its own specimens better than others. So the fall is marched on specimens
         that have no part in it, unless there is a single one.
         """
-        others = [specimen for specimen in base.specimens if specimen.number >= self._count]
-        return others or list(base.specimens)
+        places = [
+            place for place, specimen in enumerate(base.specimens) if specimen.number >= self._count
+        ]
+        if not places:
+            return base
+        return replace(
+            base,
+            heard=[base.heard[place] for place in places],
+            specimens=[base.specimens[place] for place in places],
+        )
 
     def _refuse_too_much(self, bands: PlateBands) -> None:
         """Refuse a fall that not even a plate without waves has."""

@@ -94,7 +94,7 @@ class Difference:
     @property
     def shares_places(self) -> bool:
         """Whether its pairs count as fewer independent ones, because their places are alike."""
-        return self.independent is not None and self.independent < ALIKE * self.pairs
+        return are_alike(self.pairs, self.independent)
 
     def wanted_scatter_db(self, within_db: float) -> float:
         """Return what the scatter may add to a wanted ± [dB], since more pairs lower it only.
@@ -104,6 +104,11 @@ class Difference:
         of_others = joined(self.parts_db, left_out=[SCATTER])
         left = math.sqrt(max(0.0, within_db**2 - of_others**2))
         return max(left, LEAST_SHARE * within_db)
+
+
+def are_alike(places: int, independent: float | None) -> bool:
+    """Tell whether places count as fewer independent ones, which are None where all are."""
+    return independent is not None and independent < ALIKE * places
 
 
 def paired_difference(

@@ -3,6 +3,11 @@
 The limit holds for a single specimen: 95 % of specimens lie below it, with a confidence of 95 %, by
 the one-sided tolerance limit of a normal distribution over specimens. `limit_search` computes it.
 
+Places of a scan share its ridges. Their mean has the variance of n_e independent places, and their
+standard deviation has fewer degrees of freedom f (`acoustics.pairs`). Both stand in the limit in
+place of the number of places n and of n - 1. It is rather too high than too low then, because the
+mean and the deviation of correlated values are taken to be independent.
+
 References
 ----------
 ISO 16269-6:2014, Determination of statistical tolerance intervals. Its factors for an unknown mean
@@ -19,11 +24,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.special import nctdtrit, ndtri, stdtr
+from scipy.special import nctdtrit, ndtri
 
 from acoustics.arrays import Array
-from acoustics.pairs import SURE
+from acoustics.numbers import rounded
+from acoustics.pairs import SURE, PairedMean, paired_mean, sureness
 from acoustics.texts import printable
+from rolling.choice.choice_sentences import counted_places
 from rolling.choice.heard_specimen import HeardQuantity
 from rolling.kinds.stated_conditions import conditions_of
 from rolling.numbers.conditions import Conditions
@@ -38,6 +45,7 @@ if TYPE_CHECKING:
 
 Value = float | str
 
+LEAST_TOLD_DB = 0.1  # by which a wider scan lowers a limit, and a sentence says so
 FEWEST = 3  # specimens for which a tolerance limit is stated
 SHARE = 0.95  # of specimens that lie below a tolerance limit
 CONFIDENCE = 0.95
@@ -55,10 +63,14 @@ class Point:
         The value.
     levels_db : (specimens,) array, dB(A)
         What a listener would hear of each specimen, at the louder of the loss factors.
+    correlation : (specimens, specimens) array or None
+        Correlation of the levels of places of a scan; None, the default, where each specimen has a
+        surface of its own.
     """
 
     value: Value
     levels_db: Array
+    correlation: Array | None = None
 
     @property
     def mean_db(self) -> float:
@@ -68,7 +80,31 @@ class Point:
     @property
     def upper_db(self) -> float:
         """Tolerance limit, dB(A): 95 % of specimens lie below, with 95 % confidence."""
-        return tolerance_limit(self.levels_db)
+        return tolerance_limit(self.levels_db, self.correlation)
+
+    @property
+    def deviation_db(self) -> float:
+        """Standard deviation of the levels [dB], that of independent places."""
+        of_levels = _mean_of(self.levels_db, self.correlation)
+        return of_levels.error * math.sqrt(of_levels.independent)
+
+    @property
+    def independent(self) -> float | None:
+        """Number of independent places that the places of a scan count as; None without a scan."""
+        if self.correlation is None:
+            return None
+        return _mean_of(self.levels_db, self.correlation).independent
+
+    @property
+    def wider_db(self) -> float:
+        """By how much [dB] a scan with twice as many independent places would lower the limit."""
+        of_levels = _mean_of(self.levels_db, self.correlation)
+        factor = tolerance_factor(2 * of_levels.independent, 2 * of_levels.freedom + 1)
+        return self.upper_db - (self.mean_db + factor * self.deviation_db)
+
+    def words(self, noun: str) -> str:
+        """Say how many specimens there are, and as how many independent ones they count."""
+        return counted_places(len(self.levels_db), self.independent, noun)
 
 
 class Fall(NamedTuple):
@@ -161,24 +197,26 @@ class Limit:
         table : pandas.DataFrame
             One row per computed value in the order of the search: order, value, vibration_db (mean
             over specimens; medium_db of a bearing), vibration_deviation_db (their standard
-            deviation), tolerance_limit_db, specimens, is_below, is_answer.
+            deviation), tolerance_limit_db, specimens, independent_places (only of a scan: as how
+            many they count), is_below, is_answer.
         """
         import pandas as pd  # slow to import, for tables only
 
         rows: list[dict[str, Any]] = []
         for number, point in enumerate(self.points, start=1):
-            rows.append(
-                {
-                    "order": number,
-                    self.key: point.value,
-                    f"{self.quantity.name}_db": point.mean_db,
-                    f"{self.quantity.name}_deviation_db": float(np.std(point.levels_db, ddof=1)),
-                    "tolerance_limit_db": point.upper_db,
-                    "specimens": len(point.levels_db),
-                    "is_below": point.upper_db <= self.level_db,
-                    "is_answer": point.value == self.value,
-                }
-            )
+            row = {
+                "order": number,
+                self.key: point.value,
+                f"{self.quantity.name}_db": point.mean_db,
+                f"{self.quantity.name}_deviation_db": point.deviation_db,
+                "tolerance_limit_db": point.upper_db,
+                "specimens": len(point.levels_db),
+            }
+            if point.independent is not None:
+                row["independent_places"] = point.independent
+            row["is_below"] = point.upper_db <= self.level_db
+            row["is_answer"] = point.value == self.value
+            rows.append(row)
         return pd.DataFrame(rows)
 
     def plot(self, ax: Axes | None = None) -> Axes:
@@ -209,6 +247,11 @@ class Limit:
             " counts as below the level where the one-sided tolerance limit of ISO 16269-6 lies"
             " below it: of 95 % of specimens, with 95 % confidence."
         )
+        if any(point.independent is not None for point in self.points):
+            searched += (
+                " Places of a scan count as the number of independent ones that the correlation of"
+                " their levels leaves."
+            )
         return self.conditions.paragraph([searched, *self.sentences[:1], UNVALIDATED])
 
     @property
@@ -223,25 +266,62 @@ class Limit:
 # ---- the tolerance limit
 
 
-def tolerance_factor(count: int, share: float = SHARE, confidence: float = CONFIDENCE) -> float:
+def tolerance_factor(
+    count: float,
+    freedom: float | None = None,
+    share: float = SHARE,
+    confidence: float = CONFIDENCE,
+) -> float:
     """Return the factor of a one-sided normal tolerance limit over the standard deviation.
 
     Mean plus factor times deviation of a number of values is above a share of all values, with the
     confidence (ISO 16269-6, unknown mean and deviation).
+
+    Parameters
+    ----------
+    count : float
+        Number of independent values.
+    freedom : float, optional
+        Degrees of freedom of the deviation. Default: one less than the values.
+    share, confidence : float
+        Share of all values, and how sure it is.
     """
     root = math.sqrt(count)
-    return float(nctdtrit(count - 1, ndtri(share) * root, confidence)) / root
+    of_deviation = count - 1 if freedom is None else freedom
+    return float(nctdtrit(of_deviation, ndtri(share) * root, confidence)) / root
 
 
-def tolerance_limit(levels_db: Array) -> float:
-    """Return the one-sided tolerance limit of levels; silence is minus infinity."""
-    finite = levels_db[np.isfinite(levels_db)]
+def tolerance_limit(levels_db: Array, correlation: Array | None = None) -> float:
+    """Return the one-sided tolerance limit of levels.
+
+    Silence is minus infinity. The limit is infinite where nothing is known of the scatter, because
+    all places of a scan are as good as one.
+
+    Parameters
+    ----------
+    levels_db : (specimens,) array, dB
+        Level of each specimen.
+    correlation : (specimens, specimens) array, optional
+        Correlation of the levels of places of a scan. Default: they are independent.
+    """
+    is_finite = np.isfinite(levels_db)
+    finite = levels_db[is_finite]
     if not len(finite):
         return -math.inf
     if len(finite) < FEWEST:
         return float(finite.max())
-    factor = tolerance_factor(len(finite))
-    return float(np.mean(finite) + factor * np.std(finite, ddof=1))
+    if correlation is not None:
+        correlation = correlation[np.ix_(is_finite, is_finite)]
+    of_levels = _mean_of(finite, correlation)
+    if not math.isfinite(of_levels.error):
+        return math.inf
+    factor = tolerance_factor(of_levels.independent, of_levels.freedom)
+    return of_levels.mean + factor * of_levels.error * math.sqrt(of_levels.independent)
+
+
+def _mean_of(values: Array, correlation: Array | None) -> PairedMean:
+    """Return the mean of values with the scatter of all of them."""
+    return paired_mean(values, correlation, first_pairs=len(values))
 
 
 def percent(share: float) -> str:
@@ -278,15 +358,21 @@ def from_quiet(points: Sequence[Point], rises: bool, key: str) -> list[Point]:
 def falls(ordered: Sequence[Point]) -> list[Fall]:
     """Return the neighbouring points between which the mean level surely falls.
 
-    All points have the same specimens, so the differences are those of pairs.
+    All points have the same specimens, so the differences are those of pairs. On a scan they are
+    taken to be correlated as the levels of both points are on average.
     """
     sure_falls = []
     for quieter, louder in pairwise(ordered):
         rise = louder.levels_db - quieter.levels_db
         if not np.all(np.isfinite(rise)) or rise.mean() >= 0:
             continue
-        error = float(np.std(rise, ddof=1)) / math.sqrt(len(rise))
-        if error == 0 or stdtr(len(rise) - 1, -rise.mean() / error) >= SURE:
+        correlation = None
+        if quieter.correlation is not None and louder.correlation is not None:
+            correlation = (quieter.correlation + louder.correlation) / 2
+        of_rise = _mean_of(rise, correlation)
+        if not math.isfinite(of_rise.error):
+            continue
+        if sureness(of_rise.mean, of_rise.error, of_rise.freedom) >= SURE:
             sure_falls.append(Fall(quieter.value, louder.value))
     return sure_falls
 
@@ -297,24 +383,24 @@ def falls(ordered: Sequence[Point]) -> list[Fall]:
 def _sentences(result: Limit) -> Iterator[str]:
     """Yield the answer, where the level does not rise, and what became of the range."""
     ordered = result.ordered
-    count = f"{len(ordered[0].levels_db)} {result.noun}"
     unit = result.quantity.level_unit
     limit = f"{result.level_db:g} {unit}"
+    quietest = min(ordered, key=lambda point: point.upper_db)
     if result.value is None:
-        quietest = min(ordered, key=lambda point: point.upper_db)
         yield (
             f"No value of the range stays below {limit}. Even at {_worded(result, quietest)} the"
             f" level below which {percent(SHARE)} of {result.noun} lie is"
-            f" {quietest.upper_db:.1f} {unit} ({count})."
+            f" {quietest.upper_db:.1f} {unit} ({quietest.words(result.noun)})."
         )
     else:
         answer = result.at(result.value)
         holds = f"{percent(SHARE)} of {result.noun} lie below {answer.upper_db:.1f} {unit}"
+        count = answer.words(result.noun)
         louder = result.next_louder
         if louder is None:
             yield (
                 f"The whole range stays below {limit}, up to {_worded(result, answer)}: there"
-                f" {holds} ({count}, {percent(CONFIDENCE)} confidence)."
+                f" {holds} ({count}; {percent(CONFIDENCE)} confidence)."
             )
         else:
             extreme = "coarsest" if isinstance(result.value, str) else "largest"
@@ -330,6 +416,13 @@ def _sentences(result: Limit) -> Iterator[str]:
                 f"Values from {_worded(result, ordered[0])} on are above the limit as well, so the"
                 " answer holds from the first computed value below it on."
             )
+    told = quietest if result.value is None else result.at(result.value)
+    if told.independent is not None and told.wider_db >= LEAST_TOLD_DB:
+        yield (
+            f"A scan with twice as many independent places, such as one of twice the width, would"
+            f" lower the level below which {percent(SHARE)} lie by about"
+            f" {rounded(told.wider_db, 2)} dB."
+        )
     if result.falls:
         places = [
             f"from {labels.worded(result.key, fall.quieter)} to"

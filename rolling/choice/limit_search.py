@@ -16,7 +16,7 @@ import numpy as np
 
 from acoustics.texts import printable
 from rolling.choice import drawing
-from rolling.choice.audition import audition_of
+from rolling.choice.audition import Specimens, audition_of
 from rolling.choice.candidate import Candidate
 from rolling.choice.choosing import OpenChoice, default_folder, open_choice
 from rolling.choice.heard_specimen import HeardQuantity
@@ -32,6 +32,7 @@ from rolling.choice.limit import (
     from_quiet,
     names_of,
     percent,
+    tolerance_limit,
 )
 from rolling.choice.sensitivity import quantity_of, refuse_sweep
 from rolling.contact.solver import ContactError
@@ -236,6 +237,22 @@ def _count(work: OpenChoice, scene: Any, seeds: int) -> int:
     return count
 
 
+def _refuse_alike(candidate: Candidate, specimens: Specimens, count: int) -> None:
+    """Refuse a scan whose places are as good as one, before any is marched."""
+    correlation = specimens.correlation(candidate, candidate, range(count))
+    if not math.isinf(tolerance_limit(np.arange(float(count)), correlation)):
+        return
+    scene = candidate.scene
+    raise SceneError(
+        [
+            f"{scene.place('surface')}: surface: the {count} {specimens.noun} of {scene.name} share"
+            f" their ridges and tell no more than one place, so that no limit holds for"
+            f" {percent(SHARE)} of specimens; allowed: a surface with a seed, or a wider or longer"
+            " scan"
+        ]
+    )
+
+
 # ---- search
 
 
@@ -321,6 +338,7 @@ class LimitSearch:
             if point.value == value:
                 return point
         changed = _changed(self._base, self._key, value)
+        _refuse_alike(changed, self._work.specimens, self._count)
         (contender,), omitted = self._work.hear([changed], self._count)
         if omitted:  # nothing is known of 95 % of specimens where one of few has no level
             first = omitted[0]
@@ -328,7 +346,11 @@ class LimitSearch:
         levels = [
             of_specimen.highest_level_db(self._quantity.name) for of_specimen in contender.heard
         ]
-        point = Point(value=value, levels_db=np.array(levels))
+        point = Point(
+            value=value,
+            levels_db=np.array(levels),
+            correlation=self._work.correlation(contender, contender),
+        )
         self._points.append(point)
         noun = self._work.specimens.noun
         progress.line(

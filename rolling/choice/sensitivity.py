@@ -24,7 +24,7 @@ from rolling.choice.candidate import Candidate
 from rolling.choice.change_words import SHOWN_DB, in_words, two_digits
 from rolling.choice.choice_doubts import left_out_text
 from rolling.choice.choice_numbers import Contender, OmittedPair, leading_of
-from rolling.choice.choice_sentences import capital
+from rolling.choice.choice_sentences import capital, counted
 from rolling.choice.choosing import OpenChoice, default_folder, open_choice
 from rolling.choice.difference import Difference
 from rolling.choice.drawing import ChangedValue, LeftOut
@@ -508,7 +508,7 @@ def _sentences(result: Sensitivities) -> Iterator[str]:
         ]
         if others:
             text += f"; then come {' and '.join(others)}"
-        yield f"{text} ({best.difference.pairs} {result.noun})."
+        yield f"{text} ({counted(best.difference, result.noun)})."
     elif result.rows:
         yield "No value of the drawing surely makes the sound quieter."
     else:

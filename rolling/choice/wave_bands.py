@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from acoustics.arrays import Array
+from acoustics.pairs import paired_mean
 from rolling.choice.heard_specimen import Specimen
 
 SURE_ERRORS = 2.0  # standard errors above 0 of a band and its neighbours, from which on it counts
@@ -41,11 +42,15 @@ class PlateBands:
         Rms of profiles along the track in each band, over all specimens.
     responses : (specimens, bands) array, dB/dB
         Fall of the level of each specimen where all waves of a band are a decibel lower.
+    correlation : (specimens, specimens) array or None
+        Correlation of places of a scan; None, the default, where each specimen has a surface of its
+        own.
     """
 
     wavelength_m: Array
     rms_m: Array
     responses: Array
+    correlation: Array | None = None
 
     @property
     def response(self) -> Array:
@@ -54,20 +59,24 @@ class PlateBands:
 
     @property
     def error(self) -> Array:
-        """Standard error of the mean response, (bands,) [dB/dB]; 0 for a single specimen."""
-        count = len(self.responses)
-        if count < 2:
-            return np.zeros(self.responses.shape[1])
-        return np.asarray(self.responses.std(axis=0, ddof=1) / np.sqrt(count))
+        """Standard error of the mean response, (bands,) [dB/dB].
+
+        It is NaN for a single specimen, and for places of a scan that are as good as one.
+        """
+        return np.array([self._error_of(of_band) for of_band in self.responses.T])
 
     @property
     def is_known(self) -> bool:
-        """Whether the response of all bands together is surely above 0."""
+        """Whether the response of all bands together is surely above 0.
+
+        A single specimen has no error, so that its response counts as it is.
+        """
         together = self.responses.sum(axis=1)
-        error = 0.0
-        if len(together) > 1:
-            error = float(together.std(ddof=1)) / len(together) ** 0.5
-        return bool(together.mean() > SURE_ERRORS * error)
+        return bool(together.mean() > SURE_ERRORS * np.nan_to_num(self._error_of(together)))
+
+    def _error_of(self, values: Array) -> float:
+        """Return the standard error of the mean of a value of each specimen; NaN if unknown."""
+        return paired_mean(values, self.correlation, first_pairs=len(values)).error
 
     @property
     def resolutions(self) -> list[Resolution]:
@@ -99,7 +108,7 @@ class PlateBands:
         """
         response = self.response
         together = _over_neighbours(response, NEIGHBOURS)
-        error = np.sqrt(_over_neighbours(np.square(self.error), NEIGHBOURS))
+        error = np.sqrt(_over_neighbours(np.square(np.nan_to_num(self.error)), NEIGHBOURS))
         counts = together > SURE_ERRORS * error
         counts &= response >= LEAST_SHARE * response.max(initial=0.0)
         return np.where(counts, np.maximum(response, 0.0), 0.0)
@@ -122,8 +131,8 @@ class PlateWaves:
     """Waves of the plate of a scene, as far as they make its sound.
 
     has_other_sources : bool. Whether something sounds that no lower wave of the plate removes.
-    bands : function. It returns the bands of solved specimens.
+    bands : function. It returns the bands of solved specimens with their correlation.
     """
 
     has_other_sources: bool
-    bands: Callable[[Sequence[Specimen]], PlateBands]
+    bands: Callable[[Sequence[Specimen], Array | None], PlateBands]

@@ -78,6 +78,28 @@ def test_bands_that_are_known_by_chance_do_not_stand_for_all() -> None:
     assert all(one.response.shape == (4,) for one in few.resolutions)
 
 
+@pytest.mark.law("Design: the error of a response holds for specimens that are alike.")
+def test_the_error_of_a_response_counts_places_that_are_alike() -> None:
+    places = np.arange(8.0)
+    correlation = np.exp(-np.abs(places[:, None] - places) / 4)
+    root = np.linalg.cholesky(correlation)
+    of_bands = 0.1 + 0.02 * (root @ np.random.default_rng(8).normal(size=(8, 3000)))
+    wavelengths, rms = np.geomspace(1e-3, 1e-5, 3000), np.full(3000, 1e-8)
+    as_single = PlateBands(wavelengths, rms, of_bands)
+    alike = replace(as_single, correlation=correlation)
+    assert as_single.error == pytest.approx(of_bands.std(axis=0, ddof=1) / np.sqrt(8))
+    true_error = float(np.std(alike.response))
+    assert np.sqrt(np.mean(alike.error**2)) == pytest.approx(true_error, rel=0.05)
+    assert np.sqrt(np.mean(as_single.error**2)) < 0.6 * true_error
+    # A response that single places would make sure stays open on places that are alike.
+    few = PlateBands(wavelengths[:1], rms[:1], 0.1 + 0.08 * np.array([[-1], [0], [1.0]]))
+    assert few.is_known and not replace(few, correlation=0.5 + 0.5 * np.eye(3)).is_known
+    # Places that are as good as one count as a single specimen does: without an error.
+    one = replace(few, correlation=np.ones((3, 3)))
+    assert np.isnan(one.error).all() and one.is_known
+    assert np.isnan(PlateBands(wavelengths[:1], rms[:1], few.responses[:1]).error).all()
+
+
 @pytest.mark.law("Lower waves: amplitudes by their factors, phases and all other waves as before.")
 def test_waves_are_lowered_with_their_phases(scene: rc.Scene) -> None:
     spacing = 3e-6
