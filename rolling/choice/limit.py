@@ -416,12 +416,12 @@ def _sentences(result: Limit) -> Iterator[str]:
                 f"Values from {_worded(result, ordered[0])} on are above the limit as well, so the"
                 " answer holds from the first computed value below it on."
             )
-    told = quietest if result.value is None else result.at(result.value)
-    if told.independent is not None and told.wider_db >= LEAST_TOLD_DB:
+    point = quietest if result.value is None else result.at(result.value)
+    if point.independent is not None and point.wider_db >= LEAST_TOLD_DB:
         yield (
             f"A scan with twice as many independent places, such as one of twice the width, would"
             f" lower the level below which {percent(SHARE)} lie by about"
-            f" {rounded(told.wider_db, 2)} dB."
+            f" {rounded(point.wider_db, 2)} dB."
         )
     if result.falls:
         places = [
