@@ -45,6 +45,7 @@ DRAW: dict[str, drawn_pictures.Draw] = {
     "speed": speed_pictures.easy,
     "speed-hard": speed_pictures.hard,
     "growth": measured_pictures.growth,
+    "calibration": measured_pictures.calibration,
 }
 
 

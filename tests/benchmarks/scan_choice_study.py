@@ -9,7 +9,7 @@ and a coin decides which one counts as quieter. Then it chooses between 20 pairs
 which the rougher one is the louder one.
 
 It prints the tables of docs/accuracy.md and keeps each answer in outputs/scan-choice-study, so that
-it goes on where it stopped. `--plot FILE` draws the calibration curve.
+it goes on where it stopped. `python docs/_hooks/pictures.py calibration` draws its curve.
 """
 
 from __future__ import annotations
@@ -385,29 +385,12 @@ def print_summary(answers: Sequence[Answer]) -> None:
     print(f"places {places:.1f}, independent {np.round(independent, 1)} (10, 50, 90 %)")
 
 
-def draw_curve(answers: Sequence[Answer], path: Path) -> None:
-    """Draw the share of right answers over the sureness, of windows and of independent places."""
-    import matplotlib.pyplot as plt
-
-    _, ax = plt.subplots(figsize=(5.2, 4.2), layout="constrained")
-    for of_windows, label in ((True, "each place counted as one"), (False, "independent places")):
-        rows = calibration_rows(answers, of_windows)
-        promised = [float(row[2].rstrip(" %")) for row in rows]
-        right = [float(row[3].rstrip(" %")) for row in rows]
-        ax.plot(promised, right, marker="o", label=label)
-    ax.plot([50, 100], [50, 100], color="0.4", linewidth=0.8, label="as promised")
-    ax.set(xlabel="sureness that was stated [%]", ylabel="right answers [%]")
-    ax.legend()
-    plt.savefig(path)
-
-
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=OUT)
     parser.add_argument("--pairs", type=int, default=PAIRS + EQUAL)
     parser.add_argument("--marched", type=int, default=MARCHED)
-    parser.add_argument("--plot", type=Path)
     given = parser.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
     progress.begin(progress.Level.QUIET)
@@ -421,8 +404,6 @@ def main() -> None:
     print_summary(answers)
     print("\neach place counted as one:")
     print_table(answers, of_windows=True)
-    if given.plot is not None:
-        draw_curve(answers, given.plot)
     marched = kept_answers(
         given.out / "marched.jsonl", given.marched, lambda number: marched_answer(number, given.out)
     )
