@@ -25,6 +25,7 @@ from rolling.results import labels
 from rolling.results.notes import UNVALIDATED
 
 if TYPE_CHECKING:
+    from rolling.choice.advice import Advice
     from rolling.choice.design import Design
     from rolling.choice.limit import Limit, Point
     from rolling.choice.sensitivity import Sensitivities, Sensitivity
@@ -32,23 +33,10 @@ if TYPE_CHECKING:
 
 def sensitivities_page(result: Sensitivities) -> bytes:
     """Write the page of what would help: the change by each value of the drawing as a bar."""
-    lead, *others = result.sentences
     heads = ["Value", f"per step, {result.quantity.decibels}", "linear chain", "specimens"]
     rows = [_cells(row) for row in result.rows]
-    made = PageOfParts(
-        title=f"What would make it quieter? {_title(result)}",
-        machine=_drawing(result),
-        first=[
-            conditions_part(result.conditions),
-            Part("advice_first.html", {"lead": lead, "bars": _bars(result), "charts": []}),
-        ],
-        parts=[
-            _doubts(others),
-            Part("table.html", {"heads": heads, "rows": rows}),
-            methods_part(result.methods),
-        ],
-    )
-    return made.written()
+    title = f"What would make it quieter? {_title(result)}"
+    return _page(result, title, {"bars": _bars(result), "charts": []}, heads, rows)
 
 
 def _bars(result: Sensitivities) -> Bars | None:
@@ -98,7 +86,6 @@ def _cells(row: Sensitivity) -> list[str]:
 
 def limit_page(result: Limit) -> bytes:
     """Write the page of a search for the coarsest value below a level."""
-    lead, *others = result.sentences
     unit = result.quantity.level_unit
     word, _ = labels.named(result.key)
     charts = []
@@ -116,20 +103,8 @@ def limit_page(result: Limit) -> bytes:
                 str(number),
             ]
         )
-    made = PageOfParts(
-        title=f"Which {word} stays below {result.level_db:g} {unit}? {_title(result)}",
-        machine=_drawing(result),
-        first=[
-            conditions_part(result.conditions),
-            Part("advice_first.html", {"lead": lead, "bars": None, "charts": charts}),
-        ],
-        parts=[
-            _doubts(others),
-            Part("table.html", {"heads": heads, "rows": rows}),
-            methods_part(result.methods),
-        ],
-    )
-    return made.written()
+    title = f"Which {word} stays below {result.level_db:g} {unit}? {_title(result)}"
+    return _page(result, title, {"bars": None, "charts": charts}, heads, rows)
 
 
 def _count_cell(point: Point) -> str:
@@ -142,7 +117,6 @@ def _count_cell(point: Point) -> str:
 
 def design_page(result: Design) -> bytes:
     """Write the page of a design: amplitudes of waves as they are and as they are aimed at."""
-    lead, *others = result.sentences
     charts = []
     with left_out_if_it_fails("design"):
         charts.append(exhibit(picture("design", partial(_design, result))))
@@ -161,30 +135,18 @@ def design_page(result: Design) -> bytes:
                 f"{response} dB/dB",
             ]
         )
-    made = PageOfParts(
-        title=f"Which waves must be lower? {_title(result)}",
-        machine=_drawing(result),
-        first=[
-            conditions_part(result.conditions),
-            Part("advice_first.html", {"lead": lead, "bars": None, "charts": charts}),
-        ],
-        parts=[
-            _doubts(others),
-            Part("table.html", {"heads": heads, "rows": rows}),
-            methods_part(result.methods),
-        ],
-    )
-    return made.written()
+    title = f"Which waves must be lower? {_title(result)}"
+    return _page(result, title, {"bars": None, "charts": charts}, heads, rows)
 
 
-def _title(result: Design | Limit | Sensitivities) -> str:
+def _title(result: Advice) -> str:
     """Say what rolls on what, or give the name of a scene that is not known."""
     if result.scene is None:
         return printable(result.name)
     return text.titles([RunFolder({}, result.scene, result.folder)])
 
 
-def _drawing(result: Design | Limit | Sensitivities) -> MachineDrawing | None:
+def _drawing(result: Advice) -> MachineDrawing | None:
     """Draw the machine of the scene; None where the scene is not known."""
     return None if result.scene is None else drawing_of([result.scene])
 
@@ -210,3 +172,24 @@ def _doubts(sentences: Sequence[str]) -> Part:
         "doubted": [],
     }
     return Part("doubts.html", values)
+
+
+def _page(
+    result: Advice, title: str, shown: dict[str, Any], heads: list[str], rows: list[list[str]]
+) -> bytes:
+    """Write a page of an answer: its lead, bars and charts, what to doubt, a table, methods."""
+    lead, *others = result.sentences
+    made = PageOfParts(
+        title=title,
+        machine=_drawing(result),
+        first=[
+            conditions_part(result.conditions),
+            Part("advice_first.html", {"lead": lead} | shown),
+        ],
+        parts=[
+            _doubts(others),
+            Part("table.html", {"heads": heads, "rows": rows}),
+            methods_part(result.methods),
+        ],
+    )
+    return made.written()

@@ -13,15 +13,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from acoustics.arrays import Array
+from rolling.choice.advice import Advice
 from rolling.choice.change_words import two_digits
 from rolling.choice.choice_numbers import OmittedPair
 from rolling.choice.choice_sentences import counted
 from rolling.choice.difference import Difference
 from rolling.choice.heard_specimen import HeardQuantity
 from rolling.choice.wave_bands import PlateBands
-from rolling.kinds.stated_conditions import conditions_of
-from rolling.numbers.conditions import Conditions
-from rolling.results.notes import UNVALIDATED
 from rolling.surface.lowered_waves import HALF_BAND, nominal
 
 if TYPE_CHECKING:
@@ -52,8 +50,8 @@ class Round(NamedTuple):
         return np.inf if self.fall.db is None else self.fall.db
 
 
-@dataclass(frozen=True, eq=False)
-class Design:
+@dataclass(frozen=True, eq=False, repr=False)
+class Design(Advice):
     """Waves that must be lower for a quieter scene, with the least change of the roughness.
 
     Attributes
@@ -115,22 +113,17 @@ class Design:
     doubt: str = ""
 
     @property
-    def conditions(self) -> Conditions:
-        """Conditions of the scene."""
-        return conditions_of({self.name: self.scene})
-
-    @property
-    def methods(self) -> str:
-        """Paragraph on methods that one may paste into a report, with all conditions."""
-        compared = [
+    def found_by(self) -> list[str]:
+        """Sentences on how the answer was found."""
+        found = [
             f"Of all changes of the waves that are enough by {self.by_response}, the one with the"
             f" smallest {MEASURE} was marched on {self.noun} with the same phases."
         ]
         if self.fall.uncertainty_db is not None:
-            compared.append("The ± is one standard uncertainty of the mean change by Student's t.")
+            found.append("The ± is one standard uncertainty of the mean change by Student's t.")
         if self.doubt:
-            compared.append(self.doubt)
-        return self.conditions.paragraph([*compared, *self.sentences[:1], UNVALIDATED])
+            found.append(self.doubt)
+        return found
 
     @property
     def by_response(self) -> str:
@@ -203,16 +196,7 @@ class Design:
         )
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the amplitudes of the bands as they are and as they are aimed at.
-
-        Parameters
-        ----------
-        ax : matplotlib axes. Axes to draw on. Default: new ones.
-
-        Returns
-        -------
-        ax : matplotlib axes
-        """
+        """Draw the amplitudes of the bands as they are and as they are aimed at."""
         from rolling.choice.advice_pictures import plot_design
 
         return plot_design(self, ax)
@@ -242,9 +226,6 @@ class Design:
     def sentences(self) -> list[str]:
         """The answer in words, and what to doubt."""
         return [*_sentences(self)]
-
-    def __repr__(self) -> str:
-        return "\n".join(self.sentences)
 
 
 def nearest(rounds: Sequence[Round], quieter_db: float) -> Round:

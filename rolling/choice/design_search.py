@@ -8,7 +8,7 @@ corrected until the marches give the one that was asked for.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.pairs import FEWEST_PAIRS, FIRST_PAIRS, MOST_PAIRS
+from rolling.choice.advice import write_advice
 from rolling.choice.audition import audition_of
 from rolling.choice.candidate import Candidate
 from rolling.choice.choice_numbers import Contender, OmittedPair
@@ -25,7 +26,6 @@ from rolling.choice.heard_specimen import HeardQuantity
 from rolling.choice.least_change import fall_of, least_change
 from rolling.choice.sensitivity import quantity_of, refuse_sweep
 from rolling.choice.wave_bands import PlateBands, PlateWaves
-from rolling.kinds.stated_conditions import with_conditions, write_answer_file
 from rolling.scene.identity import digest
 from rolling.scene.messages import SceneError, is_number, quoted
 from rolling.surface.lowered_waves import nominal
@@ -37,12 +37,8 @@ ROUNDS = 5  # changed surfaces that are marched at most
 NEAR = 0.02  # relative distance from the fall that was asked for, which ends the search
 NEAR_DB = 0.03  # and the absolute one
 FLOOR_DB = 0.05  # distance from the largest possible fall that is left
-TABLE = "design.csv"
 TARGET = "target-psd.csv"
 SCENE = "design.yaml"
-ANSWER = "design.json"
-PICTURE = "design.png"
-PAGE = "design.html"
 
 
 def design_scene(
@@ -101,36 +97,36 @@ def design_scene(
         return search.run()
 
 
+@dataclass
 class DesignSearch:
-    """Marches changed surfaces until the level falls by what was asked for."""
+    """Marches changed surfaces until the level falls by what was asked for.
 
-    def __init__(
-        self,
-        *,
-        work: OpenChoice,
-        base: Candidate,
-        waves: PlateWaves,
-        quantity: HeardQuantity,
-        quieter_db: float,
-        count: int,
-    ) -> None:
-        self._work = work
-        self._base = base
-        self._waves = waves
-        self._quantity = quantity
-        self._quieter_db = quieter_db
-        self._all = count
-        self._count = math.ceil(count / 2)  # specimens on which changed surfaces are marched
-        self._omitted: dict[int, OmittedPair] = {}
+    work, base, waves, quantity : The open folder, the candidate, its waves and what is heard.
+    quieter_db : float, dB. The fall that was asked for.
+    count : int. Number of specimens, of which half are marched with changed surfaces.
+    """
+
+    work: OpenChoice
+    base: Candidate
+    waves: PlateWaves
+    quantity: HeardQuantity
+    quieter_db: float
+    count: int
+    omitted: dict[int, OmittedPair] = field(default_factory=dict)
+
+    @property
+    def marched_count(self) -> int:
+        """Number of specimens on which changed surfaces are marched."""
+        return math.ceil(self.count / 2)
 
     def run(self) -> Design:
         """Return the design."""
-        ((base,), _) = self._work.hear([self._base], self._all)
-        name = self._base.scene.name
-        if not np.all(np.isfinite(base.levels_in(self._quantity.name))):
+        ((base,), _) = self.work.hear([self.base], self.count)
+        name = self.base.scene.name
+        if not np.all(np.isfinite(base.levels_in(self.quantity.name))):
             raise SceneError([f"{name}: makes no sound within hearing, so none could be quieter"])
         unmarched = self._unmarched(base)
-        bands = self._waves.bands(unmarched.specimens, self._work.correlation(unmarched, unmarched))
+        bands = self.waves.bands(unmarched.specimens, self.work.correlation(unmarched, unmarched))
         if not bands.is_known:
             more = "more specimens (--pairs) or a longer track would tell"
             if bands.correlation is not None:
@@ -143,19 +139,19 @@ class DesignSearch:
             )
         self._refuse_too_much(bands)
         rounds, doubt = self._confirmed(bands)
-        answer = nearest(rounds, self._quieter_db)
+        answer = nearest(rounds, self.quieter_db)
         return Design(
             name=name,
-            quantity=self._quantity,
-            quieter_db=self._quieter_db,
+            quantity=self.quantity,
+            quieter_db=self.quieter_db,
             bands=bands,
             rounds=rounds,
             doubt=doubt,
-            noun=self._work.specimens.noun,
-            folder=self._work.folder,
-            scene=self._base.scene,
+            noun=self.work.specimens.noun,
+            folder=self.work.folder,
+            scene=self.base.scene,
             changed=self._changed(bands.wavelength_m, answer.lowered_db).scene,
-            omitted=[*self._omitted.values()],
+            omitted=[*self.omitted.values()],
         )
 
     def _unmarched(self, base: Contender) -> Contender:
@@ -165,7 +161,9 @@ class DesignSearch:
         that have no part in it, unless there is a single one.
         """
         places = [
-            place for place, specimen in enumerate(base.specimens) if specimen.number >= self._count
+            place
+            for place, specimen in enumerate(base.specimens)
+            if specimen.number >= self.marched_count
         ]
         if not places:
             return base
@@ -177,16 +175,16 @@ class DesignSearch:
 
     def _refuse_too_much(self, bands: PlateBands) -> None:
         """Refuse a fall that not even a plate without waves has."""
-        if not self._waves.has_other_sources:
+        if not self.waves.has_other_sources:
             return
         without = np.full(len(bands.wavelength_m), MOST_DB)
         fall_db = self._march(bands.wavelength_m, without, math.inf).fall_db
-        if self._quieter_db <= fall_db - FLOOR_DB:
+        if self.quieter_db <= fall_db - FLOOR_DB:
             return
         can = f"can be met: up to {max(0.0, fall_db - FLOOR_DB):.1f} dB"
         raise SceneError(
             [
-                f"quieter: got {self._quieter_db:g} dB, but with no waves on the plate at all the"
+                f"quieter: got {self.quieter_db:g} dB, but with no waves on the plate at all the"
                 f" scene is {fall_db:.1f} dB quieter, because the surface of the sphere or single"
                 f" faults stay; {can}"
             ]
@@ -201,25 +199,25 @@ class DesignSearch:
         *finer, coarsest = bands.resolutions
         for resolution in finer:
             rounds = self._rounds(resolution.response, bands.wavelength_m, ends_early=True)
-            best = nearest(rounds, self._quieter_db)
+            best = nearest(rounds, self.quieter_db)
             if not (self._is_short(best) or _fails(rounds[-1])):
                 return rounds, resolution.doubt
             progress.line("the marches do not confirm this response, so a coarser one follows")
         rounds = self._rounds(coarsest.response, bands.wavelength_m, ends_early=False)
-        best = nearest(rounds, self._quieter_db)
-        if best.fall_db < self._quieter_db / 2:
+        best = nearest(rounds, self.quieter_db)
+        if best.fall_db < self.quieter_db / 2:
             raise SceneError(
                 [
-                    f"quieter: got {self._quieter_db:g} dB, but with waves lowered by"
+                    f"quieter: got {self.quieter_db:g} dB, but with waves lowered by"
                     f" {best.lowered_db.max():.1f} dB the level changes by {-best.fall_db:+.1f} dB"
-                    f" over {best.fall.pairs} {self._work.specimens.noun}, so these do not tell"
+                    f" over {best.fall.pairs} {self.work.specimens.noun}, so these do not tell"
                     " which waves sound; allowed: more specimens (--pairs) or a longer track"
                 ]
             )
         if self._is_short(best):
             raise SceneError(
                 [
-                    f"quieter: got {self._quieter_db:g} dB, but with bands lowered by up to"
+                    f"quieter: got {self.quieter_db:g} dB, but with bands lowered by up to"
                     f" {MOST_DB:g} dB the scene is {best.fall_db:.1f} dB quieter; allowed: up to"
                     " that, or more specimens (--pairs), which make more bands known"
                 ]
@@ -228,7 +226,7 @@ class DesignSearch:
 
     def _is_short(self, best: Round) -> bool:
         """Whether a surface falls short of what was asked for, and no band can be lower."""
-        return best.fall_db < self._quieter_db and best.lowered_db.max() >= MOST_DB
+        return best.fall_db < self.quieter_db and best.lowered_db.max() >= MOST_DB
 
     def _rounds(self, response: Array, wavelength_m: Array, ends_early: bool) -> list[Round]:
         """Return the changed surfaces that were marched, in their order.
@@ -243,19 +241,19 @@ class DesignSearch:
             Whether a surface that fails ends the search.
         """
         rounds: list[Round] = []
-        aimed_db = self._quieter_db
+        aimed_db = self.quieter_db
         for _ in range(ROUNDS):
             lowered = np.minimum(least_change(response, aimed_db), MOST_DB)
             lowered = np.where(lowered >= LEAST_SHOWN_DB, np.round(lowered, 2), 0.0)
             if not lowered.any():
                 lowered[np.argmax(response)] = LEAST_SHOWN_DB
             rounds.append(self._march(wavelength_m, lowered, fall_of(response, lowered)))
-            off_db = abs(rounds[-1].fall_db - self._quieter_db)
-            if off_db <= max(NEAR * self._quieter_db, NEAR_DB):
+            off_db = abs(rounds[-1].fall_db - self.quieter_db)
+            if off_db <= max(NEAR * self.quieter_db, NEAR_DB):
                 break
             if ends_early and _fails(rounds[-1]):
                 return rounds
-            following_db = _next_aim(rounds, self._quieter_db)
+            following_db = _next_aim(rounds, self.quieter_db)
             if following_db is None:
                 break
             aimed_db = following_db
@@ -264,33 +262,33 @@ class DesignSearch:
     def _march(self, wavelength_m: Array, lowered_db: Array, aimed_db: float) -> Round:
         """March the surface as it is and with lower waves, and return the fall of the level."""
         changed = self._changed(wavelength_m, lowered_db)
-        (base, quiet), omitted = self._work.hear([self._base, changed], self._count)
+        (base, quiet), omitted = self.work.hear([self.base, changed], self.marched_count)
         for pair in omitted:
-            self._omitted.setdefault(pair.number, pair)
-        fall = self._work.audition.difference(
-            self._quantity.name,
+            self.omitted.setdefault(pair.number, pair)
+        fall = self.work.audition.difference(
+            self.quantity.name,
             base.heard,
             quiet.heard,
             omitted=len(omitted),
-            correlation=self._work.correlation(base, quiet),
+            correlation=self.work.correlation(base, quiet),
         )
         made = Round(aimed_db=aimed_db, lowered_db=lowered_db, fall=fall)
         progress.line(
             f"waves lowered by up to {lowered_db.max():.1f} dB: {made.fall_db:.2f}"
-            f" {self._quantity.decibels} quieter over {_pairs(base)}"
+            f" {self.quantity.decibels} quieter over {_pairs(base)}"
         )
         return made
 
     def _changed(self, wavelength_m: Array, lowered_db: Array) -> Candidate:
         """Return the candidate whose waves are lowered, beside what the scene lowers itself."""
-        own = self._base.scene.surface.lowered_db or {}
+        own = self.base.scene.surface.lowered_db or {}
         whole = {nominal(1e6 * middle): 0.0 for middle in wavelength_m}
         whole |= {nominal(wavelength): db for wavelength, db in own.items()}
         for middle, db in zip(wavelength_m, lowered_db, strict=True):
             whole[nominal(1e6 * middle)] += float(db)
         values = {float(name): round(db, 2) for name, db in whole.items() if db > 0}
         label = f"lower waves {digest(list(values.items()))[:8]}"
-        return self._work.audition.with_value(self._base, KEY, values, label)
+        return self.work.audition.with_value(self.base, KEY, values, label)
 
 
 def _fails(marched: Round) -> bool:
@@ -339,26 +337,18 @@ def write_design(result: Design) -> list[Path]:
     """Write table, target, scene, picture and page of a design, and return the files."""
     from rolling.choice.advice_page import design_page
     from rolling.choice.advice_pictures import design_picture
-    from rolling.figures.settings import left_out_if_it_fails
     from rolling.results.runs_table import csv_bytes
     from rolling.run.folder import with_relative_paths
     from rolling.scene import file
 
-    folder = result.folder
-    written = [folder / TABLE, folder / TARGET, folder / SCENE, folder / ANSWER]
-    table = result.table()
-    stated = with_conditions(table, result.conditions, [result.name] * len(table))
-    whole_files.write_bytes(written[0], csv_bytes(stated))
-    write_answer_file(folder / ANSWER, result.sentences, result.conditions, result.methods)
+    target = result.folder / TARGET
     head = "".join(f"# {line}\n" for line in target_notes(result))
-    whole_files.write_bytes(written[1], head.encode() + csv_bytes(result.target()))
-    changed = with_relative_paths(folder, result.changed)
-    whole_files.write_bytes(written[2], file.dump(changed).encode())
-    with left_out_if_it_fails("design"):
-        whole_files.write_bytes(folder / PICTURE, design_picture(result))
-        written.append(folder / PICTURE)
-    whole_files.write_bytes(folder / PAGE, design_page(result))
-    return [*written, folder / PAGE]
+    whole_files.write_bytes(target, head.encode() + csv_bytes(result.target()))
+    scene = result.folder / SCENE
+    changed = with_relative_paths(result.folder, result.changed)
+    whole_files.write_bytes(scene, file.dump(changed).encode())
+    table, *others = write_advice(result, "design", design_picture, design_page)
+    return [table, target, scene, *others]
 
 
 def target_notes(result: Design) -> list[str]:

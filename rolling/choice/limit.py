@@ -30,12 +30,10 @@ from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from acoustics.pairs import SURE, PairedMean, paired_mean, sureness
 from acoustics.texts import printable
+from rolling.choice.advice import Advice
 from rolling.choice.choice_sentences import counted_places
 from rolling.choice.heard_specimen import HeardQuantity
-from rolling.kinds.stated_conditions import conditions_of
-from rolling.numbers.conditions import Conditions
 from rolling.results import labels
-from rolling.results.notes import UNVALIDATED
 from rolling.scene import library
 from rolling.scene.surfaces import GRADES
 
@@ -114,8 +112,8 @@ class Fall(NamedTuple):
     louder: Value
 
 
-@dataclass(frozen=True, eq=False)
-class Limit:
+@dataclass(frozen=True, eq=False, repr=False)
+class Limit(Advice):
     """Answer to the question which value of a key stays below a level.
 
     Attributes
@@ -220,47 +218,30 @@ class Limit:
         return pd.DataFrame(rows)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the path of the search: levels with their tolerance limits over the value.
-
-        Parameters
-        ----------
-        ax : matplotlib axes. Axes to draw on. Default: new ones.
-
-        Returns
-        -------
-        ax : matplotlib axes
-        """
+        """Draw the path of the search: levels with their tolerance limits over the value."""
         from rolling.choice.advice_pictures import plot_limit
 
         return plot_limit(self, ax)
 
     @property
-    def conditions(self) -> Conditions:
-        """Conditions of the scene; none where it is not known."""
-        return conditions_of({self.name: self.scene})
-
-    @property
-    def methods(self) -> str:
-        """Paragraph on methods that one may paste into a report, with all conditions."""
-        searched = (
+    def found_by(self) -> list[str]:
+        """Sentences on how the answer was found."""
+        searched = [
             f"The value of {self.key} was searched on the same {self.noun} at each value. A value"
             " counts as below the level where the one-sided tolerance limit of ISO 16269-6 lies"
             " below it: of 95 % of specimens, with 95 % confidence."
-        )
+        ]
         if any(point.independent is not None for point in self.points):
-            searched += (
-                " Places of a scan count as the number of independent ones that the correlation of"
+            searched.append(
+                "Places of a scan count as the number of independent ones that the correlation of"
                 " their levels leaves."
             )
-        return self.conditions.paragraph([searched, *self.sentences[:1], UNVALIDATED])
+        return searched
 
     @property
     def sentences(self) -> list[str]:
         """The answer in words, and what to doubt."""
         return [*_sentences(self)]
-
-    def __repr__(self) -> str:
-        return "\n".join(self.sentences)
 
 
 # ---- the tolerance limit

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ import numpy as np
 
 from acoustics.texts import printable
 from rolling.choice import drawing
+from rolling.choice.advice import write_advice
 from rolling.choice.audition import Specimens, audition_of
 from rolling.choice.candidate import Candidate
 from rolling.choice.choosing import OpenChoice, default_folder, open_choice
@@ -36,21 +38,16 @@ from rolling.choice.limit import (
 )
 from rolling.choice.sensitivity import quantity_of, refuse_sweep
 from rolling.contact.solver import ContactError
-from rolling.kinds.stated_conditions import with_conditions, write_answer_file
 from rolling.results import labels
 from rolling.scene.messages import SceneError, is_number, nearest, plain_number, quoted
 from rolling.scene.models import full_key
-from rolling.terminal import defaults, progress, whole_files
+from rolling.terminal import defaults, progress
 
 TIMES = 5.0  # usual range: the value over this number to the value times it
 RESOLUTION = 1.05  # ratio of the last two values of the search
 BETWEEN = 3  # values between the ends that are computed before the search
 DIGITS = 4  # of a value of the search
 CUTS = 4  # of a range whose ends are refused
-TABLE = "below.csv"
-PICTURE = "below.png"
-PAGE = "below.html"
-ANSWER = "below.json"
 
 
 def coarsest_value(
@@ -256,28 +253,24 @@ def _refuse_alike(candidate: Candidate, specimens: Specimens, count: int) -> Non
 # ---- search
 
 
+@dataclass
 class LimitSearch:
-    """Computes levels over a value until the crossing of a limit is known."""
+    """Computes levels over a value until the crossing of a limit is known.
 
-    def __init__(
-        self,
-        *,
-        work: OpenChoice,
-        base: Candidate,
-        key: str,
-        quantity: HeardQuantity,
-        level_db: float,
-        count: int,
-        is_given: bool,
-    ) -> None:
-        self._work = work
-        self._base = base
-        self._key = key
-        self._quantity = quantity
-        self._level_db = level_db
-        self._count = count
-        self._is_given = is_given
-        self._points: list[Point] = []
+    work, base, key, quantity : The open folder, the candidate, the key and what is heard.
+    level_db : float. The limit.
+    count : int. Number of specimens.
+    is_given : bool. Whether the range was given, so that its ends are not moved.
+    """
+
+    work: OpenChoice
+    base: Candidate
+    key: str
+    quantity: HeardQuantity
+    level_db: float
+    count: int
+    is_given: bool
+    points: list[Point] = field(default_factory=list)
 
     def run(self, values: Sequence[Value], are_names: bool, notes: Sequence[str]) -> Limit:
         """Return the answer over a range: the ends of numbers, or all names."""
@@ -297,73 +290,71 @@ class LimitSearch:
             self._point(value)
         answer = self._crossing(rises, left)
         return Limit(
-            name=self._base.scene.name,
-            key=self._key,
-            quantity=self._quantity,
-            level_db=self._level_db,
-            points=self._points,
+            name=self.base.scene.name,
+            key=self.key,
+            quantity=self.quantity,
+            level_db=self.level_db,
+            points=self.points,
             value=answer,
             rises=rises,
-            falls=falls(from_quiet(self._points, rises, self._key)),
-            noun=self._work.specimens.noun,
+            falls=falls(from_quiet(self.points, rises, self.key)),
+            noun=self.work.specimens.noun,
             notes=notes,
-            folder=self._work.folder,
-            scene=self._base.scene,
+            folder=self.work.folder,
+            scene=self.base.scene,
         )
 
     def _end(self, value: Value, notes: list[str]) -> Point:
         """Return the point of an end; a usual range is cut where its contact has no solution."""
         wanted = value
-        own = labels.value_at(self._base.scene, self._key)
+        own = labels.value_at(self.base.scene, self.key)
         for _ in range(CUTS):
             try:
                 point = self._point(value)
             except ContactError as error:
-                if self._is_given or isinstance(value, str):
+                if self.is_given or isinstance(value, str):
                     raise
                 reason = printable(str(error).splitlines()[0])
-                note = f"{labels.worded(self._key, wanted)} has no solution ({reason})"
+                note = f"{labels.worded(self.key, wanted)} has no solution ({reason})"
                 value = _short(math.sqrt(float(own) * float(value)))
                 continue
             if value != wanted:
-                notes.append(
-                    f"The range ends at {labels.worded(self._key, value)}, because {note}."
-                )
+                notes.append(f"The range ends at {labels.worded(self.key, value)}, because {note}.")
             return point
         return self._point(own)
 
     def _point(self, value: Value) -> Point:
         """Return the point of a value, computed if it is new."""
-        for point in self._points:
+        for point in self.points:
             if point.value == value:
                 return point
-        changed = _changed(self._base, self._key, value)
-        _refuse_alike(changed, self._work.specimens, self._count)
-        (contender,), omitted = self._work.hear([changed], self._count)
+        changed = _changed(self.base, self.key, value)
+        _refuse_alike(changed, self.work.specimens, self.count)
+        (contender,), omitted = self.work.hear([changed], self.count)
         if omitted:  # nothing is known of 95 % of specimens where one of few has no level
             first = omitted[0]
             raise ContactError(f"{first.label}, specimen {first.number}: {first.reason}")
         levels = [
-            of_specimen.highest_level_db(self._quantity.name) for of_specimen in contender.heard
+            of_specimen.highest_level_db(self.quantity.name) for of_specimen in contender.heard
         ]
         point = Point(
             value=value,
             levels_db=np.array(levels),
-            correlation=self._work.correlation(contender, contender),
+            correlation=self.work.correlation(contender, contender),
         )
-        self._points.append(point)
-        noun = self._work.specimens.noun
+        self.points.append(point)
+        noun = self.work.specimens.noun
         progress.line(
-            f"{labels.worded(self._key, value)}: {percent(SHARE)} of {noun} lie"
-            f" below {point.upper_db:.1f} {self._quantity.level_unit}"
+            f"{labels.worded(self.key, value)}: {percent(SHARE)} of {noun} lie"
+            f" below {point.upper_db:.1f} {self.quantity.level_unit}"
         )
         return point
 
     def _crossing(self, rises: bool, names: Sequence[Value]) -> Value | None:
         """Halve the first interval, from the quiet end, in which the limit is crossed."""
         while True:
-            ordered = from_quiet(self._points, rises, self._key)
-            below = [point.upper_db <= self._level_db for point in ordered]
+            ordered = from_quiet(self.points, rises, self.key)
+            below = [point.upper_db <= self.level_db for point in ordered]
             if True not in below:
                 return None
             first = below.index(True)
@@ -392,21 +383,8 @@ def _middle(quieter: Value, louder: Value, names: Sequence[Value]) -> Value | No
 
 
 def write_limit(result: Limit) -> list[Path]:
-    """Write table, picture and page of the search into its folder, and return the files."""
+    """Write table, answer, picture and page of the search, and return the files."""
     from rolling.choice.advice_page import limit_page
     from rolling.choice.advice_pictures import limit_picture
-    from rolling.figures.settings import left_out_if_it_fails
-    from rolling.results.runs_table import csv_bytes
 
-    written = [result.folder / TABLE]
-    table = result.table()
-    conditions = result.conditions
-    stated = with_conditions(table, conditions, [result.name] * len(table))
-    whole_files.write_bytes(written[0], csv_bytes(stated))
-    write_answer_file(result.folder / ANSWER, result.sentences, conditions, result.methods)
-    written.append(result.folder / ANSWER)
-    with left_out_if_it_fails("below"):
-        whole_files.write_bytes(result.folder / PICTURE, limit_picture(result))
-        written.append(result.folder / PICTURE)
-    whole_files.write_bytes(result.folder / PAGE, limit_page(result))
-    return [*written, result.folder / PAGE]
+    return write_advice(result, "below", limit_picture, limit_page)

@@ -19,6 +19,7 @@ from acoustics.arrays import Array
 from acoustics.pairs import FIRST_PAIRS, SURE, paired_mean, pairs_needed
 from acoustics.texts import printable
 from rolling.choice import drawing
+from rolling.choice.advice import Advice, write_advice
 from rolling.choice.audition import audition_of
 from rolling.choice.candidate import Candidate
 from rolling.choice.change_words import SHOWN_DB, in_words, two_digits
@@ -30,14 +31,11 @@ from rolling.choice.difference import Difference
 from rolling.choice.drawing import ChangedValue, LeftOut
 from rolling.choice.heard_specimen import HeardQuantity
 from rolling.contact.solver import ContactError
-from rolling.kinds.stated_conditions import conditions_of, with_conditions, write_answer_file
-from rolling.numbers.conditions import Conditions
 from rolling.results.description import listed
-from rolling.results.notes import UNVALIDATED
 from rolling.run.budget import Budget, Clock
 from rolling.scene.messages import SceneError, quoted
 from rolling.scene.models import full_key
-from rolling.terminal import defaults, progress, whole_files
+from rolling.terminal import defaults, progress
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -46,10 +44,6 @@ if TYPE_CHECKING:
 TOLD_DB = 0.1  # distance of the linear chain from which on it is told
 NEXT = 2  # values that the sentence names after the first
 USUAL = Budget(within_db=defaults.IMPROVED_WITHIN_DB)
-TABLE = "improve.csv"
-PICTURE = "improve.png"
-PAGE = "improve.html"
-ANSWER = "improve.json"
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,8 +106,8 @@ class Sensitivity:
         return db if self.change.is_upwards else -db
 
 
-@dataclass(frozen=True, eq=False)
-class Sensitivities:
+@dataclass(frozen=True, eq=False, repr=False)
+class Sensitivities(Advice):
     """Changes of the level of a scene by the values of its drawing, the largest first.
 
     Attributes
@@ -143,7 +137,8 @@ class Sensitivities:
     --------
     >>> from pathlib import Path
     >>> import rolling
-    >>> from rolling.choice.audition import SOUND
+    >>> from rolling.choice.advice import Advice, write_advice
+    from rolling.choice.audition import SOUND
     >>> found = rolling.Sensitivities(
     ...     name="empty", quantity=SOUND, rows=[], left_out=[], noun="surfaces", within_db=0.1,
     ...     limit="", folder=Path(),
@@ -206,16 +201,7 @@ class Sensitivities:
         return pd.DataFrame(rows)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the changes as bars, with their ± and the linear chain beside them.
-
-        Parameters
-        ----------
-        ax : matplotlib axes. Axes to draw on. Default: new ones.
-
-        Returns
-        -------
-        ax : matplotlib axes
-        """
+        """Draw the changes as bars, with their ± and the linear chain beside them."""
         from rolling.choice.advice_pictures import plot_sensitivities
 
         return plot_sensitivities(self, ax)
@@ -235,26 +221,17 @@ class Sensitivities:
         return lines
 
     @property
-    def conditions(self) -> Conditions:
-        """Conditions of the scene; none where it is not known."""
-        return conditions_of({self.name: self.scene})
-
-    @property
-    def methods(self) -> str:
-        """Paragraph on methods that one may paste into a report, with all conditions."""
-        compared = (
+    def found_by(self) -> list[str]:
+        """Sentences on how the answer was found."""
+        return [
             "Each value of the drawing was changed by its step, and both scenes met the same"
             f" {self.noun}. The ± is one standard uncertainty of the mean change by Student's t."
-        )
-        return self.conditions.paragraph([compared, *self.sentences[:1], UNVALIDATED])
+        ]
 
     @property
     def sentences(self) -> list[str]:
         """The answer in words: what would help most, and what to doubt."""
         return [*_sentences(self)]
-
-    def __repr__(self) -> str:
-        return "\n".join(self.sentences)
 
 
 def improve_scene(
@@ -469,25 +446,12 @@ class _SpecimenLoop:
 
 
 def write_sensitivities(result: Sensitivities) -> list[Path]:
-    """Write table, picture and page of the changes into their folder, and return the files."""
+    """Write table, answer, picture and page of the changes, and return the files."""
     from rolling.choice.advice_page import sensitivities_page
     from rolling.choice.advice_pictures import sensitivities_picture
-    from rolling.figures.settings import left_out_if_it_fails
-    from rolling.results.runs_table import csv_bytes
 
-    written = [result.folder / TABLE]
-    table = result.table()
-    conditions = result.conditions
-    stated = with_conditions(table, conditions, [result.name] * len(table))
-    whole_files.write_bytes(written[0], csv_bytes(stated))
-    write_answer_file(result.folder / ANSWER, result.sentences, conditions, result.methods)
-    written.append(result.folder / ANSWER)
-    if result.rows:
-        with left_out_if_it_fails("improve"):
-            whole_files.write_bytes(result.folder / PICTURE, sensitivities_picture(result))
-            written.append(result.folder / PICTURE)
-    whole_files.write_bytes(result.folder / PAGE, sensitivities_page(result))
-    return [*written, result.folder / PAGE]
+    picture = sensitivities_picture if result.rows else None
+    return write_advice(result, "improve", picture, sensitivities_page)
 
 
 # ---- sentences

@@ -127,22 +127,22 @@ def _searched(law, low: float, high: float, level_db: float) -> tuple[float | No
 
     class Lawful(LimitSearch):
         def _point(self, value):  # type: ignore[no-untyped-def]
-            known = [point for point in self._points if point.value == value]
+            known = [point for point in self.points if point.value == value]
             if not known:
                 known = [Point(value, law(value) + scatter)]
-                self._points.append(known[0])
+                self.points.append(known[0])
             return known[0]
 
     search = Lawful.__new__(Lawful)
-    search._points = []
-    search._level_db = level_db
-    search._key = "surface.roughness_ra_um"
+    search.points = []
+    search.level_db = level_db
+    search.key = "surface.roughness_ra_um"
     first, last = search._point(low), search._point(high)
     rises = last.mean_db >= first.mean_db
     for value in np.geomspace(low, high, 5)[1:-1]:
         search._point(float(value))
     value = search._crossing(rises, [])
-    ordered = from_quiet(search._points, rises, search._key)
+    ordered = from_quiet(search.points, rises, search.key)
     return value, rises, len(falls(ordered))
 
 
