@@ -175,13 +175,10 @@ def test_places_in_the_code_exist():
     assert named >= 10
 
 
-def test_python_of_readme_and_getting_started_is_the_same():
-    blocks = [
-        re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)[0]
-        for page in (ROOT / "README.md", DOCS / "getting-started.md")
-    ]
-    assert blocks[0] == blocks[1]
-    compile(blocks[0], "README.md", "exec")
+def test_the_python_of_getting_started_compiles():
+    page = DOCS / "getting-started.md"
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    compile(blocks[0], page.name, "exec")
 
 
 def test_scenes_name_their_schema():

@@ -120,7 +120,7 @@ PYTHON: Scenes = {"quickstart": ["sweep=", "rolling.load_n=20", "rolling.duratio
 
 
 def _readme_example(path: Path) -> Shown:
-    """Run the example of the README, which prints the two numbers as the terminal does."""
+    """Run the example of Getting started, which prints the two numbers as the terminal does."""
     from rolling import read_scene, simulate
     from rolling.results.run_lines import answer_lines
 
@@ -135,7 +135,7 @@ def _readme_example(path: Path) -> Shown:
         f"run.vibration.value, run.vibration.verdict"
         f"  # {run.vibration.value:.1f}, {run.vibration.verdict!r}",
     ]
-    return Shown(both, dict.fromkeys(("README.md", "docs/getting-started.md"), lines))
+    return Shown(both, {"docs/getting-started.md": lines})
 
 
 def _choice(path: Path) -> Shown:
