@@ -9,9 +9,9 @@ track_length, length_choice
 laws, surfaces, sections
     strict models: the laws and single faults of heights, the kinds of surface, and the sections
     sphere, plate, rolling, numerics, recovery, dynamics and sound, with units in names of keys
-height_format, text_words, text_table, text_heights
-    what all files of heights share; units and headings that instruments write; a table of numbers
-    in a text; the heights that it holds
+height_format, text_words, text_look, text_table, text_heights
+    what all files of heights share; units and headings that instruments write; the look at a text;
+    its table of numbers; the heights that it holds
 height_files, hdf5_files, height_grid
     heights from .npy, .npz, text and files of instruments; the judge of HDF5 files; the nodes of
     their period

@@ -17,7 +17,8 @@ from acoustics.numbers import rounded
 from rolling.scene import text_words
 from rolling.scene.height_format import UNITS, HeightFormatError
 from rolling.scene.kept import Kept
-from rolling.scene.text_table import Look, TextTable, cells_of, read_table
+from rolling.scene.text_look import Look, cells_of
+from rolling.scene.text_table import TextTable, read_table
 from rolling.scene.text_words import Heading, Metadata, Unit
 
 TRIPLES = ".xyz"

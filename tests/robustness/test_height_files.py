@@ -20,7 +20,7 @@ from rolling import cli
 from rolling.check import findings
 from rolling.in_si import scene_surface
 from rolling.in_si.described_file import DescribedFile, FileOptions, described_file
-from rolling.scene import file, height_files, height_grid, text_heights, text_table
+from rolling.scene import file, height_files, height_grid, text_heights, text_look, text_table
 from rolling.scene.height_format import HeightFormatError
 from rolling.scene.kept import Kept
 from rolling.scene.messages import SceneError
@@ -405,14 +405,14 @@ def test_numpy_reads_what_the_explaining_reader_reads(text: str, tmp_path: Path)
     path = tmp_path / "h.txt"
     path.write_bytes(text.encode("latin-1"))
     try:
-        head, is_whole = text_table._head(path, text_table._encoding(path))
-        look = text_table._look(head, is_whole)
+        head = text_table._head(path, text_table._encoding(path))
+        look = text_look.look_at(head)
     except HeightFormatError:
         return
     body = "".join(head[look.first - 1 :])
-    fast = text_table._fast(body, look, text_table.Commas())
+    fast = text_table._fast(body, look, text_look.Commas())
     try:
-        slow, _ = text_table._slow(body, look, text_table.Commas(), 1)
+        slow, _ = text_table._slow(body, look, text_look.Commas(), 1)
     except HeightFormatError:
         assert fast is None
         return
