@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -42,7 +43,7 @@ EXPONENT = EXPONENT_OFF / math.sqrt(3)
 FORM_DB = -20 * math.log10(LEAST_FORM) / math.sqrt(3)  # rms about the limit, the end of the range
 _NOTHING = 1e-12
 _HIGHEST_ACROSS = 8.0  # wave number times correlation length across, beyond which are no waves
-_STEP_ACROSS = 0.25  # of the wave number times the semi-axis across or the correlation length
+_STEP_ACROSS = 0.5  # of the wave number times the semi-axis across or the correlation length
 
 
 @dataclass(frozen=True)
@@ -152,11 +153,14 @@ def roughness_powers(
     along = np.arange(orders) / radius_m
     steps = math.ceil(_HIGHEST_ACROSS / _STEP_ACROSS * max(1.0, axes.across / law.across_m))
     across, step = np.linspace(0, _HIGHEST_ACROSS / law.across_m, steps, retstep=True)
-    followed = response(np.hypot(along[:, None] * axes.along, across * axes.across)) ** 2
     density = np.exp(-((across * law.across_m / 2) ** 2)) * law.across_m / math.sqrt(math.pi)
     line = law.along_m / math.sqrt(math.pi) * np.exp(-((along * law.along_m / 2) ** 2))
+    count = int(np.count_nonzero(line > _NOTHING * line[0]))  # of orders that have any height
+    followed = response(np.hypot(along[:count, None] * axes.along, across * axes.across)) ** 2
     # Twice the mean square of the approach by each order; no order 0.
-    square = 2 * law.rq_m**2 / radius_m * line * np.trapezoid(followed * density, dx=step)
+    square = np.zeros(orders)
+    square[:count] = np.trapezoid(followed * density, dx=step)
+    square *= 2 * law.rq_m**2 / radius_m * line
     square[0] = 0.0
     return {
         direction: {band: float(gain @ square) for band, gain in of_bands.items()}
@@ -172,6 +176,15 @@ def order_gains(
     The orders from 0 on are those that reach the end of the bands, and contacts follow them in
     full. All balls have waves of their own. By direction and band, (orders,).
     """
+    return _kept_gains(body, model, tuple(bands_hz.items()))
+
+
+@lru_cache(maxsize=16)  # because waves and roughness of a body have the same gains
+def _kept_gains(
+    body: str, model: BearingModel, bands: tuple[tuple[str, tuple[float, float]], ...]
+) -> dict[str, dict[str, Array]]:
+    """Return the gains of orders, which are shared: they are not to be changed."""
+    bands_hz = dict(bands)
     motion = WaveMotion(model)
     speeds = model.kinematics
     ring_hz = speeds.inner_hz if body == INNER else speeds.outer_hz
@@ -249,12 +262,12 @@ class _SurfaceInBand(NamedTuple):
         """Return what assumptions leave uncertain in a band whose power is given [dB], signed."""
         if not whole > 0:
             return {}
-        found = {name: weighted / whole for name, weighted in self.weighted_db.items()}
+        levels_db = {name: weighted / whole for name, weighted in self.weighted_db.items()}
         rest = max(whole - self.power, 0.0)
         for name, (low, high) in self.ends.items():
             ratio = max(rest + high, _NOTHING * whole) / max(rest + low, _NOTHING * whole)
-            found[name] = 10 * math.log10(ratio) / math.sqrt(12)
-        return found
+            levels_db[name] = 10 * math.log10(ratio) / math.sqrt(12)
+        return levels_db
 
 
 _OfBands = dict[str, dict[str, _SurfaceInBand]]  # by direction and band
@@ -332,11 +345,11 @@ def surfaces_db(
     bands_hz : dict, Hz
         Edges of the bands by their names.
     """
-    found = [_of_surface(surface, model, bands_hz) for surface in surfaces]
+    of_surfaces = [_of_surface(surface, model, bands_hz) for surface in surfaces]
     parts: dict[str, dict[str, float]] = {direction: {} for direction in DIRECTIONS}
     for direction in DIRECTIONS:
         for band in bands_hz:
-            own = [bands[direction][band] for bands in found]
+            own = [bands[direction][band] for bands in of_surfaces]
             whole = max(velocity_m_s[direction][band] ** 2, sum(part.power for part in own))
             by_assumption: dict[tuple[bool, str], float] = {}
             for surface, part in zip(surfaces, own, strict=True):
@@ -357,11 +370,11 @@ def assumptions_db(
     By body and assumption, AMPLITUDE, OF_EXPONENT and CRESTS of waves and RA, LENGTH and
     LENGTH_ACROSS of roughness, then by band. Nothing but these surfaces moves the ring.
     """
-    found = [_of_surface(surface, model, bands_hz)[RADIAL] for surface in surfaces]
+    of_surfaces = [_of_surface(surface, model, bands_hz)[RADIAL] for surface in surfaces]
     worth: dict[tuple[str, str], dict[str, float]] = {}
     for band in bands_hz:
-        whole = sum(bands[band].power for bands in found)
-        for surface, bands in zip(surfaces, found, strict=True):
+        whole = sum(bands[band].power for bands in of_surfaces)
+        for surface, bands in zip(surfaces, of_surfaces, strict=True):
             for name, decibels in bands[band].decibels(whole).items():
                 worth.setdefault((surface.body, name), dict.fromkeys(bands_hz, 0.0))
                 worth[surface.body, name][band] = abs(decibels)

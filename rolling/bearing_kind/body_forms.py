@@ -112,7 +112,7 @@ ROUGHNESS_KEYS = {
 
 def assumed_roughness(scene: BearingScene) -> list[AssumedRoughness]:
     """Return the roughness of raceways of which a finish by name assumes something."""
-    found = []
+    assumed = []
     for body in ("inner", "outer"):
         surface = getattr(scene.bearing.surfaces, body)
         keys = assumed_of_surface(scene, body)
@@ -129,8 +129,8 @@ def assumed_roughness(scene: BearingScene) -> list[AssumedRoughness]:
                 ends[1] = min(ends[1], surface.longest_across_um)
             low, high = (_law_of(surface.model_dump() | {key: end}) for end in ends)
             others[name] = low, high
-        found.append(AssumedRoughness(body, _law_of(surface.model_dump()), others))
-    return found
+        assumed.append(AssumedRoughness(body, _law_of(surface.model_dump()), others))
+    return assumed
 
 
 def _law_of(values: dict[str, object]) -> RoughnessLaw:

@@ -115,15 +115,15 @@ class Design(Advice):
     @property
     def found_by(self) -> list[str]:
         """Sentences on how the answer was found."""
-        found = [
+        sentences = [
             f"Of all changes of the waves that are enough by {self.by_response}, the one with the"
             f" smallest {MEASURE} was marched on {self.noun} with the same phases."
         ]
         if self.fall.uncertainty_db is not None:
-            found.append("The ± is one standard uncertainty of the mean change by Student's t.")
+            sentences.append("The ± is one standard uncertainty of the mean change by Student's t.")
         if self.doubt:
-            found.append(self.doubt)
-        return found
+            sentences.append(self.doubt)
+        return sentences
 
     @property
     def by_response(self) -> str:
