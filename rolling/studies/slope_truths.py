@@ -73,7 +73,6 @@ def _over_roughness(levels: pd.Series, rough: Sequence[Run]) -> Iterator[SlopeRo
         by_ra = at_speed.droplevel(SPEED).unstack(SEED)
         slopes = db_per_decade(by_ra)
         yield "roughness, rolling", f"{speed:g} m/s, {_ends(by_ra)}", math.nan, slopes
-    yield "roughness, sliding", "", math.nan, slopes
     by_ra = _levels(rough, (SEED, RA)).unstack(SEED)
     for first in range(len(by_ra) - 1):
         decade = by_ra.iloc[first : first + 2]
