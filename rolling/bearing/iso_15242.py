@@ -7,6 +7,7 @@ single-row deep-groove ball bearings.
 from acoustics.numbers import rounded
 
 SPEED_RPM = 1800.0
+ANGULAR_DEG = 15.0  # least contact angle that makers give to angular contact bearings
 SPEED_SHARE = 0.02  # of the speed that may be off
 # Outside diameters up to a limit [mm], and the range of the axial load [N].
 _AXIAL_LOADS_N = (

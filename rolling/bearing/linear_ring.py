@@ -74,15 +74,24 @@ class LinearRing:
         return float(np.sqrt(max(self.stiffness_n_m[2, 2], 0.0) / self.mass_kg)) / (2 * pi)
 
     @property
-    def slowest_decay_s(self) -> float:
-        """Longest time [s] in which a free vibration falls to 1/e; infinite without losses."""
+    def decays_s(self) -> Array:
+        """Times [s] in which free vibrations at the resonances fall to 1/e, (m,).
+
+        They are infinite without losses, and zero in a direction in which nothing holds the ring.
+        """
         squares, modes = self._modes
         scale = 1 / np.sqrt(self.masses)
         viscous = np.outer(scale, scale) * self.damping_n_s_m
-        rates = np.einsum("xk,xy,yk->k", modes, viscous, modes)[squares > 0] / 2
-        if not np.all(rates > 0):
-            return np.inf
-        return float(1 / rates.min())
+        rates = np.einsum("xk,xy,yk->k", modes, viscous, modes) / 2
+        decays = np.full(len(rates), np.inf)
+        lossy = rates > 0
+        decays[lossy] = 1 / rates[lossy]
+        return np.where(squares > 0, decays, 0.0)
+
+    @property
+    def slowest_decay_s(self) -> float:
+        """Longest time [s] in which a free vibration falls to 1/e; infinite without losses."""
+        return float(np.max(self.decays_s))
 
     @property
     def damping_n_s_m(self) -> Array:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,12 +14,12 @@ from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from acoustics.traps import ignoring_underflow
 from rolling.bearing import iso_15242
 from rolling.bearing.kinematics import lines_of
-from rolling.bearing.limits import bounce_hz
-from rolling.bearing.linear_ring import free_tilt_db, linear_ring
+from rolling.bearing.limits import LONGEST_RUN_IN_S, bounce_hz
+from rolling.bearing.linear_ring import LinearRing, free_tilt_db, linear_ring
 from rolling.bearing.ring_bending import ORDERS
 from rolling.bearing.static_load import angles_under_loads
 from rolling.bearing.waves import hertz_pressure, semi_axes
-from rolling.bearing_kind import needs
+from rolling.bearing_kind import needs, standard_conditions
 from rolling.bearing_kind.assumed_worth import assumed_doubt
 from rolling.bearing_kind.band_edges import edge_doubts
 from rolling.bearing_kind.bearing_forecast import different_marches, forecast_of, marches_seconds
@@ -40,7 +41,6 @@ from rolling.scene.bearing_sources import assumed_keys, sources, static_load_rat
 from rolling.scene.raceways import BearingBall, BearingSurface, Raceway
 from rolling.scene.surfaces import BallHeightFile, GradedBall
 from rolling.scene.sweep import run_name
-from rolling.terminal.streams import folded
 
 HIGHEST_HZ = VELOCITY_BANDS_HZ["high"][1]
 _TURNED_DEG = 0.5  # turn of the contact angle by the loads, beyond which axial bands do not hold
@@ -53,6 +53,8 @@ _MINIATURE_BALLS = 7
 _MINIATURE_BORE = 0.36  # of the outside diameter
 # Four pits of a 6205 in oil of 32 mm2/s, with the shares of waves that a film presses flat.
 _FAULT_IN_FILM_DB = 0.5
+_SPREAD_SHARE = 0.05  # of the load of a ball that a ring moves when it bends, from which it is said
+_DECAYED = 3  # decay times after which a start is forgotten
 _CENTRIFUGAL_SHARE = 0.1  # of the mean load of a ball, from which on it is said
 
 
@@ -237,9 +239,10 @@ def ball_loads(scene: BearingScene) -> tuple[float, float]:
     return float(loads.min()), float(loads.max())
 
 
-def _loads(scene: BearingScene) -> Iterator[Finding]:
+def _loads(scene: BearingScene) -> Iterator[Finding | Doubt]:
     least, most = ball_loads(scene)
     yield Finding("ball_loads", "loads of the balls", _range(least, most, "N"))
+    yield from _spread_load(scene, most)
     for ring in ("inner", "outer"):
         contact = getattr(scene.geometry, ring)
         pressure = hertz_pressure(contact, most)
@@ -253,10 +256,39 @@ def _loads(scene: BearingScene) -> Iterator[Finding]:
     share = bearing_rules.largest_pressure(scene.bearing, scene.geometry)
     share /= 1e9 * bearing_rules.STATIC_GPA
     text = f"{share:.0%} of {bearing_rules.STATIC_GPA} GPa"
+    if scene.model.bending or scene.model.tilts:
+        text += " with a ring that stays round and straight"
     rating = static_load_rating_n(scene)
     if rating is not None:
         text += f"; catalogues give a static load rating of {si(rating, 'N')}"
     yield Finding("static_capacity", "largest pressure", text)
+
+
+def _spread_load(scene: BearingScene, most_n: float) -> Iterator[Doubt]:
+    """Say how a ring that bends or tilts bears a load otherwise than one in a stiff seat.
+
+    most_n is the largest load [N] of a ball of the scene.
+    """
+    stiff = replace(scene.model, bending=(), tilt_inertia_kg_m2=None)
+    seated_n = max(float(balance.ball_load_n.max()) for balance in stiff.balances())
+    if abs(most_n - seated_n) <= _SPREAD_SHARE * seated_n:
+        return
+    ways = []
+    keys = []
+    if scene.model.bending:
+        ways.append("bends")
+        keys.append("bearing.ring: rigid")
+    if scene.model.tilts:
+        ways.append("tilts")
+        keys.append("bearing.tilt: held")
+    yield Doubt(
+        "free_ring",
+        f"the ring {' and '.join(ways)} under the loads, as without a seat: the most loaded ball"
+        f" bears {rounded(most_n, 3)} N, and {rounded(seated_n, 3)} N where a stiff seat holds the"
+        " ring",
+        Severity.NOTE,
+        advice=f"{' and '.join(keys)} is such a seat",
+    )
 
 
 def _range(least: float, most: float, unit: str) -> str:
@@ -281,6 +313,7 @@ def _ring(scene: BearingScene) -> Iterator[Finding | Doubt]:
     if ring.axial_hz > 0:
         text += f", {si(ring.axial_hz, 'Hz')} axial"
     yield Finding("ring_resonances", "resonances of the ring", text)
+    yield from _lasting(ring)
     yield from _bending(scene, ring.resonances_hz)
     if scene.bearing.tilt == "free":
         return
@@ -294,6 +327,25 @@ def _ring(scene: BearingScene) -> Iterator[Finding | Doubt]:
             tilt_db,
             advice="bearing.tilt: free lets it tilt, at a moving angle",
         )
+
+
+def _lasting(ring: LinearRing) -> Iterator[Doubt]:
+    """Doubt resonances in the bands that ring longer than a motion runs in."""
+    resonances_hz = ring.resonances_hz
+    in_bands = (resonances_hz >= VELOCITY_BANDS_HZ["low"][0]) & (resonances_hz <= HIGHEST_HZ)
+    lasting = in_bands & (ring.decays_s > LONGEST_RUN_IN_S / _DECAYED)
+    if not np.any(lasting):
+        return
+    slowest = np.flatnonzero(lasting)[np.argmax(ring.decays_s[lasting])]
+    decay_s = float(ring.decays_s[slowest])
+    rings = "does not decay" if math.isinf(decay_s) else f"decays within {rounded(decay_s, 2)} s"
+    yield Doubt(
+        "lasting_resonance",
+        f"the resonance at {si(resonances_hz[slowest], 'Hz')} {rings}, and a motion runs in for"
+        f" {LONGEST_RUN_IN_S:g} s at most: the velocities depend on the length of the record",
+        Severity.DO_NOT_QUOTE,
+        advice="give a larger bearing.contact_loss_factor, 0.02 as steel in dry contact, or oil",
+    )
 
 
 def _bending(scene: BearingScene, resonances_hz: Array) -> Iterator[Finding | Doubt]:
@@ -403,19 +455,8 @@ def _centrifugal(scene: BearingScene) -> Iterator[Finding | Doubt]:
 # ---- standard, surfaces, cost, what is assumed
 
 
-def departures(scene: BearingScene) -> list[str]:
-    """Return what a scene does otherwise than ISO 15242 asks for, in words."""
-    return iso_15242.departures(
-        turning=scene.bearing.turning,
-        speed_rpm=scene.bearing.speed_rpm,
-        axial_load_n=scene.axial_load,
-        radial_load_n=scene.radial_load,
-        outer_diameter_mm=1e3 * scene.outside_diameter,
-    )
-
-
 def _standard(scene: BearingScene) -> Iterator[Finding | Doubt]:
-    texts = departures(scene)
+    texts = standard_conditions.departures(scene)
     allowed = iso_15242.axial_load_range_n(1e3 * scene.outside_diameter)
     value = "speed and load as the standard asks"
     if allowed is not None:
@@ -509,73 +550,3 @@ def _assumed(scene: BearingScene) -> Iterator[Finding | Doubt]:
         yield doubt
     for key, source in sources(scene).items():
         yield Finding(f"source_{key}", key, f"{getattr(scene.bearing, key):g}: {source}")
-
-
-# ---- in short
-
-
-def conclusion(findings: Findings) -> str:
-    """State in a sentence how long a scene takes, and with which verdict at best."""
-    if findings.refusal is not None:
-        return f"It does not run: {findings.refusal.text}."
-    doubts = [doubt for of_run in findings.doubts.values() for doubt in of_run]
-    radial = [doubt.severity for doubt in doubts if doubt.key != AXIAL_DOUBT]
-    worst = max(radial, default=Severity.NOTE)
-    time = f"It runs in {forecast.takes(findings.seconds)}."
-    of_what = "velocities"
-    axial = ""
-    if len(radial) < len(doubts):
-        of_what = "radial velocities"
-        axial = f" Its axial velocities are under the verdict {Severity.DO_NOT_QUOTE.word}."
-    if worst <= Severity.TRUST:
-        return f"{time} Nothing speaks against its {of_what}.{axial}"
-    return f"{time} The verdict on its {of_what} will at best be {worst.word}.{axial}"
-
-
-def lines_in_short(findings: Findings) -> list[str]:
-    """Return the conclusion of a check, the numbers that a designer asks for, and the doubts."""
-    texts: dict[str, list[str]] = {}  # with the runs that have them
-    for name, rows in findings.runs.items():
-        for text in _sentences({row.key: row.value for row in rows}):
-            texts.setdefault(text, []).append(name)
-    lines = [folded(conclusion(findings), "")]
-    for text, names in texts.items():
-        prefix = ""
-        if len(names) < len(findings.runs):
-            prefix = f"{', '.join(names)}: "
-        lines.append(folded(f"{prefix}{text}", ""))
-    lines += [folded(f"- {text[0].upper()}{text[1:]}.") for text in _doubts(findings)]
-    return [*lines, "-v shows all quantities."]
-
-
-def _sentences(values: Mapping[str, str]) -> Iterator[str]:
-    """Yield sentences on the lines, the loads, the ring and the standard from the rows of a run."""
-    lines = ("cage", "BPFO", "BPFI", "2 x ball spin")
-    frequencies = ", ".join(f"{line} {values[line]}" for line in lines)
-    yield f"{values['bearing']}: {frequencies}."
-    yield (
-        f"Balls bear {values['ball_loads']}, Hertz pressure {values['inner_pressure']} inner and"
-        f" {values['outer_pressure']} outer."
-    )
-    bending, left_out = (values[key].partition(",")[0] for key in ("ring_bending", "ring_left_out"))
-    text = f"The ring resonates at {values['ring_resonances']}, and bends from {bending} on"
-    if "elastic_resonances" in values:
-        text += f"; what it lacks begins at {left_out}"
-    yield f"{text}."
-    if "not met" not in values["iso_15242"]:
-        yield f"ISO 15242: {values['iso_15242']}."
-
-
-def _doubts(findings: Findings) -> list[str]:
-    """Return the doubts of all runs, the worst first, each once with the runs that have it."""
-    runs: dict[Doubt, list[str]] = {}
-    for name, doubts in findings.doubts.items():
-        for doubt in doubts:
-            runs.setdefault(doubt, []).append(name)
-    texts = []
-    for doubt in sorted(runs, key=lambda doubt: doubt.rank, reverse=True):
-        text = doubt.line
-        if len(runs[doubt]) < len(findings.runs):
-            text += f" ({', '.join(runs[doubt])})"
-        texts.append(text)
-    return texts

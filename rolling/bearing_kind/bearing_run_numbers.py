@@ -10,13 +10,13 @@ from rolling.bearing.band_uncertainty import BandUncertainty
 from rolling.bearing.linear_ring import linear_ring
 from rolling.bearing.ring_record import PLACES
 from rolling.bearing.static_load import angles_under_loads
-from rolling.bearing_kind.bearing_check import departures
 from rolling.bearing_kind.bearing_doubts import JudgedBearing, doubts_of
 from rolling.bearing_kind.bearing_sentences import sentences
 from rolling.bearing_kind.housing_numbers import housing_numbers
 from rolling.bearing_kind.line_numbers import envelope_band_numbers, envelope_lines, velocity_lines
 from rolling.bearing_kind.maker_numbers import pulse_numbers, vibration_class
 from rolling.bearing_kind.solved_bearing import SolvedBearing
+from rolling.bearing_kind.standard_conditions import departures
 from rolling.bearing_kind.velocities import rigid_velocities, velocities_below_bending
 from rolling.marches import effort
 from rolling.numbers.bearing_numbers import (

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
 from rolling.bearing.ring_record import NOTHING_UM_S
 from rolling.bearing_kind import bearing_lines, bearing_sentences, bearing_simulation, stored_run
-from rolling.bearing_kind.bearing_check import check_bearing, conclusion, lines_in_short
+from rolling.bearing_kind.bearing_check import check_bearing
+from rolling.bearing_kind.bearing_in_short import conclusion, lines_in_short
 from rolling.bearing_kind.bearing_run import BearingRun
 from rolling.bearing_kind.contact_marches import march_of_contact
 from rolling.bearing_kind.contact_plan import contact_plan

@@ -15,8 +15,11 @@ from scene_text import BEARINGS, SCENES
 import rolling
 from rolling import cli
 from rolling.bearing_kind.bearing_check import scene_rules
+from rolling.bearing_kind.bearing_in_short import conclusion
+from rolling.bearing_kind.standard_conditions import departures
 from rolling.kinds.reading import schema
 from rolling.kinds.registry import name_of_file
+from rolling.numbers.doubt import Doubt, Severity
 from rolling.scene import library
 from rolling.scene.bearing_rules import largest_pressure
 from rolling.scene.bearing_sources import assumed_keys
@@ -552,3 +555,42 @@ def test_every_bearing_of_the_library_runs_and_names_its_lines(path: Path) -> No
     assert findings.refusal is None and findings.seconds < 300
     for rows in findings.runs.values():
         assert {"BPFO", "BPFI", "ball_loads", "ring_bending"} <= {row.key for row in rows}
+
+
+def _doubts(*overrides: str) -> dict[str, Any]:
+    """Return the doubts of the check of a scene by key."""
+    found = [found for found in scene_rules(bearing(*overrides)) if isinstance(found, Doubt)]
+    return {doubt.key: doubt for doubt in found}
+
+
+def test_the_check_says_how_a_free_ring_spreads_a_radial_load() -> None:
+    """A bending ring takes load off the ball in the middle; a stiff seat follows Stribeck's sum."""
+    loads = ("bearing.angle=moving", "bearing.axial_load_n=0", "bearing.radial_load_n=1000")
+    closed = (*loads, "bearing.contact_angle_deg=", "bearing.radial_clearance_um=0")
+    places = 2 * math.pi * np.arange(8) / 8
+    stribeck = 1000 / np.sum(np.maximum(np.cos(places), 0) ** 2.5)
+    doubt = _doubts(*closed)["free_ring"]
+    assert f" and {stribeck:.0f} N where a stiff seat holds the ring" in doubt.text
+    assert "free_ring" not in _doubts(*closed, "bearing.ring=rigid")
+    assert "free_ring" not in _doubts("bearing.angle=moving")  # all balls bear alike
+
+
+def test_what_the_standard_does_not_measure_departs_from_it() -> None:
+    """Loads are quoted for deep grooves, and a class is that of a ring that nothing is fixed to."""
+    text = bearing("bearing.contact_angle_deg=25")
+    assert "a contact angle of 25 degrees" in departures(text)[0]
+    assert departures(bearing("bearing.ring_mass_kg=1"))[0].endswith(
+        "fixed to the ring that is measured"
+    )
+    assert not departures(bearing())
+
+
+def test_a_resonance_without_losses_has_no_velocity() -> None:
+    doubts = _doubts("bearing.contact_loss_factor=0")
+    assert doubts["lasting_resonance"].severity is Severity.DO_NOT_QUOTE
+    assert not any(key.startswith("edge_of") for key in doubts)
+    assert "lasting_resonance" not in _doubts()
+    oil = "bearing.oil={viscosity_40_mm2_s: 100}"
+    assert "lasting_resonance" not in _doubts("bearing.contact_loss_factor=0", oil)
+    words = conclusion(bearing("bearing.contact_loss_factor=0").check())
+    assert "will be under the verdict do not quote" in words and "at best" not in words
