@@ -114,6 +114,7 @@ def scene_rules(scene: BearingScene) -> Iterator[Finding | Doubt]:
     yield from _standard(scene)
     yield from _surfaces(scene)
     yield from _assumed(scene)
+    yield from _record(scene)
 
 
 # ---- geometry and speeds
@@ -528,6 +529,14 @@ def _words(surface: BearingSurface | None) -> str:
         number = len(surface.faults)
         parts.append(f"{number} single fault{'s' if number > 1 else ''}")
     return "; ".join(parts) or "smooth"
+
+
+def _record(scene: BearingScene) -> Iterator[Finding]:
+    """Yield the length of the record, which is that to listen to where it is longer."""
+    text = f"{rounded(scene.moved, 3)} s"
+    if scene.listened > scene.duration:
+        text += ", to listen to; a shorter one needs a shorter sound.listen_s"
+    yield Finding("record", "record of the motion", text)
 
 
 def _cost(plan: ContactPlan) -> Iterator[Finding]:

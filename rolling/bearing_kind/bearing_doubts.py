@@ -15,6 +15,7 @@ from rolling.bearing_kind.bearing_check import scene_rules
 from rolling.bearing_kind.solved_bearing import SolvedBearing
 from rolling.numbers.bearing_numbers import HOUSING, RingVelocities
 from rolling.numbers.doubt import Doubt, Severity, severity_of, sized
+from rolling.scene.bearing_sections import LONGEST_S
 
 _UNCERTAIN_DB = 0.05  # from which on a band is stated as uncertain
 _LEAST_DB = 0.1  # effects below it have no sentence
@@ -63,12 +64,16 @@ def short_record(judged: JudgedBearing) -> Iterator[Doubt]:
     name, largest = max(uncertain.items(), key=lambda item: item[1])
     if largest < _UNCERTAIN_DB:
         return
+    longer_s = 4 * bearing.record.duration_s
+    advice = "one four times as long halves it"
+    if longer_s <= LONGEST_S:
+        advice += f", sound.duration_s: {rounded(longer_s, 3)}"
     yield sized(
         "short_record",
         f"the record of {rounded(bearing.record.duration_s, 3)} s leaves ± {largest:.1f} dB in the"
         f" {name} band",
         largest,
-        "four times sound.duration_s halve it",
+        advice,
     )
 
 

@@ -30,6 +30,8 @@ def _as_text(name: Any) -> Any:
 
 Named = Annotated[str, BeforeValidator(_as_text), library.begins_with(library.BEARINGS)]
 
+LONGEST_S = 60.0  # record of the motion that a scene may ask for
+
 
 class BearingSurfaces(Section):
     """Surfaces of balls and raceways.
@@ -295,9 +297,10 @@ class BearingSound(Section):
     Attributes
     ----------
     duration_s : float
-        Time that is computed [s]
+        Time that is computed at least [s]; listen_s if that is longer
     listen_s : float, optional
-        Length [s] of the record to listen to. Default: 5 s, or the duration if it is longer.
+        Length [s] of the record to listen to, all of which is computed. Default: 5 s, or the
+        duration if it is longer.
     distance_m : float
         Distance of the listener from the plate of the housing [m]
     envelope_hz : [float, float], optional
@@ -313,7 +316,7 @@ class BearingSound(Section):
 
     SECTION: ClassVar[str] = "sound"
 
-    duration_s: float = Field(default=1.0, gt=0, le=60)
+    duration_s: float = Field(default=1.0, gt=0, le=LONGEST_S)
     listen_s: float | None = Field(default=None, ge=0.1, le=120)
     distance_m: float = Field(default=1.0, gt=0)
     envelope_hz: Annotated[list[float], Field(min_length=2, max_length=2)] | None = None

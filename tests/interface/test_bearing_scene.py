@@ -17,6 +17,7 @@ from rolling import cli
 from rolling.bearing_kind.bearing_check import scene_rules
 from rolling.bearing_kind.bearing_in_short import conclusion
 from rolling.bearing_kind.standard_conditions import departures
+from rolling.check.finding import Finding
 from rolling.kinds.reading import schema
 from rolling.kinds.registry import name_of_file
 from rolling.numbers.doubt import Doubt, Severity
@@ -594,3 +595,15 @@ def test_a_resonance_without_losses_has_no_velocity() -> None:
     assert "lasting_resonance" not in _doubts("bearing.contact_loss_factor=0", oil)
     words = conclusion(bearing("bearing.contact_loss_factor=0").check())
     assert "will be under the verdict do not quote" in words and "at best" not in words
+
+
+def test_the_check_says_how_long_the_record_is_and_what_makes_it_shorter() -> None:
+    rows = {
+        row.key: row.value
+        for row in scene_rules(bearing("sound={duration_s: 0.3}"))
+        if isinstance(row, Finding)
+    }
+    assert rows["record"].startswith("5 s, ") and "sound.listen_s" in rows["record"]
+    short = bearing("sound={duration_s: 0.3, listen_s: 0.2}")
+    rows = {row.key: row.value for row in scene_rules(short) if isinstance(row, Finding)}
+    assert rows["record"] == "0.3 s" and short.moved == 0.3
