@@ -352,8 +352,13 @@ class NarrowSpectrum:
         return float(self.rms.max(initial=0.0))
 
     def _resolving_s(self, lines_apart: float) -> float:
-        """Return the length of a record [s] that separates tones now so many lines apart."""
-        return SEPARATED / (lines_apart * self.line_width_hz)
+        """Return the length of a record [s] that separates tones now so many lines apart.
+
+        It is longer than this record, which does not separate them. Where the flank of several
+        tones hides a line that is farther from each of them, they count as a reach apart.
+        """
+        apart = lines_apart if lines_apart < SEPARATED else REACH
+        return SEPARATED / (apart * self.line_width_hz)
 
     def _rms_at(self, place: float) -> float:
         """Return the rms of a tone at a place between lines, from the nearest line and its lobe."""

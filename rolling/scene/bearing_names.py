@@ -1,7 +1,7 @@
 """Names of bearings: a basic designation, such as 6204, and suffixes, such as -2RS or C3.
 
-Suffixes of seals, shields, cages and tolerance classes change nothing that is computed. Those of a
-clearance group set the radial clearance, by the table of ISO 5753-1 and the bore.
+Suffixes of seals, shields, cages, greases and tolerance classes change nothing that is computed.
+Those of a clearance group set the radial clearance, by the table of ISO 5753-1 and the bore.
 """
 
 import re
@@ -11,10 +11,12 @@ from typing import Any, NamedTuple
 
 NORMAL = "CN"  # group of a bearing without a suffix of clearance
 _GROUPS = {"C2": "C2", "CN": NORMAL, "C0": NORMAL, "C3": "C3", "C4": "C4", "C5": "C5"}
-# Seals and shields of several makers, cages, and tolerance classes of ISO 492.
+# Seals and shields of several makers, cages, tolerance classes of ISO 492, and fillings of grease
+# as SKF (WT, GJN, MT33), FAG (L038), NTN (2AS) and NSK (SRL) write them.
 _WITHOUT_EFFECT = (
     r"2?RS(1|2|R|H|L)?|2?RSL|2?RZ|Z{1,2}R?|2Z(R)?|DDU?|DU|LL[UBH]|L[UBH]|V{1,2}|N|NR|ZN|ZNR|K"
     r"|M|MA|MB|J|TN9?|TNH?|TVH|P[0-6]|P6X|ABEC[13579]|E"
+    r"|WT|GJN|MT33|MT47|LT|LHT23|HT|GE2|VL0\d{3}|L\d{3}|2AS|5K|SRL|NS7S?|AS2S?"
 )
 _SUFFIX = re.compile(rf"({'|'.join(_GROUPS)}|{_WITHOUT_EFFECT})")
 _DASHES = re.compile("[\u2010-\u2015\u2212]")  # hyphens and dashes of text programs, and a minus
@@ -27,7 +29,8 @@ class Designation(NamedTuple):
 
     basic : str. Basic designation, such as 6204.
     group : str. Clearance group of ISO 5753-1.
-    strange : str. First part of the suffixes that is not understood, empty for none.
+    strange : str. Suffixes from the first one that is not understood to the next sign between them,
+        empty for none.
     groups : tuple of str. All clearance groups of the name, of which there is one at most.
     """
 
@@ -61,7 +64,7 @@ def parsed(name: str, known: Iterable[str]) -> Designation | None:
             if not suffix and parts[0].isdigit():  # 63004 is another bearing, not 6300
                 return None
             if not suffix:
-                return Designation(basic, NORMAL, part)
+                return Designation(basic, NORMAL, rest)
             if suffix in _GROUPS:
                 groups[_GROUPS[suffix]] = None
             rest = rest[len(suffix) :]

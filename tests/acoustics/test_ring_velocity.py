@@ -146,6 +146,21 @@ def test_a_tone_that_may_be_either_of_two_lines_is_none_of_them() -> None:
     assert reading.rms is None and reading.resolving_s == pytest.approx(SEPARATED / 0.1)
 
 
+def test_a_hidden_line_asks_for_a_longer_record() -> None:
+    """Places beside crowded tones of a record of half a second, on flanks of several of them."""
+    random = np.random.default_rng(70)
+    seconds = np.arange(2400) / 4800
+    asked = list[float]()
+    for _ in range(6):
+        hz, phase = random.uniform(20, 400, (30, 1)), random.uniform(0, 6, (30, 1))
+        tones = 10 ** random.uniform(-2, 0, (30, 1)) * np.sin(2 * np.pi * hz * seconds + phase)
+        spectrum = narrow_spectrum(tones.sum(axis=0), 4800)
+        readings = [spectrum.read_line(float(place)) for place in random.uniform(20, 400, 30)]
+        asked += [found.resolving_s for found in readings if found.resolving_s is not None]
+    assert len(asked) > 50
+    assert min(asked) > 0.5
+
+
 @pytest.mark.law("Envelope: pulses have lines at their rate, side bands at that of their strength.")
 def test_pulses_of_changing_strength_have_side_bands() -> None:
     rate, turn = 147.8, 30.0

@@ -181,6 +181,8 @@ def test_all_series_are_there_and_their_balls_hold_iso_76_and_can_be_filled_in()
         ("6310 CN", 14.5),
         ("6204\N{NON-BREAKING HYPHEN}2RS", 12.5),
         ("6204\N{EN DASH}c3", 20.5),
+        ("6204-2RS1/C3WT", 20.5),
+        ("6204.2RSR.L038.C3", 20.5),
     ],
 )
 def test_suffixes_are_understood_and_c3_sets_the_clearance(name: str, clearance_um: float) -> None:
@@ -224,6 +226,7 @@ def test_values_beside_a_name_win_and_another_name_brings_its_own() -> None:
         ("NU 304", "6304", 'the prefix "NU" is not understood; '),
         ("6204-2SR", "6204", 'the suffix "2SR" is not understood; '),
         ("6204Q", "6204", 'the suffix "Q" is not understood; '),
+        ("6204DDUCM", "6204", 'the suffix "CM" is not understood; '),
         ("6204-C3/C4", "6204", "C3 and C4 are two clearances, and a bearing has one; "),
     ],
 )
