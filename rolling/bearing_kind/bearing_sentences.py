@@ -151,10 +151,7 @@ def answer(scene: BearingScene, numbers: BearingNumbers) -> str:
     opening = condition(scene)
     opening = f"{opening[0].upper()}{opening[1:]}"
     moving = numbers.ring.moving
-    um_s = numbers.below_bending.radial.um_s
-    bands = [
-        f"{velocity(um_s[band])} um/s ({words})" for band, words in band_words(numbers.ring).items()
-    ]
+    bands = _radial_bands(numbers)
     if not bands:
         return f"{opening}: the {moving} ring bends below all three bands."
     return f"{opening}: the {moving} ring vibrates radially at {_listed(bands)}, rms."
@@ -162,12 +159,7 @@ def answer(scene: BearingScene, numbers: BearingNumbers) -> str:
 
 def first_answer(numbers: BearingNumbers) -> str:
     """Say the radial velocity of each band with its ±, and the classes that bands have."""
-    radial = numbers.below_bending.radial.by_band
-    bands = []
-    for band, words in band_words(numbers.ring).items():
-        spread = spread_of_velocity(radial[band])
-        beside = f" {spread}" if spread else ""
-        bands.append(f"{velocity(radial[band].value)} um/s{beside} ({words})")
+    bands = _radial_bands(numbers)
     if not bands:
         return f"the {numbers.ring.moving} ring bends below all three bands"
     text = f"radially {_listed(bands)}"
@@ -177,14 +169,32 @@ def first_answer(numbers: BearingNumbers) -> str:
     return text
 
 
+def _radial_bands(numbers: BearingNumbers) -> list[str]:
+    """Write the radial velocity of each band with its ±, as far as the ring has its modes."""
+    radial = numbers.below_bending.radial.by_band
+    return [
+        f"{_with_spread(radial[band])} ({words})"
+        for band, words in band_words(numbers.ring).items()
+    ]
+
+
+def _with_spread(own: Quantity, is_spread: bool = True) -> str:
+    """Write a velocity with its unit, and with its ± if that is asked for."""
+    text = f"{velocity(own.value)} um/s"
+    spread = spread_of_velocity(own) if is_spread else ""
+    return f"{text} {spread}" if spread else text
+
+
 def axial_sentence(numbers: BearingNumbers) -> str:
     """Say how fast the ring vibrates along its axis, and whether that is to be quoted."""
-    um_s = numbers.below_bending.axial.um_s
-    velocities = [velocity(um_s[band]) for band in band_words(numbers.ring)]
-    if not velocities:
+    axial = numbers.below_bending.axial.by_band
+    bands = band_words(numbers.ring)
+    if not bands:
         return "Axially, all three bands are above the bending as well."
-    text = f"Axially it vibrates at {_listed(velocities)} um/s in the same bands"
-    if numbers.axial_doubt is None:
+    may_be_quoted = numbers.axial_doubt is None
+    velocities = [_with_spread(axial[band], is_spread=may_be_quoted) for band in bands]
+    text = f"Axially it vibrates at {_listed(velocities)} in the same bands"
+    if may_be_quoted:
         return f"{text}."
     return (
         f"{text}: do not quote these, because the loads would turn the contact angle, which is kept"
