@@ -96,8 +96,11 @@ class BearingRun(SolvedBearing, ShownRun):
             cells = ""
             for direction, bands in directions.items():
                 text = bearing_sentences.velocity(bands.um_s[band])
+                spread = bearing_sentences.spread_of_velocity(bands.by_band[band])
                 if direction == AXIAL and numbers.axial_doubt is not None:
                     text += f", {numbers.axial_doubt.severity.word}"
+                elif spread:
+                    text += f" {spread}"
                 cells += f"<td>{text}</td>"
             rows += f"<tr><td>{words}</td>{cells}</tr>"
         heads = "".join(f"<th>{direction} [um/s]</th>" for direction in directions)
