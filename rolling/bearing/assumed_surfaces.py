@@ -189,11 +189,12 @@ def _kept_gains(
     speeds = model.kinematics
     ring_hz = speeds.inner_hz if body == INNER else speeds.outer_hz
     turn_hz = speeds.ball_spin_hz if body == BALLS else abs(speeds.cage_hz - ring_hz)
-    orders = math.ceil(max(high for _, high in bands_hz.values()) / turn_hz) + 1
+    count = math.ceil(max(high for _, high in bands_hz.values()) / turn_hz) + 1
     bodies = model.geometry.balls if body == BALLS else 1
-    gains = {direction: {band: np.zeros(orders) for band in bands_hz} for direction in DIRECTIONS}
-    for order in range(1, orders):
-        for line in motion.of_order(body, order):
+    gains = {direction: {band: np.zeros(count) for band in bands_hz} for direction in DIRECTIONS}
+    orders = range(1, count)
+    for order, lines in zip(orders, motion.of_orders(body, orders), strict=True):
+        for line in lines:
             for band, (low, high) in bands_hz.items():
                 if not low <= line.frequency_hz < high:
                     continue

@@ -19,12 +19,12 @@ both sides cancel.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from acoustics.arrays import Array
 from rolling.bearing.linear_ring import Complexes, LinearRing, linear_ring
 from rolling.bearing.model import BearingModel
 from rolling.bearing.ring_record import AXIAL, RADIAL
@@ -92,39 +92,68 @@ class WaveMotion:
         order : int
             Number of waves around the body.
         """
-        lines = []
-        for part in self.parts:
-            if body == BALLS and order % 2 == 0:
-                frequency_hz = order * self.model.kinematics.ball_spin_hz
-                frequency_hz += part * self.model.kinematics.cage_hz
-                lines.append(self._line(part, frequency_hz, 2.0))
-            elif body != BALLS and (order + part) % self.model.geometry.balls == 0:
-                speeds = self.model.kinematics
-                ring_hz = speeds.inner_hz if body == INNER else speeds.outer_hz
-                frequency_hz = order * (speeds.cage_hz - ring_hz) + part * speeds.cage_hz
-                lines.append(self._line(part, frequency_hz, self.model.geometry.balls))
-        moving = [line for line in lines if line.frequency_hz > 0 and line.directions]
-        return sorted(moving, key=lambda line: -max(line.velocity.values()))
+        return self.of_orders(body, [order])[0]
+
+    def of_orders(self, body: str, orders: Sequence[int]) -> list[list[WaveLine]]:
+        """Return the lines at which waves of some orders around a body move the ring, by order.
+
+        Their mobilities are computed together. Lines are those of `of_order`.
+        """
+        balls = 2.0 if body == BALLS else float(self.model.geometry.balls)
+        excited = [self._excited(body, order) for order in orders]
+        lines = iter(self._lines([line for of_order in excited for line in of_order], balls))
+        by_order = []
+        for of_order in excited:
+            own = [next(lines) for _ in of_order]
+            moving = [line for line in own if line.frequency_hz > 0 and line.directions]
+            by_order.append(sorted(moving, key=lambda line: -max(line.velocity.values())))
+        return by_order
+
+    def _excited(self, body: str, order: int) -> list[tuple[int, float]]:
+        """Return the parts of the forces that an order excites, each with its frequency [Hz].
+
+        A negative frequency is a turn against that of the cage.
+        """
+        speeds = self.model.kinematics
+        if body == BALLS:
+            if order % 2:
+                return []
+            spin_hz = order * speeds.ball_spin_hz
+            return [(part, spin_hz + part * speeds.cage_hz) for part in self.parts]
+        ring_hz = speeds.inner_hz if body == INNER else speeds.outer_hz
+        passing_hz = order * (speeds.cage_hz - ring_hz)
+        balls = self.model.geometry.balls
+        parts = [part for part in self.parts if (order + part) % balls == 0]
+        return [(part, passing_hz + part * speeds.cage_hz) for part in parts]
 
     def directions_of(self, part: int, frequency_hz: float) -> tuple[str, ...]:
         """Return the directions in which a part of the forces moves the ring at a frequency."""
-        return self._line(part, frequency_hz, self.model.geometry.balls).directions
+        (line,) = self._lines([(part, frequency_hz)], self.model.geometry.balls)
+        return line.directions
 
-    def _line(self, part: int, frequency_hz: float, balls: float) -> WaveLine:
-        """Return the line of a part of the forces of some balls; at rest nothing moves."""
-        # A negative frequency is the positive one with the conjugate force.
-        force = self.forces[part] if frequency_hz >= 0 else np.conj(self.forces[part])
-        hz = abs(frequency_hz)
-        if not hz > 0:
-            return WaveLine(part, 0.0, {RADIAL: 0.0, AXIAL: 0.0})
-        velocity = np.abs(self._mobility(hz) @ (balls * force))
-        radial = float(np.sqrt(np.square(velocity[self.model.radial]).sum() / 2))
-        return WaveLine(part, hz, {RADIAL: radial, AXIAL: float(velocity[2])})
+    def _lines(self, excited: Sequence[tuple[int, float]], balls: float) -> list[WaveLine]:
+        """Return the lines of parts of the forces of some balls at frequencies [Hz]."""
+        hz = np.abs([frequency_hz for _, frequency_hz in excited])
+        turns = np.flatnonzero(hz > 0)  # at rest nothing moves
+        velocity = np.zeros((len(excited), len(self.model.columns)))
+        if len(turns):
+            forces = np.array([self._force(*excited[place]) for place in turns])
+            mobility = self._ring.mobility(hz[turns])
+            velocity[turns] = np.abs((mobility @ (balls * forces)[:, :, None])[:, :, 0])
+        radial = np.sqrt(np.square(velocity[:, self.model.radial]).sum(axis=1) / 2)
+        return [
+            WaveLine(
+                part=part,
+                frequency_hz=float(hz[place]),
+                velocity={RADIAL: float(radial[place]), AXIAL: float(velocity[place, 2])},
+            )
+            for place, (part, _) in enumerate(excited)
+        ]
 
-    def _mobility(self, frequency_hz: float) -> Complexes:
-        """Return velocity over force [m/s/N] at a frequency, (m, m)."""
-        frequencies: Array = np.array([frequency_hz])
-        return np.asarray(self._ring.mobility(frequencies)[0])
+    def _force(self, part: int, frequency_hz: float) -> Complexes:
+        """Return a part of the force of a ball; at a negative frequency it is the conjugate one."""
+        force = self.forces[part]
+        return force if frequency_hz >= 0 else np.conj(force)
 
     @cached_property
     def _ring(self) -> LinearRing:

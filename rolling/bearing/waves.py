@@ -190,12 +190,17 @@ def approach_of_heights(
     middle = (across - 1) / 2 * spacing_m[1]  # as of a march
     across_wave = 2 * np.pi * np.fft.fftfreq(across, spacing_m[1])
     waves = np.fft.rfft2(heights_m, axes=(1, 0)) * np.exp(1j * across_wave * middle)
+    # Both directions across have one response, so their waves are added before.
+    half = across // 2 + 1
+    folded = waves[:, :half]
+    folded[:, 1 : across - half + 1] += waves[:, : half - 1 : -1]
+    across_wave = np.abs(across_wave[:half])
     along_wave = 2 * np.pi * np.fft.rfftfreq(count, spacing_m[0])
     rows = []
     for load in loads_n:
         axes = semi_axes(contact, load)
         phase = np.hypot(along_wave[:, None] * axes.along, across_wave * axes.across)
-        line = (waves * response(phase)).mean(axis=1)
+        line = (folded * response(phase)).sum(axis=1) / across
         line[0] = 0.0
         rows.append(-np.fft.irfft(line, count))
     return np.array(rows)

@@ -114,7 +114,7 @@ class RunLoop:
     shortest first, so that a person soon hears a run, and then the longest, so that no process
     waits at the end. They begin when a team of the pool has no other task for a surface of its own,
     so that a sweep of many runs keeps few results in memory. Marches that no pilot needs begin when
-    nothing else is left to hand out.
+    nothing else is left to hand out, and none of them waits in a process that a pilot will need.
 
     Attributes
     ----------
@@ -163,6 +163,12 @@ class RunLoop:
         self._step_seconds: dict[str, float] = {}  # expected, by contact identity
         self._backlog = Backlog()  # of tasks, and of groups of marches that have to begin
         self._later: list[list[int]] = []  # groups that no pilot needs
+        # Runs that are not finished, and wait for none of these: pilots.
+        self._answers: set[int] = set()
+        if any(not march.is_first for needed in runs for march in needed):
+            self._answers = {
+                run for run, needed in enumerate(runs) if all(march.is_first for march in needed)
+            }
         self._find_known()
         self._queue_groups()
 
@@ -350,9 +356,13 @@ class RunLoop:
         arguments = (self._files.runs[run], self._files.labels[run], marched)
         self._endings[key] = run
         numbers = self._of_run[run]
+        task = Task(key=key, function=function, arguments=arguments)
+        if run in self._answers:
+            self._urgent.append(task)
+            return
         # None is no surface for the backlog, which would never hand out the task.
         surface = self._marches[numbers[0]].surface if numbers else key
-        self._backlog.put(surface, [Task(key=key, function=function, arguments=arguments)])
+        self._backlog.put(surface, [task])
 
     def queue_page(self, function: Callable[..., str], *arguments: Any) -> None:
         """Queue the page of what is known so far before all else; its failure is none of a run."""
@@ -397,6 +407,7 @@ class RunLoop:
         """Note that a run failed, with marks in its heights, and forget the marches of it alone."""
         if run not in self.failures:
             self.failures[run] = "; ".join([reason, *self._suspicions(run)])
+        self._answers.discard(run)
         for number in self._of_run[run]:
             if run in self._marches[number].runs:
                 self._marches[number].runs.remove(run)
@@ -416,6 +427,7 @@ class RunLoop:
 
     def _leave(self, run: int) -> None:
         """Let go what a finished run needed, and the pieces that no other run needs."""
+        self._answers.discard(run)
         for number in self._of_run[run]:
             own = self._marches[number]
             if run in own.runs:
@@ -440,7 +452,9 @@ class RunLoop:
                 counts = Counter(in_hand.team for in_hand in self._in_hand.values())
                 taken = self._take_urgent(pool, counts)
                 if taken is None:
-                    taken = self._backlog.take(pool.teams, counts, pool.slots)
+                    # Before a first answer no task waits in a process that the answer will need.
+                    slots = 1 if self._answers else pool.slots
+                    taken = self._backlog.take(pool.teams, counts, slots)
                 if taken is None and not self._backlog and self._later:
                     self._queue_later()
                     continue

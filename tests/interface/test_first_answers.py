@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable
+from concurrent.futures import Future
 from pathlib import Path
+from typing import Any, ClassVar
 
 import pytest
 
@@ -22,6 +25,7 @@ from rolling.results.run_result import Run
 from rolling.results.stored_numbers import read_stored
 from rolling.run import folder as folders
 from rolling.run import pilots, solving
+from rolling.run.pools import Pool, Task
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 from rolling.terminal import progress
@@ -234,6 +238,39 @@ def stopping(monkeypatch: pytest.MonkeyPatch) -> list[list[Path]]:
 
     monkeypatch.setattr(solving.Pilots, "tell", tell_and_stop)
     return marched
+
+
+class TwoProcesses(Pool):
+    """Pool of two teams, whose tasks are done when all their slots are full; it notes the tasks.
+
+    It is stopped before the files of a run are written.
+    """
+
+    teams: ClassVar = {0: 1, 1: 1}
+    slots = 2
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.tasks: list[str] = []
+
+    def submit(self, task: Task, team: Hashable = 0) -> Future[Any]:
+        if task.piece is None:
+            raise KeyboardInterrupt
+        self.tasks.append(task.piece.scene.name)
+        return super().submit(task, team)
+
+
+def test_no_other_march_waits_in_a_process_that_a_first_answer_needs(
+    tmp_path: Path, said: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The answer follows its own marches at once, though both processes have a free slot before."""
+    pool = TwoProcesses()
+    monkeypatch.setattr(solving, "local_pool", lambda workers, scenes: pool)
+    pit = "{kind: pit, at_mm: [2, 0], size_um: 200, depth_um: 5}"
+    scene = loads_bearing(BEARING.replace("{8: 0.05}}", f"{{8: 0.05}}, faults: [{pit}]}}"))
+    with pytest.raises(KeyboardInterrupt):
+        commands.run_scene(scene, tmp_path / "out", workers=2, report=False)
+    assert sorted(pool.tasks) == ["outer-beside-pit", "outer-pit"]
 
 
 def test_a_bearing_answers_before_its_contacts_are_marched(
