@@ -12,7 +12,6 @@ from acoustics.bands import AUDIBLE_HZ
 
 Edges = tuple[float, float]
 _OVERSAMPLING = 8
-STOPPED_DB = 100  # by a decimating filter
 DECIMATOR_REACH = 20  # samples of the output that a decimating filter reaches to either side
 
 # A transform errs by less than 1e-15 of the rms of its input (measured to 1e6 samples, prime
@@ -169,31 +168,27 @@ class Decimator:
     """
 
     def __init__(self, factor: int) -> None:
-        reach = DECIMATOR_REACH * factor
-        place = np.arange(-reach, reach + 1) / max(factor, 1.01)
-        taps = np.sinc(place) * np.kaiser(len(place), _kaiser_beta(STOPPED_DB))
-        taps /= taps.sum()
+        from scipy import signal  # slow to import, for long records only
+
         self._factor = factor
+        reach = DECIMATOR_REACH * factor
+        window = "kaiser", signal.kaiser_beta(100)
+        self._filter = signal.firwin(2 * reach + 1, 1 / max(factor, 1.01), window=window)
         self._past: Array | None = None
         self._skip = DECIMATOR_REACH
-        # A row for the values of each sample; the last one has the last tap alone.
-        self._taps = np.pad(taps, (0, factor - 1)).reshape(-1, factor)
+        self._upfirdn = signal.upfirdn
 
     def add(self, values: Array) -> Array:
         """Take the next values, whole samples of them; return the samples that are complete."""
         if self._factor == 1:
             return values
         if self._past is None:
-            self._past = np.zeros((2 * DECIMATOR_REACH * self._factor, *values.shape[1:]))
+            self._past = np.zeros((len(self._filter) - 1, *values.shape[1:]))
         both = np.concatenate((self._past, values))
         self._past = both[len(values) :]
-        count = len(values) // self._factor
-        blocks = len(both) // self._factor
-        of_samples = both[: blocks * self._factor].reshape(blocks, self._factor, *values.shape[1:])
-        parts = np.tensordot(self._taps, of_samples, axes=(1, 1))
-        samples = np.zeros((count, *values.shape[1:]))
-        for place, part in enumerate(parts):
-            samples += part[place : place + count]
+        whole = self._upfirdn(self._filter, both, down=self._factor, axis=0)
+        first = 2 * DECIMATOR_REACH
+        samples = whole[first : first + len(values) // self._factor]
         skipped = self._skip
         self._skip = max(self._skip - len(samples), 0)
         return np.asarray(samples[skipped:])
@@ -203,11 +198,6 @@ class Decimator:
         if self._factor == 1 or self._past is None:
             return np.zeros(0)
         return self.add(np.zeros((DECIMATOR_REACH * self._factor, *self._past.shape[1:])))
-
-
-def _kaiser_beta(stopped_db: float) -> float:
-    """Return the shape of a Kaiser window that stops by some decibels, above 50 (Kaiser 1974)."""
-    return 0.1102 * (stopped_db - 8.7)
 
 
 def _rms(signal: Array) -> float:
