@@ -134,9 +134,9 @@ class WaveMotion:
     def _lines(self, excited: Sequence[tuple[int, float]], balls: float) -> list[WaveLine]:
         """Return the lines of parts of the forces of some balls at frequencies [Hz]."""
         hz = np.abs([frequency_hz for _, frequency_hz in excited])
-        turns = np.flatnonzero(hz > 0)  # at rest nothing moves
+        turns = [place for place, of_line in enumerate(hz) if of_line > 0]  # at rest nothing moves
         velocity = np.zeros((len(excited), len(self.model.columns)))
-        if len(turns):
+        if turns:
             forces = np.array([self._force(*excited[place]) for place in turns])
             mobility = self._ring.mobility(hz[turns])
             velocity[turns] = np.abs((mobility @ (balls * forces)[:, :, None])[:, :, 0])
@@ -153,7 +153,7 @@ class WaveMotion:
     def _force(self, part: int, frequency_hz: float) -> Complexes:
         """Return a part of the force of a ball; at a negative frequency it is the conjugate one."""
         force = self.forces[part]
-        return force if frequency_hz >= 0 else np.conj(force)
+        return np.asarray(force if frequency_hz >= 0 else np.conj(force))
 
     @cached_property
     def _ring(self) -> LinearRing:
