@@ -12,6 +12,7 @@ DecibelsOfBands = Mapping[str, Mapping[str, float]]
 RECORD = "record"  # scatter within a record that is short
 WINDOW = "window"  # roughness that is known from a stretch of track
 LINEAR = "linear"  # rough contacts that are not marched
+ONE_LOAD = "one_load"  # single faults that are marched at one load
 LOSS_FACTOR = "loss_factor"  # of the contacts, where it is assumed
 FILM = "film"  # how far a film of oil presses waves flat
 FILM_DAMPING = "film_damping"  # how much a film of oil damps

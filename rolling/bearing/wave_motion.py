@@ -134,7 +134,7 @@ class WaveMotion:
     def _lines(self, excited: Sequence[tuple[int, float]], balls: float) -> list[WaveLine]:
         """Return the lines of parts of the forces of some balls at frequencies [Hz]."""
         hz = np.abs([frequency_hz for _, frequency_hz in excited])
-        turns = [place for place, of_line in enumerate(hz) if of_line > 0]  # at rest nothing moves
+        turns = np.flatnonzero(hz > 0).tolist()  # at rest nothing moves
         velocity = np.zeros((len(excited), len(self.model.columns)))
         if turns:
             forces = np.array([self._force(*excited[place]) for place in turns])
@@ -152,8 +152,7 @@ class WaveMotion:
 
     def _force(self, part: int, frequency_hz: float) -> Complexes:
         """Return a part of the force of a ball; at a negative frequency it is the conjugate one."""
-        force = self.forces[part]
-        return np.asarray(force if frequency_hz >= 0 else np.conj(force))
+        return np.asarray(self.forces[part] if frequency_hz >= 0 else np.conj(self.forces[part]))
 
     @cached_property
     def _ring(self) -> LinearRing:

@@ -94,6 +94,11 @@ class ContactPlan:
         """Tell whether all contacts are among marches by their contact identities."""
         return all(contact_identity(scene) in marches for stage in self.stages for scene in stage)
 
+    def has_faults_at_all_loads(self, marches: Collection[str]) -> bool:
+        """Tell whether all faults are among marches by their contact identities, at all loads."""
+        pairs = [pair for stretch in self.faults for pair in stretch.scenes.values()]
+        return all(contact_identity(scene) in marches for pair in pairs for scene in pair)
+
     def is_parted(self, name: str) -> bool:
         """Tell whether a film of oil parts the surfaces of a kind of contact."""
         film = self.films.get(ring_of(name))

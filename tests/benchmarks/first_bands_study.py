@@ -4,7 +4,8 @@ Bearings, pits, loads and seeds are drawn from a fixed seed: 6204, 608 and 6305 
 inner raceway, the outer raceway or a ball, dry and in oil. Each is marched as a whole run does it.
 Its ring is moved as a first answer moves it, and for the whole record over all marches. Both have
 the same waves, damping and films, so of the parts of the ± only those in `DIFFERING` are compared.
-Run as `python tests/benchmarks/first_bands_study.py`; it takes a quarter of an hour.
+Run as `python tests/benchmarks/first_bands_study.py`; it takes ten minutes of
+one core.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import numpy as np
 
 import rolling as rc
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
-from rolling.bearing.band_uncertainty import LINEAR, RECORD
+from rolling.bearing.band_uncertainty import LINEAR, ONE_LOAD, RECORD
 from rolling.bearing.ring_record import DIRECTIONS
 from rolling.bearing_kind.bearing_simulation import move_bearing
 from rolling.bearing_kind.contact_marches import march_contacts
@@ -40,7 +41,7 @@ RADIAL_N = (20, 300)
 AXIAL_N = (20, 150)
 RECORD_S = 3.0
 WINDOW_MM = 4.0  # of track, on which both have their roughness
-DIFFERING = (RECORD, LINEAR)
+DIFFERING = (RECORD, LINEAR, ONE_LOAD)
 OIL = {"viscosity_40_mm2_s": 32, "temperature_c": 30}
 
 
@@ -106,11 +107,13 @@ def cases() -> list[Case]:
             }
             if is_in_oil:
                 bearing["oil"] = OIL
-            scene = rc.BearingScene(
-                bearing=bearing,
-                numerics={"window_mm": WINDOW_MM},
-                sound={"duration_s": RECORD_S, "listen_s": RECORD_S},
-            )
+            values = {
+                "name": "first-bands",
+                "bearing": bearing,
+                "numerics": {"window_mm": WINDOW_MM},
+                "sound": {"duration_s": RECORD_S, "listen_s": RECORD_S},
+            }
+            scene = rc.BearingScene.from_dict(values)
             condition = "in oil" if is_in_oil else "dry"
             words = (
                 f"{named} {condition}, {width_um:g} um in {body}, {axial_n:g} N axial,"

@@ -335,7 +335,7 @@ def test_first_answers_of_the_library_hold_within_their_uncertainty(name: str) -
     place = RunFolder({}, pilot.scene, Path())
     first = kind.make_run(place, "", marched[: len(pilot.marches)])
     for band, quantity in first.numbers.below_bending.radial.by_band.items():
-        parts = [quantity.parts.get(source, 0.0) for source in ("record", "linear")]
+        parts = [quantity.parts.get(source, 0.0) for source in ("record", "linear", "one_load")]
         decibels = difference_db(
             first.numbers.below_bending.radial, whole.numbers.below_bending.radial, band
         )

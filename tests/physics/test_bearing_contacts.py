@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,6 +25,7 @@ from rolling.bearing_kind.contact_doubts import coarse_nodes_db, contact_doubts
 from rolling.bearing_kind.contact_gain import GROUPS, contact_gain
 from rolling.bearing_kind.contact_marches import march_contacts
 from rolling.bearing_kind.contact_plan import contact_plan, plan_contacts
+from rolling.bearing_kind.contact_uncertainty import DIP_EXPONENT, faults_at_one_load_db
 from rolling.bearing_kind.faults import FaultStretch, fault_stretches
 from rolling.bearing_kind.joined_tracks import bearing_tracks, rough_rows
 from rolling.bearing_kind.rough_contacts import (
@@ -35,6 +38,7 @@ from rolling.bearing_kind.rough_contacts import (
 )
 from rolling.bearing_kind.specimen_turn import linear_covariance, rough_body
 from rolling.bearing_kind.turns import continued_turn
+from rolling.marches.piece import contact_identity
 from rolling.run.march_files import Marches
 from rolling.scene.laws import Roughness, SurfaceFault
 from rolling.scene.scene import Scene
@@ -326,6 +330,30 @@ def test_a_deep_pit_needs_no_window_for_its_bottom(monkeypatch: pytest.MonkeyPat
     wide = change_over(pit)
     assert large.surface.width_um > 1.3 * small.surface.width_um
     assert narrow.max() == pytest.approx(wide.max(), rel=0.01)
+
+
+def test_what_a_fault_at_one_load_leaves_is_the_power_of_its_dip_over_the_loads() -> None:
+    """Under an axial load all balls have one load, which the marches have not in the middle."""
+    pit = {"kind": "pit", "at_mm": [2, 0], "size_um": 300, "depth_um": 20}
+    values: dict[str, Any] = {
+        "name": "pitted",
+        "bearing": {
+            "named": "6204",
+            "speed_rpm": 1800,
+            "axial_load_n": 70,
+            "surfaces": {"inner": {"kind": "smooth", "faults": [pit]}},
+        },
+    }
+    scene = rolling.BearingScene.from_dict(values)
+    plan = contact_plan(scene)
+    load = scene.model.balances()[0].ball_load_n[0]
+    middle = plan.faults[0].with_fault.load
+    expected_db = abs(20 * math.log10((load / middle) ** DIP_EXPONENT))
+    assert faults_at_one_load_db(plan, scene.model) == pytest.approx(expected_db)
+    marched = [contact_identity(contact) for stage in plan.stages for contact in stage]
+    assert plan.has_faults_at_all_loads(marched)
+    assert not plan.has_faults_at_all_loads(marched[:-1])
+    assert plan.without_faults().has_faults_at_all_loads([])
 
 
 def test_a_fault_stands_at_its_place_in_the_tracks() -> None:
