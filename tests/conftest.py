@@ -40,6 +40,10 @@ LONGEST = (
 )
 
 
+# Objects that are new, and collections of the young and of the middle ones, before each collection.
+NEW_OBJECTS = (70_000, 10, 10)
+
+
 @pytest.fixture(autouse=True)
 def floating_point_errors() -> Iterator[None]:
     """Raise where numpy would continue with inf or nan.
@@ -61,12 +65,14 @@ def no_lines_of_long_steps(monkeypatch: pytest.MonkeyPatch) -> None:
 def pytest_collection() -> Iterator[None]:
     """Collect the tests without the collector of garbage, which never looks at them again.
 
-    Their modules and libraries are millions of objects that last until the end.
+    Their modules and libraries are millions of objects that last until the end. Afterwards it
+    looks at new objects a hundredth as often as by default: figures are many small ones.
     """
     gc.disable()
     result = yield
     gc.collect()
     gc.freeze()
+    gc.set_threshold(*NEW_OBJECTS)
     gc.enable()
     return result
 

@@ -100,8 +100,9 @@ def test_each_plot_draws_on_the_axes_that_it_is_given(name: str) -> None:
         ax = figure.subplots(1, columns, squeeze=False)[0, 0]
         assert draw(ax) is ax
         assert ax.get_title("left") and ax.get_xlabel() and ax.get_ylabel()
-        figure.savefig(io.BytesIO(), format="png", dpi=50)
-        figure.draw_without_rendering()  # at the figure's own dots per inch
+        if columns == 1:
+            figure.savefig(io.BytesIO(), format="png", dpi=50)  # leaves no trace in its own dots
+        figure.draw_without_rendering()
         names = [label for label in ax.get_xticklabels() if label.get_text()]
         low, high = sorted(ax.get_xlim())
         places = [x.get_window_extent() for x in names if low <= x.get_position()[0] <= high]
@@ -142,8 +143,7 @@ def pixels(figure: Figure) -> np.ndarray:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("sides", [2, 3])
-@pytest.mark.parametrize("layout", [None, "constrained"])
+@pytest.mark.parametrize(("sides", "layout"), [(2, "constrained"), (3, None)])
 def test_a_grid_of_plots_has_whole_titles_and_legends_within_the_axes(
     sides: int, layout: Any
 ) -> None:

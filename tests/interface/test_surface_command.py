@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,7 @@ from PIL.PngImagePlugin import PngInfo
 
 from rolling import cli, read_scene
 from rolling.commands.replaced import source_name
+from rolling.figures.picture import Picture
 from rolling.in_si import measured, plate_file, scene_surface
 from rolling.in_si.offered_lines import pair_of_scene
 from rolling.scene.file import loads
@@ -45,6 +46,17 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Write dots in place of pictures, which take longer than all that the command prints."""
+    file = Picture.file
+
+    def dot(picture: Picture, form: str, facts: Mapping[str, str] | None = None) -> bytes | None:
+        return png(facts["Source"]) if form == "png" and facts else file(picture, form)
+
+    monkeypatch.setattr(Picture, "file", dot)
+
+
 def table(path: str) -> dict[str, float]:
     """Return the values of a table of parameters."""
     rows = pd.read_csv(path)
@@ -71,6 +83,7 @@ def test_the_parameters_of_a_file_are_printed_and_written(
         assert Path(f"outputs/scan.xyz-surface/{name}").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_an_aspect_ratio_that_half_the_surface_leaves_open_is_a_bound(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -83,6 +96,7 @@ def test_an_aspect_ratio_that_half_the_surface_leaves_open_is_a_bound(
     assert "upper bound" in rows["meaning"]["Str"]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_measurement_and_an_earlier_surface_are_not_replaced(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -163,6 +177,7 @@ def png(source: str) -> bytes:
     return stream.getvalue()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_surface_of_a_scene_is_described_and_saved(capsys: pytest.CaptureFixture[str]) -> None:
     """A saved surface is the one that runs roll over, and as a file it has the same roughness."""
     words = ["surface", "plate.yaml", "--set", "surface.seed=4", "--save", "saved.npy"]
@@ -187,6 +202,7 @@ def pasted(said: str, number: int) -> Scene:
     return loads(text + lines[number] + "\n")
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_line_for_a_scene_makes_a_surface_of_the_same_numbers(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -201,6 +217,7 @@ def test_the_line_for_a_scene_makes_a_surface_of_the_same_numbers(
     assert numbers.across == pytest.approx(20e-6, rel=0.2)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_lines_for_a_scene_name_a_file_or_make_one_like_it(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -217,6 +234,7 @@ def test_the_lines_for_a_scene_name_a_file_or_make_one_like_it(
     assert surface.unmeasured == "fill" and surface.made_periodic == "blend"
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_profile_and_grooves_say_which_length_is_unknown(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -313,6 +331,7 @@ def test_any_surface_has_its_picture(heights: np.ndarray) -> None:
     assert len(pd.read_csv("outputs/odd.npy-surface/surface.csv")) == len(NAMES)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_swept_surface_is_described_without_its_sweep(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -323,6 +342,7 @@ def test_a_swept_surface_is_described_without_its_sweep(
         assert ("without its sweep" in capsys.readouterr().err) == is_said
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_mark_of_unmeasured_points_is_named(capsys: pytest.CaptureFixture[str]) -> None:
     """The parameters are printed, with the value that spoils them and the way out."""
     heights = 0.1 * np.random.default_rng(1).standard_normal((40, 30))
@@ -342,6 +362,7 @@ def test_a_mark_of_unmeasured_points_is_named(capsys: pytest.CaptureFixture[str]
     assert ra_um == pytest.approx(0.0789, rel=0.01)  # as without marks
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_triples_of_two_units_have_the_spacing_that_is_meant(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
