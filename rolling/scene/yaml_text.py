@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,6 +17,7 @@ from rolling.scene.messages import Key, Mistake, SceneError, first_line, quoted,
 from rolling.terminal.whole_files import read_regular
 
 MAX_BYTES = 1_000_000  # maximum size of a file
+MAX_KEPT = 10_000  # letters of a text whose nodes are kept
 MAX_VALUES = 100_000  # maximum number of keys and values of a text, with its aliases expanded
 MAX_NESTING = 7  # maximum depth of values, such as a speed profile in a swept section
 MAX_MERGES = 100  # maximum number of sections that are merged into others
@@ -68,11 +70,8 @@ def parse(text: str, where: str) -> Parsed:
     """
     if len(text) > MAX_BYTES:
         raise SceneError([f"{where}: got {len(text):,} letters, allowed: at most {MAX_BYTES:,}"])
-    yaml = YAML(typ="safe", pure=True)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # YAML 1.2 allows anchors that are given twice
-            root = yaml.compose(text)
+        root = _kept_root(text) if len(text) <= MAX_KEPT else _root(text)
     except RecursionError as error:
         raise SceneError([f"{where}: nested too deeply"]) from error
     except YAMLError as error:
@@ -81,9 +80,21 @@ def parse(text: str, where: str) -> Parsed:
         raise SceneError([f"{where}: not YAML: {first_line(error)}"]) from error
     if root is None:
         return Parsed(None, {}, [])
-    walk = _Walk(yaml, where)
+    walk = _Walk(YAML(typ="safe", pure=True), where)
     value = walk.value(root, ())
     return Parsed(value, walk.lines, walk.mistakes)
+
+
+def _root(text: str) -> Node | None:
+    """Return the node of a whole text, None for an empty one."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # YAML 1.2 allows anchors that are given twice
+        root: Node | None = YAML(typ="safe", pure=True).compose(text)
+    return root
+
+
+# Scripts and tests read a text many times with other overrides. Nobody changes its nodes.
+_kept_root = lru_cache(maxsize=32)(_root)
 
 
 def _not_yaml(error: YAMLError, text: str, where: str) -> str:
