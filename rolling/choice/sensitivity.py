@@ -137,8 +137,7 @@ class Sensitivities(Advice):
     --------
     >>> from pathlib import Path
     >>> import rolling
-    >>> from rolling.choice.advice import Advice, write_advice
-    from rolling.choice.audition import SOUND
+    >>> from rolling.choice.audition import SOUND
     >>> found = rolling.Sensitivities(
     ...     name="empty", quantity=SOUND, rows=[], left_out=[], noun="surfaces", within_db=0.1,
     ...     limit="", folder=Path(),
