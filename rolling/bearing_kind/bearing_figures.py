@@ -155,7 +155,13 @@ def envelope(run: BearingRun, ax: Axes | None = None) -> Axes:
     highest = highest_envelope_hz(run)
     shown = shown_of_envelope(run)
     x, y = thinned(narrow.frequency_hz[shown], 100 * narrow.rms[shown])
-    ax.plot(x, y, color=COLOURS[0], linewidth=0.9, label="squared envelope along x")
+    ax.plot(
+        x,
+        y,
+        color=COLOURS[0],
+        linewidth=0.9,
+        label=f"squared envelope {run.scene.seen_at('along x')}",
+    )
     ax.set_xlim(0, highest)
     ax.set_ylim(0, 1.3 * max(float(y.max()), _NOTHING_UM_S))
     _draw_lines(ax, lines.envelope_lines(run.kinematics))

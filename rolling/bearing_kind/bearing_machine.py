@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from acoustics.numbers import rounded
-from rolling.bearing.static_load import StaticBalance, static_balance
 from rolling.bearing_kind.solved_bearing import faulty_bodies
 from rolling.kinds.machine import (
     PICTURE,
@@ -92,8 +91,7 @@ def _draw_rings(machine: Machine, scenes: Sequence[BearingScene], scale: float) 
 def _draw_balls(machine: Machine, scenes: Sequence[BearingScene], scale: float) -> None:
     """Draw the balls, each with a shade by its load at rest, and say what the largest bears."""
     scene = scenes[0]
-    balance = _balance(scene)
-    loads = balance.ball_load_n
+    loads = scene.model.balance().ball_load_n  # with a ball in the middle of the load zone
     largest = float(loads.max())
     pitch = scale * scene.geometry.pitch_radius_m
     radius = scale * scene.ball_radius
@@ -109,11 +107,6 @@ def _draw_balls(machine: Machine, scenes: Sequence[BearingScene], scale: float) 
     if len(scenes) > 1:
         words += ", in the first run"
     machine.say(_nearest_ball(scene, pitch, DOWN - 0.1), f"{rounded(largest, 3)} N", words)
-
-
-def _balance(scene: BearingScene) -> StaticBalance:
-    """Return the balance of the ring at rest, with a ball in the middle of the load zone."""
-    return static_balance(scene.geometry, scene.loaded_ring)
 
 
 def _nearest_ball(scene: BearingScene, pitch: float, direction: float) -> Place:
@@ -220,10 +213,12 @@ def _draw_faults(machine: Machine, scene: BearingScene, scale: float) -> None:
 
 
 def _draw_sensor(machine: Machine, scene: BearingScene, scale: float) -> None:
-    """Draw what measures the velocity of the ring that does not turn."""
-    x, y = CENTRE
-    up = OUTER + 5 if scene.moving_ring == "outer" else scale * scene.bore / 2 - 5
-    at = (x, y - up)
+    """Draw what measures the velocity of the ring that does not turn.
+
+    It stands opposite the middle of the load zone, where the scene does not give its angle.
+    """
+    radius = OUTER + 5 if scene.moving_ring == "outer" else scale * scene.bore / 2 - 5
+    at = around(CENTRE, radius, DOWN - (math.pi if scene.sensor is None else scene.sensor))
     machine.draw("sensor", square(at, 5.0))
     machine.say((at[0] + 5, at[1]), "velocity", f"{scene.moving_ring} ring")
 

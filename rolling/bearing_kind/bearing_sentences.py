@@ -41,7 +41,7 @@ def sentences(scene: BearingScene, numbers: BearingNumbers) -> list[str]:
     """Say what a run has: bands, axial bands, lines that lead, faults, and its departures."""
     texts = [answer(scene, numbers), axial_sentence(numbers)]
     texts += [rigid_sentence(numbers), housing_sentence(numbers)]
-    texts += [pulse_sentence(numbers), class_sentence(numbers)]
+    texts += [pulse_sentence(scene, numbers), class_sentence(numbers)]
     texts += [leading_lines(numbers), unresolved_lines(numbers)]
     texts += fault_sentences(scene, numbers)
     texts += [load_sentence(numbers), film_sentence(numbers)]
@@ -236,17 +236,17 @@ def housing_sentence(numbers: BearingNumbers) -> str:
 # ---- as makers and diagnosticians read it
 
 
-def pulse_sentence(numbers: BearingNumbers) -> str:
+def pulse_sentence(scene: BearingScene, numbers: BearingNumbers) -> str:
     """State the level of acceleration with its reference, crest factor and kurtosis."""
     pulses = numbers.pulses
     if pulses is None or pulses.kurtosis is None or pulses.crest_factor is None:
         return ""
     spread = spread_text(pulses.kurtosis_uncertainty or 0.0)
     return (
-        f"Its acceleration along x has {pulses.acceleration_db:.1f} dB re {MAKERS_REFERENCE} from"
-        f" {pulses.lowest_hz:,.0f} to {pulses.highest_hz:,.0f} Hz, with a crest factor of"
-        f" {rounded(pulses.crest_factor)} and a kurtosis of {rounded(pulses.kurtosis)} (noise has 3"
-        f" ± {spread})."
+        f"Its acceleration {scene.seen_at('along x')} has {pulses.acceleration_db:.1f} dB re"
+        f" {MAKERS_REFERENCE} from {pulses.lowest_hz:,.0f} to {pulses.highest_hz:,.0f} Hz, with a"
+        f" crest factor of {rounded(pulses.crest_factor)} and a kurtosis of"
+        f" {rounded(pulses.kurtosis)} (noise has 3 ± {spread})."
     )
 
 

@@ -33,7 +33,6 @@ DEPARTURES = (
     "One side of the load was computed; a measurement loads the bearing from both sides.",
 )
 _COLUMN_OF = {RADIAL: 0, AXIAL: 2}  # of the record, where pulses are looked for
-_PULSES_AT = {RADIAL: "along the load", AXIAL: "along the shaft"}
 
 
 def vibration_sheet(run: BearingRun) -> Sheet:
@@ -126,7 +125,8 @@ def _pulse_table(run: BearingRun) -> SheetTable:
                     ),
                 ]
             symbol = f"{direction}, {band}"
-            meaning = f"{words[band]}, {_PULSES_AT[direction]}"
+            at = "along the shaft" if direction == AXIAL else run.scene.seen_at("along the load")
+            meaning = f"{words[band]}, {at}"
             rows.append(SheetRow(symbol=symbol, meaning=meaning, cells=tuple(cells)))
     heads = ("peak", "crest factor", "kurtosis")
     return SheetTable(title="Peaks of the same bands", heads=heads, rows=tuple(rows))
@@ -169,7 +169,8 @@ def _envelope_table(run: BearingRun) -> SheetTable:
         text = "not resolved" if line.height is None else rounded(line.height)
         height = SheetCell(value=line.height, text=text)
         rows.append(SheetRow(symbol=line.name, meaning=line.meaning, cells=(at, height)))
-    title = f"Lines of the envelope{bearing_sentences.envelope_words(run.numbers)}, along the load"
+    band = bearing_sentences.envelope_words(run.numbers)
+    title = f"Lines of the envelope{band}, {run.scene.seen_at('along the load')}"
     return SheetTable(title=title, heads=("frequency", "over surroundings"), rows=tuple(rows))
 
 
@@ -190,10 +191,14 @@ def _facts(run: BearingRun) -> Iterator[tuple[str, str]]:
         "Side of the load",
         "one: along the shaft, to the side on which the balls touch both rings",
     )
+    radially = (
+        "rms radially as the mean over all directions by power, peaks radially along the load"
+    )
+    if bearing.sensor_deg is not None:
+        radially = f"rms and peaks radially {run.scene.seen_at('')}"
     yield (
         "Sensor",
-        f"the {numbers.ring.moving} ring, which does not turn: rms radially as the mean over all"
-        " directions by power, peaks radially along the load, and both axially",
+        f"the {numbers.ring.moving} ring, which does not turn: {radially}, and both axially",
     )
     mounting = "free and rigid"
     bands = f"up to the first bending of the ring at {numbers.ring.bending_hz:,.0f} Hz, above which"

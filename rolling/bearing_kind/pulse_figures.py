@@ -55,7 +55,13 @@ def acceleration_signal(run: BearingRun, ax: Axes | None = None) -> Axes:
     shown = shown_samples(run)
     time_ms = np.asarray(1e3 * np.arange(shown) / run.record.rate_hz, dtype=float)
     x, y = thinned(time_ms, run.record.seen_acceleration_m_s2[:shown, 0])
-    ax.plot(x, y, color=COLOURS[0], linewidth=0.7, label="radially, along the load")
+    ax.plot(
+        x,
+        y,
+        color=COLOURS[0],
+        linewidth=0.7,
+        label=f"radially, {run.scene.seen_at('along the load')}",
+    )
     ax.set_xlim(0, time_ms[-1])
     ax.set(xlabel="time [ms]", ylabel="acceleration of the ring [m/s²]")
     return finish(ax, f"Signal of the {run.moving} ring: {run_title(run)}", _facts(run))

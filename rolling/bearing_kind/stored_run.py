@@ -326,7 +326,7 @@ def write_sounds(run: SolvedBearing, folder: Path) -> BearingFiles:
 
 def _heard(run: SolvedBearing) -> str:
     """Say what is heard of a run."""
-    return f"acceleration of the {run.moving} ring along x"
+    return f"acceleration of the {run.moving} ring {run.scene.seen_at('along x')}"
 
 
 def _title(run: SolvedBearing) -> str:
@@ -371,7 +371,7 @@ def write_long(run: BearingRun, seconds: float) -> Path:
     acceleration = acceleration - acceleration.mean()
     faded = resampling.fade(acceleration, round(FADE_S * wav.SAMPLE_RATE_HZ))
     gain = wav.listening_gain(faded)
-    comment = f"acceleration of the ring along x; full scale is {1 / gain:.6g} m/s2"
+    comment = f"{_heard(run)}; full scale is {1 / gain:.6g} m/s2"
     content = wav.listening(faded, gain, comment, printable(run.scene.name))
     whole_files.write_bytes(run.folder / LONG, content)
     return run.folder / LONG

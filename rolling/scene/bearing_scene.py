@@ -348,6 +348,11 @@ class BearingQuantities(SweptScene):
         given = self.bearing.sensor_deg
         return None if given is None else math.radians(given)
 
+    def seen_at(self, without: str) -> str:
+        """Say where signals of the ring are seen; `without` says it where there is no sensor."""
+        given = self.bearing.sensor_deg
+        return without if given is None else f"at the sensor, {given:g} degrees from the load"
+
     @property
     def spacing(self) -> float | None:
         """Node spacing [m], None where it is automatic."""

@@ -406,7 +406,8 @@ def test_an_elastic_ring_in_oil_is_kept(tmp_path: Path) -> None:
     assert numbers == replace(made.numbers, effort=numbers.effort)  # the page took its time
     assert len(numbers.ring.resonances_hz) == 9
     assert numbers.ring.left_out_hz == pytest.approx(11557, rel=1e-3)
-    assert "(1,800 to 10,000 Hz)" in numbers.sentences[0]
+    assert "(1,800 to 10,000 Hz)" in numbers.sentences[0] and " dB (" in numbers.sentences[0]
+    assert any("at the sensor, 90 degrees from the load" in text for text in numbers.sentences)
     ratios = [film.ratio for film in numbers.films]
     assert min(ratios) > 3 and "It parts the surfaces." in numbers.sentences[-1]
     parts = numbers.velocities.radial.high.parts

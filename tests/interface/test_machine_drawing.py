@@ -231,6 +231,32 @@ def test_a_bearing_on_a_plate_has_a_listener_and_one_without_has_a_sensor() -> N
     assert [sum(s.role == "sensor" for s in each.shapes) for each in (alone, housed)] == [1, 0]
 
 
+@pytest.mark.parametrize(("angle_deg", "place"), [(90, (1, 0)), (-90, (-1, 0)), (0, (0, 1))])
+def test_a_sensor_on_a_ring_stands_at_its_angle(angle_deg: float, place: tuple[int, int]) -> None:
+    """Angles count from the middle of the load zone, below, to the right."""
+    scene = loads_bearing(BEARING).with_({"bearing.sensor_deg": angle_deg})
+    machine = drawn(scene)
+    middle_x, middle_y, radius = max(circles(machine, "body"), key=lambda ring: ring[2])
+    (sensor,) = [shape for shape in machine.shapes if shape.role == "sensor"]
+    x, y = (float(number) for number in re.findall(r"[-\d.]+", sensor.path)[:2])  # a corner
+    half = 5
+    right, down = place
+    assert x + half - middle_x == pytest.approx(right * (radius + half), abs=0.5)
+    assert y + half - middle_y == pytest.approx(down * (radius + half), abs=0.5)
+
+
+def test_a_drawn_ball_bears_what_it_does_under_a_ring_that_bends() -> None:
+    """The shades and the load are those of the model that moves, not of a ring that stays round."""
+    loads = {"bearing.axial_load_n": 0, "bearing.radial_load_n": 1000, "bearing.angle": "moving"}
+    largest = {}
+    for ring in ("elastic", "rigid"):
+        scene = loads_bearing(BEARING).with_({**loads, "bearing.ring": ring})
+        (words,) = (words for words in said(drawn(scene)) if words.startswith("most loaded"))
+        largest[ring] = said(drawn(scene))[words]
+        assert largest[ring] == f"{scene.model.balance().ball_load_n.max():.0f} N"
+    assert largest["elastic"] != largest["rigid"]
+
+
 def test_the_drawing_is_text_for_eyes_and_ears_and_has_the_colours_of_the_page() -> None:
     scene = loads(BALL).with_({"sound.channels": [{"of": "ball", "quantity": "velocity"}]})
     channel = {"of": "plate", "quantity": "velocity", "x_mm": 9, "y_mm": 9, "name": HOSTILE[:60]}

@@ -103,7 +103,7 @@ def test_the_acceleration_of_a_tone() -> None:
     assert pulses.medium.peak_um_s == pytest.approx(141.4, rel=0.01)
     assert pulses.medium.crest_factor == pytest.approx(1.414, rel=0.01)
     assert pulses.kurtosis == pytest.approx(1.5, rel=0.01)
-    assert "dB re 9.81e-3 m/s2 from 50 to" in pulse_sentence(run.numbers)
+    assert "dB re 9.81e-3 m/s2 from 50 to" in pulse_sentence(run.scene, run.numbers)
 
 
 def test_knocks_have_a_kurtosis() -> None:
