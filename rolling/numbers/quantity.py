@@ -49,6 +49,8 @@ PART_WORDS: Mapping[str, str] = {
     "linear": "rough contacts that are linear",
     "gain": "the gain of rough contacts",
     "loss_factor": "the assumed loss factor of the contacts",
+    "film": "what films of oil leave of waves",
+    "film_damping": "the damping by films of oil",
     "surfaces": "the assumed waves around balls and raceways",
 }
 # Parts that two runs of this program share: a wrong one shifts both levels by nearly the same.

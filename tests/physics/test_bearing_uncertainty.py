@@ -13,7 +13,7 @@ import rolling
 from acoustics.arrays import Array
 from acoustics.continued_rows import RandomRows, drawn_lines
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
-from rolling.bearing import assumed_damping
+from rolling.bearing import assumed_damping, band_uncertainty
 from rolling.bearing.band_uncertainty import (
     LOSS_FACTOR,
     RECORD,
@@ -33,7 +33,7 @@ from rolling.bearing_kind.contact_uncertainty import (
     roughness_shares,
 )
 from rolling.bearing_kind.joined_tracks import bearing_tracks
-from rolling.numbers.quantity import joined
+from rolling.numbers.quantity import PART_WORDS, joined
 
 RATE = 48_000
 
@@ -194,3 +194,9 @@ def test_a_part_replaces_an_earlier_one_of_its_name() -> None:
     again = with_third.with_part(WINDOW, of_all(0.0))
     assert again.of_band(RADIAL, "low") == {RECORD: 3.0, WINDOW: 0.0, LOSS_FACTOR: 12.0}
     assert joined(BandUncertainty().of_band(RADIAL, "low")) == 0.0
+
+
+def test_each_part_of_the_uncertainty_of_a_band_has_words() -> None:
+    """Comparisons with recordings and sheets name the parts, those of films of oil too."""
+    parts = {value for name, value in vars(band_uncertainty).items() if name.isupper()}
+    assert {"film", "film_damping"} <= parts <= PART_WORDS.keys()
