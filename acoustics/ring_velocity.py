@@ -357,8 +357,8 @@ class NarrowSpectrum:
         It is longer than this record, which does not separate them. Where the flank of several
         tones hides a line that is farther from each of them, they count as a reach apart.
         """
-        apart = lines_apart if lines_apart < SEPARATED else REACH
-        return SEPARATED / (apart * self.line_width_hz)
+        separated_lines = lines_apart if lines_apart < SEPARATED else REACH
+        return SEPARATED / (separated_lines * self.line_width_hz)
 
     def _rms_at(self, place: float) -> float:
         """Return the rms of a tone at a place between lines, from the nearest line and its lobe."""
