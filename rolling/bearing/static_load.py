@@ -99,7 +99,8 @@ class LoadedRing:
         Loads on the ring, not negative, one of them positive.
     gap_m : float, m
         Gap of each ball along its contact line while the ring is centred: half of the radial
-        clearance at contact angle 0, and zero where an axial load has closed it.
+        clearance at contact angle 0, and zero where an axial load has closed it. A negative one
+        presses the balls of a ring without load.
     moving : "outer" or "inner"
         Ring that moves.
     angle : "fixed" or "moving"
@@ -240,11 +241,11 @@ def _balanced(balls: "_Balls", load: Array) -> Array:
     lines = balls.lines
     wanted = load / balls.units
     size = float(np.linalg.norm(wanted))
-    start = (lines.gap_m + balls.approach_m(size)) * wanted / size
+    start = (max(lines.gap_m, 0.0) + balls.approach_m(size)) * wanted / size
     place = balls.place_under(wanted, start)
     if place is None:
         # A light load leads along a bent and narrow valley of the energy, which a heavy one widens.
-        reach = _WIDE / lines.curvature if lines.curvature > 0 else lines.gap_m
+        reach = _WIDE / lines.curvature if lines.curvature > 0 else abs(lines.gap_m)
         heaviest = max(balls.stiffness * reach**1.5 / size, 1.0)
         times = ceil(log(heaviest, _LIGHTER)) + 1
         place = reach * wanted / size
@@ -332,7 +333,7 @@ class _Balls:
         """Return the forces [N] by which rounding changes those of the balls, (columns,)."""
         eps = _GRAINS * float(np.finfo(float).eps)
         ways = np.abs(pressed.lines) / self.units
-        grain = eps * (self.lines.gap_m + ways @ np.abs(place))
+        grain = eps * (abs(self.lines.gap_m) + ways @ np.abs(place))
         loads = ball_loads(pressed.approach_m, self.stiffness)
         beside = ball_loads(pressed.approach_m + grain, self.stiffness)
         return np.asarray((beside - loads + eps * loads) @ ways)

@@ -58,9 +58,10 @@ def groove_distance(ball_diameter: float, inner: float, outer: float) -> float:
 def angle_of(clearance: float, distance: float) -> float:
     """Return the free contact angle [rad] of a radial clearance and a distance of the grooves [m].
 
-    cos(angle) = 1 - clearance/(2 distance)
+    cos(angle) = 1 - clearance/(2 distance). Balls that a negative clearance presses touch in the
+    middle of the grooves, at 0.
     """
-    return math.acos(1 - clearance / (2 * distance))
+    return math.acos(1 - max(clearance, 0.0) / (2 * distance))
 
 
 def clearance_of(angle: float, distance: float) -> float:

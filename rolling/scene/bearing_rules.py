@@ -50,6 +50,7 @@ FINEST_UM = 0.5  # spacing that holds all waves where numerics.spacing_um is aut
 HEAVY_KG = 1e6  # in place of a ring's mass that is not given, which follows from its dimensions
 _STEPS = 50  # of a bisection, which halves its range each time
 _ROUNDING = 1e-12  # of binary numbers
+_LEAST_SHARE = 1e-12  # of the loads beside balls that a negative clearance presses
 SAME_ANGLE_DEG = 0.1  # difference that the rounding of angle or clearance makes
 
 
@@ -87,8 +88,12 @@ def geometry_of(bearing: Bearing) -> BearingGeometry:
 
 
 def gap_of(bearing: Bearing) -> float:
-    """Return the gap [m] of each ball with the ring centred, which an axial load closes."""
-    return 0.0 if bearing.axial_load_n > 0 else free_clearance(bearing) / 2
+    """Return the gap [m] of each ball with the ring centred.
+
+    An axial load closes it. A negative one is the approach of each ball without a load.
+    """
+    gap = free_clearance(bearing) / 2
+    return min(gap, 0.0) if bearing.axial_load_n > 0 else gap
 
 
 def loaded_ring_of(bearing: Bearing) -> LoadedRing:
@@ -284,9 +289,10 @@ def _mistakes_of_angle(bearing: Bearing) -> Iterator[PydanticCustomError]:
         )
     elif bearing.angle == "fixed" and not free_angle(bearing):
         key = ".contact_angle_deg" if angle_deg is not None else ".radial_clearance_um"
+        given = angle_deg or clearance_um or 0.0
         yield mistake(
-            "got 0, allowed with an axial load: above 0, because balls at an angle of 0 bear no"
-            " axial load; or bearing.angle moving",
+            f"got {plain_number(given)}, allowed with an axial load: above 0, because balls at an"
+            " angle of 0 bear no axial load; or bearing.angle moving",
             at=key,
         )
 
@@ -307,6 +313,17 @@ def _mistakes_of_load(bearing: Bearing) -> Iterator[PydanticCustomError]:
         )
         return
     limit = 1e9 * STATIC_GPA
+    preload = pressure_by_clearance(bearing, geometry)
+    if preload >= limit:
+        # The pressure grows with the root of the approach.
+        most = 2e6 * gap_of(bearing) * (limit / preload) ** 2
+        yield mistake(
+            f"got {plain_number(2e6 * gap_of(bearing))}, allowed: at least -{_below(-most)}:"
+            f" the Hertz pressure would be {rounded(1e-9 * preload, 3)} GPa without a load, and the"
+            f" static capacity ends at {STATIC_GPA} GPa",
+            at=".radial_clearance_um",
+        )
+        return
     pressure = largest_pressure(bearing, geometry)
     if pressure <= limit:
         return
@@ -364,6 +381,14 @@ def largest_pressure(bearing: Bearing, geometry: BearingGeometry, share: float =
     return max(hertz_pressure(contact, load) for contact in (geometry.inner, geometry.outer))
 
 
+def pressure_by_clearance(bearing: Bearing, geometry: BearingGeometry) -> float:
+    """Return the Hertz pressure [Pa] of all balls by a negative clearance alone, or 0."""
+    load = geometry.series_stiffness * max(-gap_of(bearing), 0.0) ** 1.5
+    if load <= 0:
+        return 0.0
+    return max(hertz_pressure(contact, load) for contact in (geometry.inner, geometry.outer))
+
+
 def _allowed_share(bearing: Bearing, geometry: BearingGeometry, limit: float) -> float:
     """Return the share of both loads at which the largest pressure is at a limit [Pa]."""
     low = (limit / largest_pressure(bearing, geometry)) ** 3
@@ -372,7 +397,7 @@ def _allowed_share(bearing: Bearing, geometry: BearingGeometry, limit: float) ->
     # With a gap fewer balls bear a smaller load, so that a larger share of it is on one. At a
     # moving angle the load of a ball falls with that on the ring, or with its power 3/4 at least.
     high = 1.0
-    low = low ** (4 / 3) / bearing.balls
+    low = low ** (4 / 3) / bearing.balls if gap_of(bearing) >= 0 else _LEAST_SHARE
     for _ in range(_STEPS):
         share = math.sqrt(low * high)
         if largest_pressure(bearing, geometry, share) < limit:

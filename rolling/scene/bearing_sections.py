@@ -147,7 +147,8 @@ class Bearing(Section):
         Angle [degrees] from the middle of the load zone at which the radial motion is seen on the
         cylinder of the ring. Default: the mean over all places by power, and signals at 0.
     radial_clearance_um : float, optional
-        Radial internal clearance [um]. Default: from the contact angle.
+        Radial internal clearance [um] as mounted. A negative one presses all balls. Default: from
+        the contact angle.
     conformity_inner : float
         Radius of the inner groove over the ball's diameter [-]
     conformity_outer : float
@@ -203,7 +204,7 @@ class Bearing(Section):
     ring: Literal["rigid", "elastic"] = "elastic"
     tilt: Literal["held", "free"] = "held"
     sensor_deg: float | None = Field(default=None, ge=-360, le=360)
-    radial_clearance_um: float | None = Field(default=None, ge=0)
+    radial_clearance_um: float | None = None
     conformity_inner: float = Field(default=0.52, gt=0.5, le=0.6)
     conformity_outer: float = Field(default=0.53, gt=0.5, le=0.6)
     material: Material = "steel-100cr6"

@@ -264,6 +264,19 @@ def test_a_contradiction_is_refused_with_the_value_that_fits() -> None:
     assert bearing("bearing.radial_clearance_um=13.88").contact_angle > 0
 
 
+def test_a_negative_clearance_is_a_preload_within_the_static_capacity() -> None:
+    moving = ("bearing.contact_angle_deg=", "bearing.angle=moving")
+    pressed = bearing(*moving, "bearing.radial_clearance_um=-6")
+    assert pressed.contact_angle == 0
+    assert pressed.model.balance().ball_load_n.min() > 40
+    (text,) = faults(*moving, "bearing.radial_clearance_um=-200")
+    least = text.split("allowed: at least ")[1].split(":")[0]
+    assert "5.29 GPa without a load" in text
+    widest = f"bearing.radial_clearance_um={least}"
+    assert bearing(*moving, widest, "bearing.axial_load_n=1")
+    assert "got -6" in faults("bearing.contact_angle_deg=", "bearing.radial_clearance_um=-6")[0]
+
+
 def test_a_purely_radial_load_needs_no_angle() -> None:
     radial = ("bearing.axial_load_n=0", "bearing.radial_load_n=100")
     scene = bearing(*radial, "bearing.contact_angle_deg=0", "bearing.radial_clearance_um=10")

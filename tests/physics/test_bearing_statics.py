@@ -241,6 +241,33 @@ def test_a_clearance_is_a_gap_of_balls_in_the_middle_of_the_grooves() -> None:
     assert state.stiffness_n_m[2, 2] > 0  # loads hold the ring in the plane of the grooves
 
 
+@pytest.mark.law("Bearings: a negative clearance presses the balls of a ring without load.")
+@pytest.mark.parametrize(("axial", "radial"), [(70.0, 100.0), (1.0, 20.0), (400.0, 0.0)])
+def test_a_negative_clearance_presses_all_balls(axial: float, radial: float) -> None:
+    """Exact grooves, whose centres are 3 um farther apart than where a ball just touches."""
+    geometry = bearing(angle_deg=0.0)
+    angles = geometry.ball_angles(0.0)
+    touching = geometry.groove_distance_m
+
+    def loads(place_um: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        along_x, along_z = 1e-6 * place_um
+        beside = touching + 3e-6 + np.cos(angles) * along_x
+        distance = np.hypot(beside, along_z)
+        forces = ball_loads(distance - touching, geometry.series_stiffness)
+        return forces, forces * beside / distance, forces * along_z / distance
+
+    def missing(place_um: np.ndarray) -> list[float]:
+        _, across, along = loads(place_um)
+        return [across @ np.cos(angles) - radial, along.sum() - axial]
+
+    solution = root(missing, [0.1, 10.0], tol=1e-12)
+    assert solution.success
+    ring = LoadedRing(axial_load_n=axial, radial_load_n=radial, gap_m=-3e-6, **MOVING)
+    state = static_balance(geometry, ring)
+    assert state.ball_load_n == pytest.approx(loads(solution.x)[0], rel=1e-6)
+    assert state.ball_load_n.min() > 0
+
+
 def jones(geometry: BearingGeometry, places: np.ndarray, held: bool, start: np.ndarray, load):
     """Return the balance of an inner ring by Jones' equations, solved by MINPACK in micrometres.
 
