@@ -13,6 +13,7 @@ import json
 import sys
 from collections import defaultdict
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -115,6 +116,7 @@ def keys_of(section: str) -> str:
     return table(["key", "value", "meaning"], [*_rows(model, schema)]) if model else ""
 
 
+@cache  # the page of the API asks for the keys of each exported name
 def _schema() -> Json:
     from rolling.kinds.reading import schema
 

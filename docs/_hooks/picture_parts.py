@@ -119,5 +119,5 @@ def kept_run(scene: Any) -> Any:
 
     folder = run_folder(scene_identity(scene)[:16])
     if not folder.exists():
-        simulate(scene, progress=False).save(folder)
+        simulate(scene, progress=False).save(folder, report=False)
     return open_run(folder)

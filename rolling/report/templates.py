@@ -1,8 +1,10 @@
 """Templates of the pages, and their scripts as a single text."""
 
 import re
+from types import CodeType
 
 import jinja2
+from jinja2.bccache import Bucket
 from markupsafe import Markup, escape
 
 from rolling.figures.picture import slug
@@ -12,11 +14,30 @@ from rolling.terminal.streams import unbroken
 _IMPORT = re.compile(r'^import \{[^}]*\} from "(\./|\.\./)([\w/]+\.js)";\n', re.MULTILINE)
 
 
+class _CompiledTemplates(jinja2.BytecodeCache):
+    """Code of the templates that this process has compiled, for all of its pages."""
+
+    def __init__(self) -> None:
+        self._codes = dict[tuple[str, str], CodeType | None]()
+
+    def load_bytecode(self, bucket: Bucket) -> None:
+        """Take the code of a template whose text has not changed."""
+        bucket.code = self._codes.get((bucket.key, bucket.checksum))
+
+    def dump_bytecode(self, bucket: Bucket) -> None:
+        """Keep the code of a template."""
+        self._codes[bucket.key, bucket.checksum] = bucket.code
+
+
+_COMPILED = _CompiledTemplates()
+
+
 def environment() -> jinja2.Environment:
     """Return the environment of the page, which escapes values and raises on missing values."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("rolling.report", "assets"),
         autoescape=True,
+        bytecode_cache=_COMPILED,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
