@@ -37,6 +37,8 @@ HOOKS = {
     "on_end": "numba tells a listener that it has compiled",
     "generic_resolve": "numba asks for the type of an attribute",
     "writelines": "io.TextIOBase writes lines through it",
+    "load_bytecode": "jinja2 asks for the code of a template",
+    "dump_bytecode": "jinja2 hands over the code of a template",
     "__getattr__": "Python asks a module for a name that it lacks",
     "__dir__": "Python lists the names of a module",
     "__call__": "Python calls an object",
