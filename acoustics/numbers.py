@@ -33,7 +33,9 @@ def rounded_down(value: float) -> str:
 
 
 def _to_two_digits(value: float, whole: Callable[[float], int]) -> str:
-    """Round a positive number to two digits by a function that returns whole numbers."""
+    """Round a number, 0 or above, to two digits by a function that returns whole numbers."""
+    if value == 0:
+        return "0"
     size = 10.0 ** (math.floor(math.log10(value)) - 1)
     # A number of two digits keeps its value despite its rounding error.
     return rounded(whole(round(value / size, 9)) * size, 6)

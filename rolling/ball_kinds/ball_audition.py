@@ -17,7 +17,7 @@ from rolling.ball_kinds import (
     linear_level,
 )
 from rolling.ball_kinds.ball_candidates import LOSS_FACTORS, BallCandidate, of_ball
-from rolling.ball_kinds.ball_difference import VIBRATION, difference
+from rolling.ball_kinds.ball_difference import BAND, VIBRATION, difference
 from rolling.ball_kinds.ball_heard import BAFFLE, HeardBall
 from rolling.ball_kinds.ball_specimens import BallSpecimens
 from rolling.check import widest_places
@@ -58,6 +58,10 @@ class BallAudition(Audition):
         "grid": "the error of the grid; choose a smaller surface.spacing_um",
         "instrument": "what the instrument could not see",
         BAFFLE: "the baffle in which free plates are computed and which they do not have",
+        BAND: (
+            "the ends of the simulated bands, which differ because the nodes do; let both roll"
+            " faster, or take surfaces with nodes equally far apart"
+        ),
     }
 
     # ---- candidates and specimens

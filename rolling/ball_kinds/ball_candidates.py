@@ -146,11 +146,12 @@ def candidate(label: str, scene: Scene) -> BallCandidate:
 
 
 def with_one_length(candidates: Sequence[BallCandidate]) -> list[BallCandidate]:
-    """Return candidates with one length where `auto` chooses it.
+    """Return candidates with one length where `auto` chooses it, or where scans are rolled once.
 
     It is the longest that a scene states, because records of other lengths are no pair; where none
-    states one, the longest that a candidate needs.
+    states one, the longest that a candidate needs. Scans have the length of the shortest one.
     """
+    candidates = _with_shortest_lap(candidates)
     choices = [candidate.scene.length_choice for candidate in candidates]
     needs = [choice for choice in choices if choice is not None]
     stated = [
@@ -170,6 +171,24 @@ def with_one_length(candidates: Sequence[BallCandidate]) -> list[BallCandidate]:
         elif choice is not None:
             scene = scene.with_length(shared)
         made.append(replace(own, scene=scene))
+    return made
+
+
+def _with_shortest_lap(candidates: Sequence[BallCandidate]) -> list[BallCandidate]:
+    """Return candidates whose scans are rolled over once, as far as the shortest one lasts.
+
+    A length that another scene states ends them, too.
+    """
+    given = [one.scene.duration for one in candidates if one.scene.length_choice is None]
+    shortest = min(given, default=SHORT_S)
+    if shortest >= SHORT_S:
+        return list(candidates)
+    seconds = float(f"{shortest:.12g}")
+    made = []
+    for own in candidates:
+        if own.scene.is_one_lap and _differ(own.scene.duration, shortest):
+            own = replace(own, scene=own.scene.with_({"rolling.duration_s": seconds}))
+        made.append(own)
     return made
 
 
@@ -225,11 +244,15 @@ def _other_duration(first: BallCandidate, other: BallCandidate) -> Iterator[str]
     """Yield a sentence where two records differ in length and one is short."""
     mine = first.scene.duration
     theirs = other.scene.duration
-    is_unequal = abs(mine - theirs) > SAME_DURATION * max(mine, theirs)
-    if is_unequal and min(mine, theirs) < SHORT_S:
+    if _differ(mine, theirs) and min(mine, theirs) < SHORT_S:
         yield (
             f"{other.scene.place('rolling.duration_s')}: rolling.duration_s: {other.label} lasts"
             f" {plain_number(round(theirs, 6))} s and {first.label}"
             f" {plain_number(round(mine, 6))} s, allowed below {SHORT_S:g} s: equal durations;"
             f" give both rolling.duration_s: {SHORT_S:g}"
         )
+
+
+def _differ(first_s: float, second_s: float) -> bool:
+    """Tell whether two durations [s] differ by more than whole nodes of a track."""
+    return abs(first_s - second_s) > SAME_DURATION * max(first_s, second_s)

@@ -35,13 +35,13 @@ def conditions(scene: Scene) -> list[Condition]:
         Condition("surface", surface_words(scene), leads=False),
     ]
     if isinstance(scene.surface, HeightFile):
-        words = preparation_words(scene.surface)
+        words = preparation_words(scene.surface, 1e6 * scene.track.spacing)
         listed.append(Condition("preparation", words, leads=False))
     return listed
 
 
-def preparation_words(surface: HeightFile) -> str:
-    """Say how the heights of a file are prepared, step by step, as its section states it."""
+def preparation_words(surface: HeightFile, spacing_um: float) -> str:
+    """Say how the heights of a file are prepared, step by step, and how far its nodes are apart."""
     steps = []
     if surface.outliers is not None:
         steps.append(f"nodes beyond {surface.outliers:g} robust standard deviations replaced")
@@ -49,16 +49,14 @@ def preparation_words(surface: HeightFile) -> str:
         steps.append("unmeasured points filled from around them")
     if surface.s_filter_um is not None:
         steps.append(f"S-filter {surface.s_filter_um:g} µm")
-    closed = surface.periodic or ("blend" if surface.spacing_um is None else "none")
     levelled = LEVELLED[surface.level]
-    if surface.level == "auto" and closed == "none":
+    if surface.level == "auto" and surface.made_periodic == "none":
         levelled = "plane removed if that lowers the step at the seam"
     steps.append(levelled)
     if surface.l_filter_um is not None:
         steps.append(f"L-filter {surface.l_filter_um:g} µm")
-    steps.append(CLOSED[closed])
-    if surface.spacing_um is not None:
-        steps.append(f"nodes {surface.spacing_um:g} µm apart")
+    steps.append(CLOSED[surface.made_periodic])
+    steps.append(f"nodes {rounded(spacing_um, 4)} µm apart")
     if surface.along == "x":
         steps.append("the track along x")
     if surface.instrument is not None:

@@ -16,6 +16,7 @@ from rolling.choice.difference import Difference, paired_difference
 from rolling.choice.heard_specimen import levels_of
 
 VIBRATION = "vibration"  # what is compared
+BAND = "band"  # part of candidates whose simulated bands end at other frequencies
 # Parts of the ± of a run that have a part of their own in a difference. Pairs of specimens and
 # several speeds take the place of a single record and its comb, two loss factors that of one.
 COUNTED = ("record", "comb", "contact_loss", "grid", "instrument")
@@ -50,6 +51,7 @@ def difference(
             "grid": _error_part(pairs, "grid"),
             "instrument": _error_part(pairs, "instrument"),
             BAFFLE: float(np.mean([_baffle_part(ball, other) for ball, other in pairs])),
+            BAND: _band_part(pairs),
         }
     band_db, band_uncertainty_db = _by_band(bands.mean(axis=1), correlation)
     released_db, released_uncertainty_db = _released(pairs, correlation)
@@ -113,6 +115,25 @@ def _error_part(pairs: Sequence[tuple[HeardBall, HeardBall]], origin: str) -> fl
         differences_db.append(of_ball.db - of_other.db)
         spreads.append(math.hypot(of_ball.uncertainty_db, of_other.uncertainty_db))
     return math.hypot(float(np.mean(differences_db)), float(np.mean(spreads)))
+
+
+def _band_part(pairs: Sequence[tuple[HeardBall, HeardBall]]) -> float:
+    """Return what a difference [dB] changes if only bands count that both candidates resolve.
+
+    It is 0 where both resolve the same bands. Coarse nodes of one scan end its band below that of
+    a finer scan, whose higher waves are then heard in the one alone.
+    """
+    changes_db = []
+    for ball, other in pairs:
+        known = [np.isfinite(heard_ball.bands).all(axis=0) for heard_ball in (ball, other)]
+        common = known[0] & known[1]
+        own_db = [float(levels_of(np.nansum(one.bands, axis=1)).mean()) for one in (ball, other)]
+        common_db = [
+            float(levels_of(one.bands[:, common].sum(axis=1)).mean()) for one in (ball, other)
+        ]
+        change_db = (common_db[0] - common_db[1]) - (own_db[0] - own_db[1])
+        changes_db.append(change_db if math.isfinite(change_db) else 0.0)
+    return abs(float(np.mean(changes_db)))
 
 
 def _baffle_part(ball: HeardBall, other: HeardBall) -> float:

@@ -47,8 +47,28 @@ def _omissions(choice: ChoiceNumbers) -> Iterator[Doubt]:
     yield Doubt(WITHOUT_SOLUTION, text, Severity.INDICATIVE)
 
 
+def _equal(choice: ChoiceNumbers) -> Iterator[Doubt]:
+    """Say that two candidates sound the same to the last digit, as files do that are equal."""
+    first = choice.contenders[0]
+    for other, of_one in zip(choice.contenders[1:], choice.by_quantity, strict=True):
+        if all(_is_none(difference) for difference in of_one.values()):
+            text = (
+                f"{printable(first.label)} and {printable(other.label)} sound the same to the last"
+                " digit: their files or scenes hold the same under two names."
+            )
+            yield Doubt("equal_candidates", text, Severity.DO_NOT_QUOTE)
+
+
+def _is_none(difference: Difference) -> bool:
+    """Tell whether the levels of all pairs are equal to the last digit."""
+    return difference.db == 0 and difference.parts_db.get(SCATTER) == 0
+
+
 def _alike_places(choice: ChoiceNumbers) -> Iterator[Doubt]:
-    """Say that places of a scan share its ridges, and what a further scan would bring."""
+    """Say that places of a scan share its ridges, and what a further scan would bring.
+
+    Scans of equal heights have no ± that one could lower.
+    """
     difference = choice.widest.difference
     if difference.independent is None:
         return
@@ -58,6 +78,8 @@ def _alike_places(choice: ChoiceNumbers) -> Iterator[Doubt]:
             " of each, elsewhere on the part, would give a ±."
         )
         yield Doubt(ALIKE_PLACES, text, Severity.DO_NOT_QUOTE)
+        return
+    if _is_none(difference):
         return
     spread = rounded_up(difference.uncertainty_db)
     less = rounded_up(difference.further_scan_db)
@@ -137,5 +159,5 @@ def left_out_text(differences: Iterable[Difference]) -> str:
     )
 
 
-LIMITS = (_omissions, _alike_places, _early, _wide)
+LIMITS = (_omissions, _equal, _alike_places, _early, _wide)
 RULES = (*LIMITS, _left_out_parts)

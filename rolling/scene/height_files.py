@@ -26,7 +26,13 @@ INSTRUMENTS = (".x3p", ".sdf", *TABLES["formats"])
 MAY_BE_TEXT = (".dat",)  # endings that instruments give to binary files and to texts
 _PERIODS = (*ARRAYS, ".csv", ".txt")  # files that are taken for one period of a surface
 _ENDINGS = (*ARRAYS, *TEXTS)
+EXPORT = 'export it as a matrix of numbers, in Gwyddion "ASCII data matrix (.txt)"'  # remedy
 _ARRAY = "one 2-D array of real heights, (along track, across), or a profile of one line"
+
+
+def holds_heights(path: Path | str) -> bool:
+    """Tell whether the ending of a name is of a format of heights."""
+    return Path(path).suffix.lower() in (*_ENDINGS, *INSTRUMENTS, *MAY_BE_TEXT)
 
 
 def is_text(path: Path | str) -> bool:
@@ -111,8 +117,7 @@ def _ending(path: Path) -> str:
         got = f"the ending {path.suffix}" if ending else "no ending"
         raise HeightFormatError(
             f"got {got}, allowed: .npy, .npz, .csv or .txt, of a plate .xyz and formats of"
-            " instruments such as .x3p, .sdf or .sur; export others as a matrix of numbers, in"
-            ' Gwyddion "ASCII data matrix (.txt)"'
+            f" instruments such as .x3p, .sdf or .sur; {EXPORT}"
         )
     return ending
 

@@ -24,7 +24,7 @@ from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
 from rolling.contact.track import MAX_NODES, MIN_NODES, Track
 from rolling.scene import height_files
-from rolling.scene.height_files import MAY_BE_TEXT, is_array, is_instrument, is_text
+from rolling.scene.height_files import EXPORT, MAY_BE_TEXT, is_array, is_instrument, is_text
 from rolling.scene.height_format import MAX_BYTES, UNITS, HeightFormatError
 from rolling.scene.messages import first_line, mistake, plain_number, quoted, shortened
 from rolling.scene.surfaces import HeightFile, refuse_width
@@ -144,7 +144,8 @@ def _read(
     except ModuleNotFoundError as error:
         raise HeightFormatError(missing(ending, error)) from error
     except Exception as error:  # readers raise whatever the bytes of a damaged file lead to
-        raise HeightFormatError(f"no readable {ending} file ({_reason(error)})") from error
+        reason = f"no readable {ending} file ({_reason(error)}); {EXPORT}"
+        raise HeightFormatError(reason) from error
     values = np.array(np.ma.filled(np.ma.asarray(heights, dtype=float), np.nan), dtype=np.float64)
     if values.ndim != 2 or not values.size:
         raise HeightFormatError("holds no heights")
@@ -303,7 +304,7 @@ def _topography(path: Path) -> _Channels:
             continue
         heights = (channel for channel in file.channels if channel.is_height_channel)
         return {channel.channel_id: partial(_of_channel, channel) for channel in heights}
-    raise HeightFormatError(f"no readable .{ending} file ({'; '.join(reasons)})")
+    raise HeightFormatError(f"no readable .{ending} file ({'; '.join(reasons)}); {EXPORT}")
 
 
 def _of_channel(channel: Any) -> tuple[Any, list[float]]:

@@ -203,6 +203,12 @@ class Scene(values_in_si.SceneQuantities):
         )
 
     @property
+    def is_one_lap(self) -> bool:
+        """Whether a height file is rolled over once, because the scene states no length."""
+        has_length = self.rolling.duration_s is not None or self.rolling.distance_mm is not None
+        return self.surface.kind == "file" and not has_length
+
+    @property
     def length_reason(self) -> str:
         """Words on who chose the length of the track, and why."""
         choice = self.length_choice

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from functools import lru_cache
 from pathlib import Path
@@ -12,15 +13,16 @@ from ruamel.yaml.error import YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from rolling.scene import library
-from rolling.scene.height_files import reason_of
+from rolling.scene.height_files import holds_heights, reason_of
 from rolling.scene.messages import Key, Mistake, SceneError, first_line, quoted, shortened
-from rolling.terminal.whole_files import read_regular
+from rolling.terminal.whole_files import open_regular, read_regular
 
 MAX_BYTES = 1_000_000  # maximum size of a file
 MAX_KEPT = 10_000  # letters of a text whose nodes are kept
 MAX_VALUES = 100_000  # maximum number of keys and values of a text, with its aliases expanded
 MAX_NESTING = 7  # maximum depth of values, such as a speed profile in a swept section
 MAX_MERGES = 100  # maximum number of sections that are merged into others
+NAME = re.compile(rb"^name\s*:", re.MULTILINE)  # of a scene
 MAX_DIGITS = 300  # of a number; pydantic and Python fail to write much longer ones
 _TAG = "tag:yaml.org,2002:"
 _NUMBERS = ("int", "float")
@@ -29,7 +31,18 @@ _PLAIN = ("map", "seq", "str", "bool", "null", _DATE, *_NUMBERS)  # tags of plai
 
 
 def read_text(path: Path) -> str:
-    """Read a regular file of UTF-8 text of at most MAX_BYTES; raise SceneError where it is none."""
+    """Read a regular file of UTF-8 text of at most MAX_BYTES; raise SceneError where it is none.
+
+    A file of heights is no scene, and the error says how it gets into one.
+    """
+    if holds_heights(path) and not _has_name(path):
+        raise SceneError(
+            [
+                f"{path}: holds heights, a scene is needed; `rolling surface {path}` prints its"
+                " line `surface: {...}`, which stands in a scene file, or follows a scene of"
+                " `rolling scenes`, as in vibrating-ball --set 'surface={...}'"
+            ]
+        )
     try:
         return read_regular(path, MAX_BYTES).decode("utf-8-sig")
     except OSError as error:
@@ -45,6 +58,15 @@ def read_text(path: Path) -> str:
         line = error.object.count(b"\n", 0, error.start) + 1
         byte = error.object[error.start]
         raise SceneError([f"{path}:{line}: not UTF-8 text (byte {byte:#04x})"]) from error
+
+
+def _has_name(path: Path) -> bool:
+    """Tell whether a text names a scene, or is no file that could be read."""
+    try:
+        with open_regular(path) as file:
+            return NAME.search(file.read(MAX_BYTES)) is not None
+    except OSError:
+        return True
 
 
 class Parsed(NamedTuple):

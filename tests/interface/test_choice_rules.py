@@ -11,9 +11,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
 import pytest
 
 import rolling as rc
+from acoustics.arrays import Array
 from acoustics.pairs import LOOKS
 from rolling import cli
 from rolling.ball_kinds import ball_audition
@@ -108,6 +110,26 @@ def test_a_choice_that_would_leave_out_many_ends_with_the_remedy(
     """Half of four are many, and more than one in ten of twelve."""
     with pytest.raises(ContactError, match=r"of .* surfaces have no solution.*surface\.width_um"):
         choose_scenes(two(wide.with_(seed=seed)), tmp_path / "out", Budget(pairs=pairs), workers=1)
+
+
+@pytest.mark.parametrize("correlation", [None, np.eye(6)])
+def test_one_surface_under_two_names_is_told(
+    wide: rc.Scene,
+    tmp_path: Path,
+    marched: list[str],
+    monkeypatch: pytest.MonkeyPatch,
+    correlation: Array | None,
+) -> None:
+    """Neither a further scan nor more specimens would tell what does not differ."""
+    monkeypatch.setattr(BallSpecimens, "correlation", lambda *_: correlation)
+    scenes = [wide.with_(name="first"), wide.with_(name="second")]
+    choice = choose_scenes(scenes, tmp_path / "out", Budget(pairs=6), workers=1)
+    assert choice.differences[0].db == choice.differences[0].parts_db["scatter"] == 0.0
+    told = " ".join(choice.sentences)
+    assert "stays open" in told and "the same to the last digit" in told
+    assert "further scan" not in told
+    others = choose_scenes(two(wide, "rough"), tmp_path / "two", Budget(pairs=6), workers=1)
+    assert "the same to the last digit" not in " ".join(others.sentences)
 
 
 def test_another_contact_is_marched_again(
@@ -374,9 +396,11 @@ def test_each_rule_of_a_choice_raises_its_doubt(
     choice = choose_scenes(scenes, tmp_path / "out", Budget(pairs=5), workers=1)
     wide_apart = replace(choice.differences[0], uncertainty_db=9.0, released_db=-1.0, sureness=0.99)
     alike = replace(choice.differences[0], independent=1.4, further_scan_db=0.3)
+    equal = replace(choice.differences[0], db=0.0, parts_db={"scatter": 0.0})
     changed = [
         choice,
         replace(choice, by_quantity=[{"vibration": alike}], is_early=True, limit="time is over"),
+        replace(choice, by_quantity=[{"vibration": equal}]),
         replace(choice, by_quantity=[{"vibration": wide_apart}], omitted=[], limit="that is all"),
         replace(
             choice,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -73,7 +74,25 @@ def test_the_preparation_of_a_scan_is_stated_in_its_order() -> None:
         l_filter_um=800,
         periodic="blend",
     )
-    words = preparation_words(surface)
+    words = preparation_words(surface, 2.0)
     steps = ["6 robust", "unmeasured", "S-filter 5", "second order", "L-filter 800", "faded"]
     places = [words.index(step) for step in steps]
     assert places == sorted(places)
+
+
+@pytest.mark.parametrize(
+    ("name", "keys", "wanted"),
+    [
+        ("scan.txt", {}, "taken as one period"),
+        ("scan.txt", {"periodic": "blend"}, "faded"),
+        ("scan.xyz", {}, "faded"),
+        ("scan.asc", {"spacing_um": 2}, "faded"),
+        ("scan.npy", {"spacing_um": 2}, "taken as one period"),
+    ],
+)
+def test_how_a_scan_is_closed_is_what_the_scene_does(
+    name: str, keys: dict[str, Any], wanted: str
+) -> None:
+    """By the ending of its name, whether the file or the scene holds the spacing."""
+    words = preparation_words(rc.HeightFile(path=name, **keys), 2.0)
+    assert wanted in words and "nodes 2 µm apart" in words

@@ -181,6 +181,24 @@ def test_errors_of_the_grid_count_as_far_as_they_differ() -> None:
     assert difference(first, first).parts_db["grid"] == 0
 
 
+@pytest.mark.law("Choice: bands that only one of two candidates resolves are in the ±.")
+def test_bands_of_one_candidate_alone_are_in_the_uncertainty() -> None:
+    """Both sound alike up to 8 kHz. The finer one has as much again above, 3 dB."""
+    fine = [heard([30.0, 30.0], band="4000") for _ in range(6)]
+    coarse = []
+    for one in fine:
+        one.bands[:, BAND_NAMES.index("16000")] = one.squares
+        cut = one.bands.copy()
+        cut[:, BAND_NAMES.index("10000") :] = np.nan
+        coarse.append(replace(one, bands=cut))
+    fine = [replace(one, squares=2 * one.squares) for one in fine]
+    apart = difference(fine, coarse)
+    assert apart.db == pytest.approx(10 * math.log10(2))
+    assert apart.parts_db["band"] == pytest.approx(10 * math.log10(2))
+    assert not apart.is_sure
+    assert difference(fine, fine).parts_db["band"] == 0.0
+
+
 def test_silence_has_no_difference() -> None:
     apart = difference([heard([-math.inf])] * 6, [heard([10.0])] * 6)
     assert apart.db is None and not apart.is_sure
@@ -259,6 +277,25 @@ def test_candidates_of_one_surface_share_their_contact() -> None:
     assert len(steps) == 1
     with pytest.raises(rc.SceneError, match="duration"):
         candidates_of([scene, fast])
+
+
+def test_scans_of_different_length_are_rolled_as_far_as_the_shortest(tmp_path: Path) -> None:
+    scene = scan(tmp_path)
+    (tmp_path / "short").mkdir()
+    short = scan(tmp_path / "short").with_(name="short")
+    np.save(tmp_path / "short" / "scan.npy", np.load(tmp_path / "scan.npy")[:200])
+    short = short.with_({"surface.path": str(tmp_path / "short" / "scan.npy")})
+    both = candidates_of([scene, short])
+    assert [one.scene.duration for one in both] == pytest.approx([short.duration] * 2, rel=0.01)
+    assert scene.duration == pytest.approx(1.5 * short.duration)
+    # A stated length ends a lap, and a lap does not stretch to a longer one.
+    half = scene.with_({"name": "half", "rolling.distance_mm": 0.5})
+    assert all(
+        one.scene.duration == pytest.approx(half.duration, rel=0.01)
+        for one in candidates_of([scene, short, half])
+    )
+    with pytest.raises(rc.SceneError, match="equal durations"):
+        candidates_of([short, scene.with_({"rolling.distance_mm": 1.1})])
 
 
 def test_places_of_a_scan_are_a_contact_width_apart(tmp_path: Path) -> None:

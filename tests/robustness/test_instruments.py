@@ -221,7 +221,8 @@ def test_damaged_files_are_refused_in_one_sentence(tmp_path: Path, name: str, da
 def test_no_text_reader_takes_over(tmp_path: Path, name: str) -> None:
     """A text without sizes would be read as heights of an unknown spacing."""
     (tmp_path / name).write_text("1 2 3\n4 5 6\n7 8 9\n")
-    assert f"no readable {Path(name).suffix} file" in refused(tmp_path / name)
+    said = refused(tmp_path / name)
+    assert f"no readable {Path(name).suffix} file" in said and "a matrix of numbers" in said
 
 
 @pytest.mark.parametrize(

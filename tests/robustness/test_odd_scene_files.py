@@ -36,6 +36,21 @@ def test_only_regular_files_are_scenes(tmp_path: Path) -> None:
     assert "not readable" in fault_of(tmp_path / "loop")
 
 
+def test_heights_in_place_of_a_scene_are_told_how_to_get_into_one(tmp_path: Path) -> None:
+    heights = np.arange(400.0).reshape(20, 20)
+    np.save(tmp_path / "scan.npy", heights)
+    np.savetxt(tmp_path / "scan.csv", heights, delimiter=";")
+    (tmp_path / "scan.txt").write_text("Höhe in µm\n1,5\t2,5\n", encoding="latin-1")
+    (tmp_path / "scan.sdf").write_bytes(bytes(2000))
+    (tmp_path / "large.xyz").write_text("1 2 3\n" * 200_000)
+    for path in tmp_path.iterdir():
+        told = fault_of(path)
+        assert f"`rolling surface {path}`" in told and "a scene is needed" in told
+    (tmp_path / "scene.txt").write_text("name: odd\nplate: 1\n")
+    assert "a scene is needed" not in fault_of(tmp_path / "scene.txt")
+    assert fault_of(tmp_path / "gone.csv").endswith("no such file")
+
+
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes with names here")
 def test_only_regular_files_are_heights(tmp_path: Path) -> None:
     path = scene_of(tmp_path, FILE, LAPS % (0.1, 0.01))
