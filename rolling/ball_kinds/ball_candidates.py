@@ -179,7 +179,10 @@ def _with_shortest_lap(candidates: Sequence[BallCandidate]) -> list[BallCandidat
 
     A length that another scene states ends them, too.
     """
-    given = [one.scene.duration for one in candidates if one.scene.length_choice is None]
+    scenes = [ball_candidate.scene for ball_candidate in candidates]
+    if not any(scene.is_one_lap for scene in scenes):
+        return list(candidates)
+    given = [scene.duration for scene in scenes if scene.length_choice is None]
     shortest = min(given, default=SHORT_S)
     if shortest >= SHORT_S:
         return list(candidates)

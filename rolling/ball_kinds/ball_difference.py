@@ -125,15 +125,17 @@ def _band_part(pairs: Sequence[tuple[HeardBall, HeardBall]]) -> float:
     """
     changes_db = []
     for ball, other in pairs:
-        known = [np.isfinite(heard_ball.bands).all(axis=0) for heard_ball in (ball, other)]
-        common = known[0] & known[1]
-        own_db = [float(levels_of(np.nansum(one.bands, axis=1)).mean()) for one in (ball, other)]
-        common_db = [
-            float(levels_of(one.bands[:, common].sum(axis=1)).mean()) for one in (ball, other)
-        ]
-        change_db = (common_db[0] - common_db[1]) - (own_db[0] - own_db[1])
+        known = np.isfinite(ball.bands).all(axis=0) & np.isfinite(other.bands).all(axis=0)
+        own_db = _level_of_bands(ball.bands) - _level_of_bands(other.bands)
+        common_db = _level_of_bands(ball.bands[:, known]) - _level_of_bands(other.bands[:, known])
+        change_db = common_db - own_db
         changes_db.append(change_db if math.isfinite(change_db) else 0.0)
     return abs(float(np.mean(changes_db)))
+
+
+def _level_of_bands(bands: Array) -> float:
+    """Return the mean level over loss factors [dB] of the known bands of each, (losses, bands)."""
+    return float(levels_of(np.nansum(bands, axis=1)).mean())
 
 
 def _baffle_part(ball: HeardBall, other: HeardBall) -> float:
