@@ -462,7 +462,12 @@ def _surface(given: argparse.Namespace) -> int:
         given.unit,
         given.xy_unit,
         along=given.along,
-        tip_radius_um=given.tip_radius_um,
+        instrument={
+            "tip_radius_um": given.tip_radius_um,
+            "sampling_um": given.sampling_um,
+            "noise_nm": given.noise_nm,
+        },
+        l_filter_um=given.l_filter_um,
         save=given.save,
         out=given.out,
         declare=given.declare,

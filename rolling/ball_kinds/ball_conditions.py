@@ -8,13 +8,15 @@ from rolling.report.assumed import surface_words
 from rolling.results.description import plate_size, values_text
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
-from rolling.scene.surfaces import HeightFile
+from rolling.scene.surfaces import HeightFile, Instrument
 
 LEVELLED = {
-    "plane": "plane removed",
-    "quadratic": "form of second order removed",
-    "auto": "plane removed",
-    "none": "no form removed",
+    "quadratic": "surface of second order",
+    "auto": "least-squares plane",
+    "none": "none",
+    "plane": "least-squares plane",
+    "cylinder": "least-squares cylinder",
+    "sphere": "least-squares sphere",
 }
 CLOSED = {
     "blend": "each end faded into its beginning",
@@ -41,27 +43,49 @@ def conditions(scene: Scene) -> list[Condition]:
 
 
 def preparation_words(surface: HeightFile, spacing_um: float) -> str:
-    """Say how the heights of a file are prepared, step by step, and how far its nodes are apart."""
+    """Say how the heights of a file are prepared, step by step, and how far its nodes are apart.
+
+    The steps have the names of ISO 25178-2, and the filters those of ISO 16610.
+    """
     steps = []
     if surface.outliers is not None:
         steps.append(f"nodes beyond {surface.outliers:g} robust standard deviations replaced")
     if surface.unmeasured == "fill":
         steps.append("unmeasured points filled from around them")
     if surface.s_filter_um is not None:
-        steps.append(f"S-filter {surface.s_filter_um:g} µm")
-    levelled = LEVELLED[surface.level]
-    if surface.level == "auto" and surface.made_periodic == "none":
-        levelled = "plane removed if that lowers the step at the seam"
-    steps.append(levelled)
+        steps.append(f"S-filter (Gaussian, nesting index {surface.s_filter_um / 1e3:g} mm)")
+    steps.append(f"F-operation ({_form(surface.level, surface.made_periodic)})")
     if surface.l_filter_um is not None:
-        steps.append(f"L-filter {surface.l_filter_um:g} µm")
+        kind = "robust Gaussian" if surface.l_filter == "robust" else "Gaussian"
+        steps.append(f"L-filter ({kind}, nesting index {surface.l_filter_um / 1e3:g} mm)")
     steps.append(CLOSED[surface.made_periodic])
     steps.append(f"nodes {rounded(spacing_um, 4)} µm apart")
     if surface.along == "x":
         steps.append("the track along x")
     if surface.instrument is not None:
-        steps.append("limits of the instrument stated")
+        steps.append(_instrument(surface.instrument))
     return ", ".join(steps)
+
+
+def _form(level: str, closed: str) -> str:
+    """Name the form that is removed."""
+    if level == "auto" and closed == "none":
+        return "least-squares plane if that lowers the step at the seam"
+    if level.startswith("polynomial-"):
+        return f"polynomial of order {level.removeprefix('polynomial-')}"
+    return LEVELLED[level]
+
+
+def _instrument(instrument: Instrument) -> str:
+    """Write what is stated of the instrument."""
+    stated = []
+    if instrument.tip_radius_um is not None:
+        stated.append(f"tip radius {instrument.tip_radius_um:g} µm")
+    if instrument.sampling_um is not None:
+        stated.append(f"lateral period limit {2 * instrument.sampling_um:g} µm")
+    if instrument.noise_nm is not None:
+        stated.append(f"noise {instrument.noise_nm:g} nm rms")
+    return f"instrument ({', '.join(stated)})"
 
 
 def method(scene: Scene) -> Method:

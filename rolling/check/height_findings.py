@@ -8,6 +8,7 @@ from typing import Any
 from acoustics.numbers import rounded, rounded_down, si
 from rolling.check import cost, resolution
 from rolling.check.finding import Finding
+from rolling.in_si.chosen_filters import rounded_up_um
 from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.in_si.scene_surface import SceneSurface, scene_surface
 from rolling.numbers.doubt import Doubt, Severity
@@ -72,7 +73,7 @@ def tilt_text(levelling: Levelling) -> str:
         return f"nothing removed, the plane has {plane}"
     before = si(levelling.ra_before, "m")
     after = si(levelling.ra_after, "m")
-    order = "second order removed with the plane" if levelling.is_quadratic else "plane removed"
+    order = f"{levelling.form} removed with the plane" if levelling.form else "plane removed"
     return f"{order}: {plane}; Ra {before} before, {after} after"
 
 
@@ -87,7 +88,7 @@ def _form(surface: SceneSurface) -> Iterator[Finding | Doubt]:
             f"{name}: a plane and a parabola make up {100 * share:.0f} % of the variance of the "
             "heights and pass for roughness",
             Severity.INDICATIVE,
-            advice="remove them with surface.level quadratic",
+            advice="remove them with surface.level quadratic, cylinder or sphere",
         )
 
 
@@ -164,14 +165,8 @@ def _instrument(surface: SceneSurface) -> Iterator[Finding | Doubt]:
             f"{name}: below {si(seen.cutoff, 'm')} the file shows {seen.noise_words}",
             Severity.INDICATIVE,
             advice="the run tells how much of the levels it is; average measurements, or set "
-            f"surface.s_filter_um to at least {rounded_up_um(seen.cutoff)}",
+            f"surface.s_filter_um to at least {rounded_up_um(seen.cutoff):g}",
         )
-
-
-def rounded_up_um(length: float) -> str:
-    """Write a length [m] in um with two digits, rounded up."""
-    exponent = math.floor(math.log10(length * 1e6)) - 1
-    return f"{math.ceil(length * 1e6 / 10.0**exponent - 1e-9) * 10.0**exponent:.6g}"
 
 
 def _seam(scene: Scene, levelling: Levelling) -> Iterator[Finding | Doubt]:

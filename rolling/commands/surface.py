@@ -15,7 +15,6 @@ from acoustics.numbers import rounded
 from acoustics.texts import printable
 from rolling.check import refusals
 from rolling.commands.replaced import SOURCE, refuse_others, source_name
-from rolling.contact.track import MIN_NODES
 from rolling.in_si import measured, offered_lines
 from rolling.in_si.described_file import ChainStep, FileOptions, described_file, offer_of_file
 from rolling.in_si.plate_file import ScaleLimited, scale_limited_file
@@ -26,9 +25,8 @@ from rolling.scene.file import read_as
 from rolling.scene.height_files import is_array
 from rolling.scene.height_format import HeightFormatError
 from rolling.scene.scene import Scene
-from rolling.scene.surfaces import HeightFile, Instrument
+from rolling.scene.surfaces import HeightFile
 from rolling.surface import character
-from rolling.surface.instrument import faded, sight
 from rolling.terminal import progress, whole_files
 from rolling.terminal.streams import wrapped
 from rolling.terminal.whole_files import FolderError
@@ -46,7 +44,8 @@ def surface(
     xy_unit: str | None = None,
     *,
     along: str | None = None,
-    tip_radius_um: float | None = None,
+    instrument: Mapping[str, float | None] | None = None,
+    l_filter_um: float | None = None,
     save: Path | None = None,
     out: Path | None = None,
     declare: bool = False,
@@ -58,7 +57,9 @@ def surface(
     source : Path. A scene, whose surface is described, or a file of measured heights.
     overrides : sequence of str. Assignments such as "surface.level=plane", to a scene.
     spacing_um, channel, unit, xy_unit, along : as in the section `surface` of a scene, of a file.
-    tip_radius_um : float, um. Radius of the tip of the stylus that measured a file. Default: none.
+    instrument : mapping. The section `surface.instrument` of a file: tip_radius_um, sampling_um,
+        noise_nm; None where one is not stated. Default: nothing is stated.
+    l_filter_um : float, um. Nesting index of the L-filter of a file. Default: no such filter.
     save : Path. File for the heights, in the format of its ending. Default: none.
     out : Path. Folder of picture and table. Default: outputs/NAME-surface.
     declare : bool. Whether the roughness report is written, too. Default: false.
@@ -68,13 +69,21 @@ def surface(
     SceneError, FolderError : bad input; nothing is written.
     """
     _refuse_taken(save, out)
-    options = FileOptions(spacing_um, channel, unit, xy_unit, along, tip_radius_um)
+    options = FileOptions(
+        spacing_um=spacing_um,
+        channel=channel,
+        height_unit=unit,
+        xy_unit=xy_unit,
+        along=along,
+        l_filter_um=l_filter_um,
+        **(instrument or {}),
+    )
     is_scene = source.suffix.lower() in ("", ".yaml", ".yml")
     if is_scene:
         if options != FileOptions():
             raise FolderError(
-                "--spacing-um, --channel, --height-unit, --xy-unit, --along, --tip-radius-um: only"
-                " for a file of heights"
+                "--spacing-um, --channel, --height-unit, --xy-unit, --along, --tip-radius-um,"
+                " --sampling-um, --noise-nm, --l-filter-um: only for a file of heights"
             )
         described = _surface_of_scene(source, overrides)
     else:
@@ -265,9 +274,6 @@ def _surface_of_file(path: Path, options: FileOptions) -> _DescribedSurface:
     words = "prepared as below" if read.chain else "less its least-squares plane"
     if gaps:
         words += f", {gaps} unmeasured"
-    instrument = None
-    if options.tip_radius_um is not None:
-        instrument = Instrument(tip_radius_um=options.tip_radius_um)
     return _DescribedSurface(
         name=path.name,
         words=words,
@@ -279,7 +285,7 @@ def _surface_of_file(path: Path, options: FileOptions) -> _DescribedSurface:
         may_be_turned=options.along is None and 1 not in read.heights.shape,
         chain=read.chain,
         before=MeasuredMap(read.measured_heights, read.measured_steps) if read.chain else None,
-        sight=_sight_words(read.heights, read.steps, instrument),
+        sight=read.sight,
         facts=(
             ("Heights", f"the file {printable(path.name)} as it was measured"),
             ("Form", _form_words(read.keys)),
@@ -291,25 +297,9 @@ def _surface_of_file(path: Path, options: FileOptions) -> _DescribedSurface:
 
 def _form_words(keys: Mapping[str, Any]) -> str:
     """Name the form that is removed."""
-    if keys.get("level") == "quadratic":
-        return "the least-squares surface of second order is removed"
-    return "the least-squares plane is removed"
-
-
-def _sight_words(heights: Array, steps: Array, instrument: Instrument | None) -> str:
-    """Write what an instrument sees of measured heights; empty where there is nothing to say.
-
-    Without an instrument only noise is told that stands out of the spectrum. Nodes that are not
-    square are resampled by a run, and the spectrum is not taken before.
-    """
-    is_profile = heights.shape[1] == 1
-    if len(heights) < MIN_NODES or not (is_profile or abs(steps[1] / steps[0] - 1) < 1e-3):
-        return ""
-    limits = None if instrument is None else instrument.in_si
-    seen = sight(faded(heights), float(steps[0]), limits)
-    if instrument is None and not seen.noise:
-        return ""
-    return f"The measuring instrument sees {seen.words}."
+    level = str(keys.get("level", "plane"))
+    name = "surface of second order" if level == "quadratic" else level
+    return f"the {name} of least squares is removed (F-operation)"
 
 
 def _parameters_and_picture(

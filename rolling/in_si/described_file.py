@@ -14,14 +14,15 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from rolling.in_si import measured
+from rolling.in_si.chosen_filters import Limits, chosen_filters, direction_words, sight_words
 from rolling.in_si.in_metres import HIGHEST, LARGEST_RA
 from rolling.in_si.offered_lines import PROFILE_NODES, Offer, line
-from rolling.in_si.plate_file import prepared_file, scale_limited_file
+from rolling.in_si.plate_file import ScaleLimited, prepared_file, scale_limited_file
 from rolling.scene import height_grid
 from rolling.scene.height_files import is_instrument, is_period, takes_units
 from rolling.scene.height_format import UNITS, HeightFormatError
 from rolling.scene.messages import TABLES, SceneError
-from rolling.scene.surfaces import HeightFile
+from rolling.scene.surfaces import HeightFile, Instrument
 from rolling.surface import markers, preparation
 from rolling.surface.chosen_form import chosen_form
 from rolling.surface.parameters import without_plane
@@ -39,6 +40,9 @@ class FileOptions:
     xy_unit: str | None = None
     along: str | None = None
     tip_radius_um: float | None = None
+    sampling_um: float | None = None
+    noise_nm: float | None = None
+    l_filter_um: float | None = None
 
 
 @dataclass(frozen=True)
@@ -69,6 +73,7 @@ class DescribedFile:
     chain : list of ChainStep. The preparation; empty where no scene takes the file.
     measured_heights : (along, across) array, m. The heights before, NaN where not measured.
     measured_steps : (2,) array, m. Their spacings.
+    sight : str. What the instrument sees; empty where there is nothing to say.
     """
 
     heights: Array
@@ -79,6 +84,7 @@ class DescribedFile:
     chain: list[ChainStep]
     measured_heights: Array
     measured_steps: Array
+    sight: str = ""
 
 
 def described_file(path: Path, options: FileOptions) -> DescribedFile:
@@ -117,14 +123,10 @@ def described_file(path: Path, options: FileOptions) -> DescribedFile:
     keys = _keys(path, options, is_marked, has_gaps=gaps > 0)
     if is_profile:
         keys["width_um"] = float(f"{PROFILE_NODES * 1e6 * steps[0]:.10g}")
-    form = chosen_form(level)
+    _refuse_index(path, options, level.shape, steps)
+    form = chosen_form(level, (float(steps[0]), float(steps[1])))
     if form.level != "plane":
         keys["level"] = form.level
-    reasons = {
-        "outliers": markers.sentence(suspects, "reason") if is_marked else "",
-        "unmeasured": "a ball cannot roll over nothing",
-        "f_operator": form.reason,
-    }
     described = DescribedFile(
         heights=level,
         steps=steps,
@@ -136,27 +138,68 @@ def described_file(path: Path, options: FileOptions) -> DescribedFile:
         measured_steps=steps,
     )
     try:
-        prepared = scale_limited_file(path, HeightFile(**keys))
+        unfiltered = scale_limited_file(path, HeightFile(**keys))
+        filters = chosen_filters(unfiltered.heights, unfiltered.steps, limits_of(options))
+        prepared = unfiltered
+        if filters.keys:
+            keys |= filters.keys
+            prepared = scale_limited_file(path, HeightFile(**keys))
     except (SceneError, ValueError):  # the offered line says why
-        return described
-    chain = [
-        ChainStep(
-            name=TABLES["steps"].get(effect.step, effect.step),
-            reason=reasons.get(effect.step, ""),
-            effect=effect.text,
-        )
-        for effect in prepared.effects
-    ]
-    chain.append(ChainStep("filters", "none, as the scan names no nesting index"))
-    if abs(steps[1] / steps[0] - 1) > SAME and not is_profile:
-        chain.append(ChainStep("resampling", "to square nodes for the ball, at the finer spacing"))
-    chain.append(ChainStep("period", "its ends are blended for the ball, as the scan has edges"))
+        seen = sight_words(level, (float(steps[0]), float(steps[1])), limits_of(options).instrument)
+        return replace(described, sight=seen)
+    reasons = filters.reasons | {
+        "outliers": markers.sentence(suspects, "reason") if is_marked else "",
+        "unmeasured": "a ball cannot roll over nothing",
+        "f_operator": form.reason,
+    }
     return replace(
         described,
         heights=prepared.heights,
         steps=np.array(prepared.steps),
-        chain=chain,
+        sight=sight_words(unfiltered.heights, unfiltered.steps, limits_of(options).instrument),
+        chain=_chain(prepared, reasons, options.along or "y"),
     )
+
+
+def limits_of(options: FileOptions) -> Limits:
+    """Return what is stated of the instrument, and the nesting index that is asked for."""
+    stated = {
+        "tip_radius_um": options.tip_radius_um,
+        "sampling_um": options.sampling_um,
+        "noise_nm": options.noise_nm,
+    }
+    stated = {name: value for name, value in stated.items() if value is not None}
+    return Limits(
+        instrument=Instrument(**stated) if stated else None, l_filter_um=options.l_filter_um
+    )
+
+
+_ORDER = ("outliers", "unmeasured", "s_filter", "f_operator", "l_filter")  # of ISO 25178-3
+
+
+def _chain(prepared: ScaleLimited, reasons: dict[str, str], axis: str) -> list[ChainStep]:
+    """Return the steps of a preparation in their order, those that are left out with a reason."""
+    effects = {effect.step: effect.text for effect in prepared.effects}
+    chain = []
+    for step in _ORDER:
+        if step in effects or step in ("s_filter", "l_filter"):
+            chain.append(
+                ChainStep(
+                    name=TABLES["steps"].get(step, step),
+                    reason=reasons.get(step, ""),
+                    effect=effects.get(step, "none"),
+                )
+            )
+    along, across = prepared.steps
+    if prepared.heights.shape[1] > 1:
+        chain.append(
+            ChainStep("direction", direction_words(prepared.heights, prepared.steps, axis))
+        )
+        if abs(across / along - 1) > SAME:
+            words = "to square nodes for the ball, at the finer spacing"
+            chain.append(ChainStep("resampling", words))
+    chain.append(ChainStep("period", "its ends are blended for the ball, as the scan has edges"))
+    return chain
 
 
 def _read(path: Path, options: FileOptions) -> height_grid.Measured:
@@ -215,6 +258,18 @@ def _refuse_unusable(path: Path, heights: Array, doubts: list[str]) -> None:
         raise FolderError(f"{path}: holds heights above {HIGHEST:g} m{hint}")
 
 
+def _refuse_index(path: Path, options: FileOptions, shape: tuple[int, ...], steps: Array) -> None:
+    """Raise FolderError for a nesting index of the L-filter that the file has no room for."""
+    index_um = options.l_filter_um
+    sides = [1e6 * count * step for count, step in zip(shape, steps, strict=True) if count > 1]
+    most = min(sides, default=0.0)
+    if index_um is not None and index_um > most:
+        raise FolderError(
+            f"{path}: --l-filter-um: got {index_um:g}, allowed: up to {rounded(most, 4)}, the"
+            " shorter side"
+        )
+
+
 def _keys(path: Path, options: FileOptions, has_marks: bool, has_gaps: bool) -> dict[str, Any]:
     """Return the keys of the section `surface` that read a file as it was described."""
     keys: dict[str, Any] = {"kind": "file", "path": path.as_posix()}
@@ -232,8 +287,9 @@ def _keys(path: Path, options: FileOptions, has_marks: bool, has_gaps: bool) -> 
         keys["unmeasured"] = "fill"
     if is_period(path):
         keys["periodic"] = "blend"  # as a measurement, which does not close
-    if options.tip_radius_um is not None:
-        keys["instrument"] = {"tip_radius_um": options.tip_radius_um}
+    instrument = limits_of(options).instrument
+    if instrument is not None:
+        keys["instrument"] = instrument.model_dump(exclude_none=True)
     return keys
 
 

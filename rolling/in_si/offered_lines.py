@@ -16,14 +16,13 @@ from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
 from rolling.surface.character import Character, Pair, lengths_text
 from rolling.surface.heights import SurfaceError, turned_reach
-from rolling.surface.lay import Ellipse
+from rolling.surface.lay import EQUAL, Ellipse
 from rolling.surface.parameters import DECAY
 
 MATERIAL = "steel-100cr6"  # of ball and plate, where a file or an elastic plate names none
 _SKEWED = 0.2  # skewness from which heights are not made Gaussian
 _PEAKED = 0.5  # the same of the kurtosis about 3
 PROFILE_NODES = 128  # width of a surface that is made after a profile
-EQUAL = 1.1  # ratio of both lengths below which they differ by chance
 HOLDS = 2.5  # lengths across that the width of a made surface holds, so that it has them
 
 
@@ -124,6 +123,7 @@ def _lay_of_law(numbers: Character) -> Ellipse | None:
     second = decay.second / ratio
     if max(first, second) < EQUAL * min(first, second):
         first = second = math.sqrt(first * second)
+        return Ellipse(first, second, is_continued=decay.is_continued)
     return decay._replace(first=first, second=second)
 
 

@@ -76,6 +76,7 @@ def steps_of(surface: HeightFile) -> PreparationSteps:
         fills_unmeasured=surface.unmeasured == "fill",
         s_filter_m=None if s_filter_um is None else s_filter_um * 1e-6,
         l_filter_m=None if l_filter_um is None else l_filter_um * 1e-6,
+        l_filter_is_robust=surface.l_filter == "robust",
         form=surface.level,
         closing=surface.made_periodic,
         is_profile=surface.width_um is not None,

@@ -9,7 +9,7 @@ beside the middle of the plate's surface is made by moving the heights of the pl
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -239,7 +239,11 @@ def _seen(scene: Scene, plate: Array) -> InstrumentSight | None:
         return None
     steps = height_grid.height_grid(path, scene.surface).steps
     file_spacing = steps[0] if scene.surface.width_um is not None else max(steps)
-    return sight(plate, scene.spacing, scene.surface.instrument.in_si, file_spacing)
+    index_um = scene.surface.s_filter_um
+    if index_um is not None:  # which hides noise and limits
+        plate, _, _ = prepared_file(path, scene.surface.model_copy(update={"s_filter_um": None}))
+    seen = sight(plate, scene.spacing, scene.surface.instrument.in_si, file_spacing)
+    return seen if index_um is None else replace(seen, s_filter=1e-6 * index_um)
 
 
 def _ra(heights: Array) -> float:

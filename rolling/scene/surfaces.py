@@ -219,8 +219,9 @@ class Instrument(Section):
     tip_radius_um : float, optional
         Radius of the tip of a stylus [um]. Default: no stylus.
     sampling_um : float, optional
-        Distance of independent points [um]: the sampling interval, or half of the shortest wave
-        that optics resolve. Default: the spacing of the file.
+        Distance of independent points [um]: the sampling interval, or half of the lateral period
+        limit (ISO 25178-600), the wave that optics transmit with half of its amplitude. Default:
+        the spacing of the file.
     noise_nm : float, optional
         Rms noise of a height [nm]. Default: the noise that the spectrum shows.
 
@@ -255,6 +256,22 @@ class Instrument(Section):
         return self
 
 
+Form = Literal[
+    "auto",
+    "plane",
+    "quadratic",
+    "polynomial-3",
+    "polynomial-4",
+    "polynomial-5",
+    "polynomial-6",
+    "polynomial-7",
+    "polynomial-8",
+    "cylinder",
+    "sphere",
+    "none",
+]
+
+
 class HeightFile(WavySurface):
     """Surface read from a file: one period of it, or a measurement that is made periodic.
 
@@ -284,13 +301,17 @@ class HeightFile(WavySurface):
         What happens to unmeasured points. refuse (default): the file is refused. fill: their
         surroundings fill them.
     s_filter_um : float, optional
-        Cut-off wavelength [um] of the Gaussian S-filter, which removes shorter waves
+        Nesting index [um] of the Gaussian S-filter, which removes shorter waves
     level : str
-        Form that is removed (F-operator). plane: the least-squares plane. quadratic: a surface of
-        second order. auto: the plane of a measurement, and that of a period where this lowers the
-        step at the seam.
+        Form that is removed by least squares (F-operation). plane. quadratic: a surface of second
+        order. polynomial-3 to polynomial-8: one of that order. cylinder, sphere: of any radius and
+        position. auto: the plane of a measurement, and that of a period where this lowers the step
+        at the seam.
     l_filter_um : float, optional
-        Cut-off wavelength [um] of the Gaussian L-filter, which removes longer waves
+        Nesting index [um] of the L-filter, which removes longer waves
+    l_filter : str, optional
+        Kind of the L-filter. gaussian (default): the linear one of ISO 16610-61. robust: that of
+        ISO 16610-71, which pits and scratches do not pull down.
     periodic : str, optional
         How a measurement becomes one period. blend: the end of each side fades into its beginning.
         mirror: each side continues backwards. none: the file is a period. Default: none for
@@ -323,8 +344,9 @@ class HeightFile(WavySurface):
     outliers: float | None = Field(default=None, ge=3)
     unmeasured: Literal["refuse", "fill"] | None = None
     s_filter_um: float | None = Field(default=None, gt=0)
-    level: Literal["auto", "plane", "quadratic", "none"] = "auto"
+    level: Form = "auto"
     l_filter_um: float | None = Field(default=None, gt=0)
+    l_filter: Literal["gaussian", "robust"] | None = None
     periodic: Literal["blend", "mirror", "none"] | None = None
     overlap_um: float | None = Field(default=None, gt=0)
     width_um: float | None = Field(default=None, gt=0)
@@ -371,6 +393,12 @@ class HeightFile(WavySurface):
                 f"got {plain_number(self.s_filter_um)}, allowed: less than"
                 f" {plain_number(self.l_filter_um)}, the L-filter",
                 at="surface.s_filter_um",
+            )
+        if self.l_filter is not None and self.l_filter_um is None:
+            raise mistake(
+                "only goes with surface.l_filter_um, its nesting index",
+                at="surface.l_filter",
+                needs=["surface.l_filter_um"],
             )
         if self.width_um is not None and self.spacing_um is not None:
             refuse_width(self.width_um, self.spacing_um)

@@ -11,13 +11,14 @@ single_faults, ball_form
     add pits, scratches and other faults; waves around a ball, and ball and plate together
 lowered_waves
     lowers waves along the track by third octaves, with the phases that they have
-levelling, chosen_form
-    finds tilt and seam of heights, and removes the tilt; the form that a measurement is described
-    without
+levelling, form, chosen_form
+    finds tilt and seam of heights, and removes the tilt; forms of least squares; the form that a
+    measurement is described without
 markers
     finds values that mark unmeasured points
-period_grid, preparation
-    the nodes of a period; fill, filter, resample and close measured heights by ISO 25178-3
+period_grid, gaussian_filter, preparation
+    the nodes of a period; Gaussian filters of ISO 16610; fill, filter, resample and close measured
+    heights by ISO 25178-3
 instrument
     finds what the instrument of a measurement could not see
 parameters, lay, character

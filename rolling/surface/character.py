@@ -12,7 +12,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from rolling.surface.lay import E_FOLD, LAY, Ellipse, ellipse
+from rolling.surface.lay import E_FOLD, EQUAL, LAY, Ellipse, ellipse
 from rolling.surface.parameters import DECAY, about_mean, autocorrelation, roughness
 
 # Mikic's limits of E' tan(theta)/H are 1/3 and 3 with the mean absolute slope of a profile. On
@@ -85,7 +85,8 @@ def character(heights: Array, steps: Array, wrap: bool) -> Character:
     exponent = 1 if is_exponential else 2
     if share is not None and 1 not in heights.shape:
         of_lay = ellipse(share, lengths, steps, wrap, exponent)
-        of_decay = ellipse(share, decays, steps, wrap, exponent, DECAY)
+        # A weak lay between the axes has equal lengths along both.
+        of_decay = ellipse(share, decays, steps, wrap, exponent, DECAY, EQUAL)
     elif math.isfinite(lengths[0]):
         of_lay = Ellipse(lengths[0], lengths[0])
         if math.isfinite(decays[0]):

@@ -1,19 +1,36 @@
 """The form that a measurement is described without, decided from its heights."""
 
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
+from rolling.surface.form import round_form, thinned
 from rolling.surface.parameters import without_plane
 
-LEAST_FORM = 0.05  # of the variance that a plane leaves, from which on second order is form
-# Each term of second order explains so many times the variance that a term of higher order does. Of
-# random waves both explain as much, and a ratio of this size is rare (F of 3 and 4 degrees of
-# freedom, or of 1 and 3 along a profile).
-BEYOND_CHANCE = 10.0
-_MOST_NODES = 200_000  # of the heights that are looked at
+LEAST_FORM = 0.05  # of the variance that a plane leaves, from which on a form is removed
+# Terms beyond the plane that each form has, of a map and of a profile.
+_TERMS = {"sphere": 1, "cylinder": 2, "quadratic": 3}
+_TERMS_OF_PROFILE = {"quadratic": 1, "cylinder": 1}
+# Each term of a form takes so many times the variance that a term of second order takes by chance.
+# As a criterion of information it is the penalty on each term, in units of that variance; that of
+# Schwarz is the logarithm of the number of independent heights, 7 to 12 here. It is larger, because
+# few higher orders tell the chance of a lay. Between forms the usual one counts, as some is there.
+BEYOND_CHANCE = 20.0
+AMONG_FORMS = 5.0
+_HIGHEST_ORDER = 8  # of the polynomials that show what chance makes
+_LEAST_NODES = 12  # of a side, below which no form is told from waves
+_MOST_NODES = 5_000  # of the means of blocks that are looked at
+# Waves that fit into a field, and the least number of them that is no form.
+_WAVES = np.arange(0.5, 3.01, 0.05)
+_MOST_WAVES = 0.95
+_TERMS_OF_WAVES = 5  # cosine and sine along both axes, and the wavelength
 
 
 class ChosenForm(NamedTuple):
@@ -23,45 +40,167 @@ class ChosenForm(NamedTuple):
     reason: str
 
 
-def chosen_form(heights: Array) -> ChosenForm:
-    """Choose the F-operator for heights [m] (along, across), NaN where unmeasured.
+class _Field(NamedTuple):
+    """Means of blocks of heights, on which the forms are compared.
 
-    It is the least-squares plane, or the surface of second order where that explains much more of
-    the variance than random waves would let it.
+    grid : (m, n) array, m. Less their plane; NaN where unmeasured.
+    steps : (2,) sequence of float, m. Spacings of the blocks.
+    known : (2,) tuple of (count,) arrays. Indices of the measured ones.
+    axes : list of (count,) arrays. Their places along each axis, from -1 to 1; a profile has one.
+    z : (count,) array. Their heights, whose mean square is 1.
     """
-    rest = without_plane(heights)
-    stride = int(np.ceil(np.sqrt(rest.size / _MOST_NODES)))
-    sample = rest[:: stride if rest.shape[0] > 1 else 1, :: stride if rest.shape[1] > 1 else 1]
-    places = np.nonzero(~np.isnan(sample))
-    z = sample[places]
+
+    grid: Array
+    steps: Sequence[float]
+    known: tuple[NDArray[np.int64], ...]
+    axes: list[Array]
+    z: Array
+
+    @property
+    def plane(self) -> list[Array]:
+        """The terms of a plane."""
+        return [np.ones_like(self.z), *self.axes]
+
+
+def chosen_form(heights: Array, steps: Sequence[float] = (1.0, 1.0)) -> ChosenForm:
+    """Choose the F-operation for heights [m] (along, across), NaN where unmeasured.
+
+    Sphere, cylinder and polynomial of second order are compared with the plane by a criterion of
+    information: the variance that is left, in units of what a term of second order takes by chance,
+    and a penalty on each term. Chance is told by the higher orders, whose terms fall with the order
+    as those of random waves do. Waves up to the length of the field are no form.
+
+    Parameters
+    ----------
+    heights : (along, across) array, m
+    steps : (2,) sequence of float, m
+        Spacings along and across.
+    """
+    sides = [count for count in heights.shape if count > 1]
+    if min(sides, default=1) < _LEAST_NODES:
+        return ChosenForm("plane", "too few nodes tell a form from waves")
+    field = _field(heights, steps)
+    if field is None:
+        return ChosenForm("plane", "the scan has no more than a plane")
+    terms = _TERMS_OF_PROFILE if len(sides) == 1 else _TERMS
+    rests = {name: _rest(field, name) for name in terms}
+    left = {name: float(np.mean(rest**2)) for name, rest in rests.items()}
+    nearest = min(left, key=lambda name: left[name])
+    share = f"{rounded(100 * (1 - left[nearest]), 2)} % of the variance"
+    if 1 - left[nearest] < LEAST_FORM:
+        return ChosenForm("plane", f"second order would take {share} that a plane leaves")
+    chance = _chance(field, rests[nearest])
+    best = min(terms, key=lambda name: left[name] + AMONG_FORMS * chance * terms[name])
+    score = left[best] + BEYOND_CHANCE * chance * terms[best]
+    if score > 1:
+        reason = f"second order would take {share}, and so do random waves, as higher orders show"
+        return ChosenForm("plane", reason)
+    waves, left_by_waves = _nearest_waves(field)
+    if waves >= _MOST_WAVES and left_by_waves + BEYOND_CHANCE * chance * _TERMS_OF_WAVES < score:
+        reason = (
+            f"second order would take {share}, but waves of which {waves:.2g} fit in are nearer"
+        )
+        return ChosenForm("plane", reason)
+    return ChosenForm(best, _reason(best, left))
+
+
+def _field(heights: Array, steps: Sequence[float]) -> _Field | None:
+    """Return the means of blocks of heights; None where nothing but a plane is there."""
+    few = thinned(heights, _MOST_NODES)
+    grid = without_plane(few.heights)
+    known = np.nonzero(~np.isnan(grid))
+    z = grid[known]
+    size = float(np.sqrt(np.mean(z**2)))
+    if not size > 0:
+        return None
+    places = (few.along, few.across)
     axes = [
-        2 * place / max(size - 1, 1) - 1 for place, size in zip(places, sample.shape, strict=True)
+        place[index] / max(float(np.abs(place).max()), 0.5)
+        for place, index in zip(places, known, strict=True)
+        if len(place) > 1
     ]
-    is_profile = 1 in sample.shape
-    if is_profile:
-        axes = [axes[0] if sample.shape[1] == 1 else axes[1]]
-    shares = []
-    # A profile has one term in each order, so that three higher orders are needed for comparison.
-    orders = (1, 2, 5) if is_profile else (1, 2, 3)
-    for order in orders:
-        terms = np.stack(_terms(axes, order), axis=1)
-        factors = np.linalg.lstsq(terms.T @ terms, terms.T @ z)[0]
-        left = float(np.mean(np.square(z - terms @ factors)))
-        shares.append(1 - left / (float(np.mean(np.square(z))) or 1.0))
-    second = max(shares[1] - shares[0], 0.0)
-    higher = max(shares[2] - shares[1], 0.0)
-    own_terms, higher_terms = (1, 3) if is_profile else (3, 4)
-    share = f"second order would take {rounded(100 * second, 2)} % of the variance"
-    if second < LEAST_FORM:
-        return ChosenForm("plane", f"{share} that a plane leaves")
-    if second / own_terms < BEYOND_CHANCE * higher / higher_terms:
-        return ChosenForm("plane", f"{share}, and so do random waves, as higher orders show")
-    return ChosenForm("quadratic", share.replace("would take", "takes"))
+    block = [
+        float(place[1] - place[0]) * step if len(place) > 1 else step
+        for place, step in zip(places, steps, strict=True)
+    ]
+    return _Field(grid=grid, steps=block, known=known, axes=axes, z=z / size)
+
+
+def _rest(field: _Field, name: str) -> Array:
+    """Return what a form with its tilt leaves of the heights of a field."""
+    if name == "quadratic":
+        return _without(field.z, _terms(field.axes, 2))
+    form = round_form(field.grid, field.steps, name).heights[field.known]
+    size = float(np.sqrt(np.mean(field.grid[field.known] ** 2)))
+    return _without(field.z - form / size, field.plane)
+
+
+def _without(z: Array, terms: list[Array]) -> Array:
+    """Return heights less the terms of least squares."""
+    table = np.stack(terms, axis=1)
+    return np.asarray(z - table @ np.linalg.lstsq(table, z)[0])
 
 
 def _terms(axes: list[Array], order: int) -> list[Array]:
-    """Return the powers of the places up to an order."""
-    if len(axes) == 1:
-        return [axes[0] ** i for i in range(order + 1)]
-    x, y = axes
-    return [x**i * y**j for i in range(order + 1) for j in range(order + 1 - i)]
+    """Return polynomials of the places up to an order, sorted by it."""
+    lines = [np.polynomial.legendre.legvander(axis, order).T for axis in axes]
+    if len(lines) == 1:
+        return [*lines[0]]
+    x, y = lines
+    return [x[i] * y[total - i] for total in range(order + 1) for i in range(total + 1)]
+
+
+def _chance(field: _Field, rest: Array) -> float:
+    """Return the share of the variance that a term of second order takes by chance.
+
+    It follows from the largest term of each order from 3 on, because a lay has its waves in few of
+    them, of what a form leaves. Terms of random waves fall as a power of the order, which is fitted
+    on a map. A profile has one term an order, too few for a power, so that the mean counts.
+    """
+    basis = np.linalg.qr(np.stack(_terms(field.axes, _HIGHEST_ORDER), axis=1))[0]
+    shares = (basis.T @ rest) ** 2 / len(rest)
+    is_profile = len(field.axes) == 1
+    orders = np.arange(3, _HIGHEST_ORDER + 1)
+    firsts = orders if is_profile else orders * (orders + 1) // 2
+    counts = np.ones_like(orders) if is_profile else orders + 1
+    largest = np.array(
+        [shares[first : first + count].max() for first, count in zip(firsts, counts, strict=True)]
+    )
+    mean = float(np.mean(largest[:3]))
+    if is_profile or not mean > 0:
+        return mean
+    logs = np.log(np.maximum(largest, 1e-12 * mean))
+    _, level = np.polyfit(np.log(orders / 2), logs, 1, w=np.sqrt(counts))
+    return max(mean, math.exp(level))
+
+
+def _nearest_waves(field: _Field) -> tuple[float, float]:
+    """Return how many waves in the field are nearest to its heights, and the share they leave.
+
+    The waves lie along the axes of the second order, with one wavelength in both.
+    """
+    axes = field.axes
+    if len(axes) == 2:
+        x, y = axes
+        factors = np.linalg.lstsq(np.stack(_terms(axes, 2), axis=1), field.z)[0]
+        turned = np.linalg.eigh([[3 * factors[3 + 2], factors[4]], [factors[4], 3 * factors[3]]])[1]
+        axes = [turned[0, i] * x + turned[1, i] * y for i in (0, 1)]
+        axes = [axis / np.abs(axis).max() for axis in axes]
+    left = []
+    for waves in _WAVES:
+        terms = field.plane
+        for axis in axes:
+            terms += [np.cos(np.pi * waves * axis), np.sin(np.pi * waves * axis)]
+        left.append(float(np.mean(_without(field.z, terms) ** 2)))
+    nearest = int(np.argmin(left))
+    return float(_WAVES[nearest]), left[nearest]
+
+
+def _reason(best: str, left: dict[str, float]) -> str:
+    """Say why a form is removed, and what the others would leave."""
+    words = {"quadratic": "second order", "cylinder": "a cylinder", "sphere": "a sphere"}
+    share = f"{words[best]} takes {rounded(100 * (1 - left[best]), 4)} % of the variance"
+    others = [
+        f"{words[name]} {rounded(100 * (1 - left[name]), 4)} %" for name in left if name != best
+    ]
+    return f"{share} that a plane leaves, {', '.join(others)}, and is longer than the field"

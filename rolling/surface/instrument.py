@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded, si
+from rolling.surface.stylus import ALPHA
 
 # A ball traces the waves that are longer than the wavelength down to which the rms curvature of the
 # surface, times the radius of the ball, is CURVATURE. Scanning probes have the same criterion with
@@ -42,6 +43,7 @@ SECTORS = 8  # of the directions of waves
 FLAT = 0.7
 STANDS_OUT = 10.0  # spectrum of the longest waves over the plateau
 LEAST_NOISE = 1e-5  # of Sq; a lower plateau is rounding
+PASSED = 0.5  # of the amplitude at the nesting index of an S-filter
 NOISY = 2.0  # spectrum over noise, below which the file shows noise
 
 
@@ -116,6 +118,7 @@ class InstrumentSight:
     noise_share : float. Noise over Sq.
     noise_density : float. Density of the noise.
     is_ridged : bool. Whether the heights are constant across, as those of a profile are.
+    s_filter : float, m. Nesting index of the S-filter that the heights have passed; 0: none.
     """
 
     __repr__ = short_repr
@@ -132,6 +135,7 @@ class InstrumentSight:
     noise_share: float
     noise_density: float
     is_ridged: bool
+    s_filter: float = 0.0
 
     @property
     def limit_words(self) -> str:
@@ -235,6 +239,8 @@ def is_ridged(heights: Array) -> bool:
 def with_law(heights: Array, spacing: float, seen: InstrumentSight, seed: Sequence[int]) -> Array:
     """Replace the waves below the cut-off by random waves of the law, and remove the noise.
 
+    The S-filter is taken back from the waves above, to what it passed at its index at least.
+
     Parameters
     ----------
     heights : (along, across) array, m
@@ -253,6 +259,9 @@ def with_law(heights: Array, spacing: float, seen: InstrumentSight, seed: Sequen
     across = across[:, : old.shape[1]]
     wave = np.hypot(along, across)
     lost = wave > 1 / seen.cutoff
+    if seen.s_filter:
+        gains = [np.exp(-np.pi * (ALPHA * seen.s_filter * part) ** 2) for part in (along, across)]
+        old = old / np.maximum(gains[0] * gains[1], PASSED)
     lines = np.zeros_like(old)
     if seen.law is not None:
         white = np.fft.rfft2(np.random.default_rng(seed).standard_normal(z.shape))

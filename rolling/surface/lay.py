@@ -14,6 +14,7 @@ from rolling.surface.parameters import decay_of_rays, ray_angles
 E_FOLD = math.exp(-1)
 TURNED_DEG = 5.0  # angle between a lay and the nearest axis up to which it counts as aligned
 LAY = 1.5  # ratio of both lengths from which on heights have a lay that may be turned
+EQUAL = 1.1  # ratio of both lengths below which they differ by chance
 SIDES = 2.0  # times half the surface: a length beyond all lags is taken to reach so far at most
 
 
@@ -45,6 +46,7 @@ def ellipse(
     wrap: bool,
     exponent: int,
     level: float = E_FOLD,
+    least: float = LAY,
 ) -> Ellipse | None:
     """Return the ellipse of an autocorrelation with lag 0 in the middle.
 
@@ -65,13 +67,15 @@ def ellipse(
         2 of a Gaussian decay, 1 of an exponential one.
     level : float
         Value to which the autocorrelation falls, by default 1/e.
+    least : float
+        Ratio of both lengths from which on a lay may be turned.
     """
     if not np.isfinite(axes).any():
         return None
     lags, ends = decay_of_rays(share, steps, wrap, level)
     quarter = len(lags) // 2  # rays from along to across
     lags[[0, quarter]] = axes  # as the sentences have them
-    first = _turned_ray(lags)
+    first = _turned_ray(lags, least)
     second = (first + quarter) % len(lags)
     angle_deg = 180.0 * first / len(lags)
     if angle_deg > 90.0:
@@ -87,14 +91,14 @@ def ellipse(
     return Ellipse(lengths[0], lengths[1], angle_deg, is_continued)
 
 
-def _turned_ray(lags: Array) -> int:
+def _turned_ray(lags: Array, least: float) -> int:
     """Return the ray of the shortest lag of a lay that is turned, or the ray along the track.
 
     On an ellipse the inverse square of the lag is a constant and a wave of twice the angle.
     """
     inverse = np.where(np.isfinite(lags), lags, np.inf) ** -2.0
     wave = 2 * np.mean(inverse * np.exp(2j * ray_angles()))
-    if abs(wave) / inverse.mean() < (LAY**2 - 1) / (LAY**2 + 1):
+    if abs(wave) / inverse.mean() < (least**2 - 1) / (least**2 + 1):
         return 0
     normal_deg = float(np.degrees(np.angle(wave))) / 2
     from_axis = abs((normal_deg + 45.0) % 90.0 - 45.0)

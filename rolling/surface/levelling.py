@@ -1,15 +1,17 @@
-"""Tilt and seam of measured heights.
+"""Tilt, form and seam of measured heights.
 
 By default, heights are read as one period of the surface. A crop of a larger surface is no period:
 its last row does not lead to its first, and a tilt of the specimen passes for a cliff there.
-Subtracting a plane removes the tilt.
+Subtracting a plane removes the tilt, and a form what a part is meant to have.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from acoustics.arrays import Array
+from rolling.surface.form import ORDERS, ROUND, named_form
 
 # A seam stands out if it exceeds the maximum difference between neighbouring rows by this factor
 # plus 4 / rows.
@@ -41,7 +43,7 @@ class Levelling:
     ra_before: float  # [m]
     ra_after: float  # [m]
     seams: tuple[Seam, Seam]  # of the heights that are used
-    is_quadratic: bool = False  # whether a surface of second order was removed with the plane
+    form: str = ""  # what was removed with the plane, in words
 
     @property
     def rises(self) -> tuple[float, float]:
@@ -49,8 +51,8 @@ class Levelling:
         return self.taken[0] * self.lengths[0], self.taken[1] * self.lengths[1]
 
 
-def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
-    """Subtract the least-squares plane from heights of zero mean, where the mode asks for it.
+def level(heights: Array, spacing: float | Sequence[float], mode: str) -> tuple[Array, Levelling]:
+    """Subtract the least-squares plane or form from heights of zero mean, if the mode asks for it.
 
     Heights that keep their plane are returned as they are.
 
@@ -58,55 +60,47 @@ def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
     ----------
     heights : (m, n) array, m
         Heights along and across the track.
-    spacing : float, m
-        Node spacing.
+    spacing : float or (2,) sequence of float, m
+        Node spacing, or the spacings along and across.
     mode : str
-        "auto", "plane", "quadratic" or "none". "auto" removes each direction by itself, where the
-        seam stands out and the plane lowers it. "quadratic" takes a surface of second order off.
+        "auto", "plane", "none", or a form: "quadratic", "polynomial-3" to "polynomial-8",
+        "cylinder" or "sphere". "auto" removes each direction by itself, where the seam stands out
+        and the plane lowers it.
     """
     seams = (seam(heights, 0), seam(heights, 1))
-    plane = (slope(heights, spacing, 0), slope(heights, spacing, 1))
-    is_quadratic = mode == "quadratic"
+    along, across = np.broadcast_to(spacing, 2)
+    steps = (float(along), float(across))
+    plane = (slope(heights, steps[0], 0), slope(heights, steps[1], 1))
+    form = ""
     removed = [0.0, 0.0]
     for axis in (0, 1):
         is_removed = mode != "none"
         if mode == "auto":
-            is_removed = _lowers_seam(heights, spacing, axis, seams[axis], plane[axis])
+            is_removed = _lowers_seam(heights, steps[axis], axis, seams[axis], plane[axis])
         if is_removed:
             removed[axis] = plane[axis]
     taken = (removed[0], removed[1])
     ra_before = float(np.abs(heights).mean())
     ra_after = ra_before
-    if any(taken) or is_quadratic:
-        heights = heights - (taken[0] * spacing * centred(heights.shape[0]))[:, None]
-        heights -= taken[1] * spacing * centred(heights.shape[1])
-        if is_quadratic:
-            heights -= _second_order(heights)
+    has_form = mode in ORDERS or mode in ROUND
+    if any(taken) or has_form:
+        heights = heights - (taken[0] * steps[0] * centred(heights.shape[0]))[:, None]
+        heights -= taken[1] * steps[1] * centred(heights.shape[1])
+        if has_form:
+            of_form, form = named_form(heights, steps, mode)
+            heights -= of_form
         ra_after = float(np.abs(heights).mean())
         seams = (seam(heights, 0), seam(heights, 1))
     levelling = Levelling(
         plane=plane,
         taken=taken,
-        lengths=(heights.shape[0] * spacing, heights.shape[1] * spacing),
+        lengths=(heights.shape[0] * steps[0], heights.shape[1] * steps[1]),
         ra_before=ra_before,
         ra_after=ra_after,
         seams=seams,
-        is_quadratic=is_quadratic,
+        form=form,
     )
     return heights, levelling
-
-
-def _second_order(heights: Array) -> Array:
-    """Return the terms x^2, y^2 and x y of the least-squares surface of heights without a plane."""
-    lines = [centred(n) for n in heights.shape]
-    x, y = [line / max(float(np.linalg.norm(line)), 1.0) for line in lines]
-    terms = np.multiply.outer(x, y) * (x @ heights @ y)
-    for axis, line in enumerate(lines):
-        parabola = line**2 - np.mean(line**2)
-        if parabola.any():
-            share = _share_of(heights, parabola, axis) * parabola
-            terms += share[:, None] if axis == 0 else share
-    return np.asarray(terms)
 
 
 def seam(heights: Array, axis: int) -> Seam:

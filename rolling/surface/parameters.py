@@ -251,7 +251,8 @@ def autocorrelation(z: Array, wrap: bool) -> Array:
     pairs = np.outer(counts[0], counts[1])
     if gaps.any():
         pairs = np.round(products((~gaps).astype(float)))
-    covariance = products(np.where(gaps, 0.0, z)) / np.maximum(pairs, 1)
+    size_of_all = float(np.nanmax(np.abs(z))) or 1.0  # whose square may vanish
+    covariance = products(np.where(gaps, 0.0, z / size_of_all)) / np.maximum(pairs, 1)
     return np.asarray(covariance / covariance[z.shape[0] // 2, z.shape[1] // 2])
 
 

@@ -1,7 +1,7 @@
 """Preparation of measured heights in the terms and the order of ISO 25178-3.
 
 Outliers become unmeasured points, and these are filled. The S-filter removes short waves, and the
-heights are resampled to square nodes. The F-operator removes the form, the L-filter long waves.
+heights are resampled to square nodes. The F-operation removes the form, the L-filter long waves.
 Last, the end of each side is led into its beginning, so that the surface is periodic.
 """
 
@@ -9,21 +9,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import fft
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from rolling.surface import levelling
+from rolling.surface.gaussian_filter import robust_smoothed, smoothed
 from rolling.surface.heights import SurfaceError
 from rolling.surface.markers import Nodes
 from rolling.surface.parameters import roughness, without_plane
 from rolling.surface.period_grid import SAME, HeightGrid, is_other
-from rolling.surface.stylus import ALPHA
 
 NAMES = ("Sa", "Sq", "Ssk", "Sku", "Sdq")  # of the roughness before and after a step
 NEIGHBOURS = 5  # nodes of each side of the square whose median shows outliers
 ROBUST = 1.4826  # standard deviation of Gaussian numbers over the median of their magnitudes
-REACH = 2.0  # of a Gaussian filter in units of ALPHA times its cut-off: exp(-4 pi) is 3e-6
 MAX_UNMEASURED = 0.5  # share of the nodes that may be filled
 _MIN_CORRELATION = -0.5  # of blended sides; weights grow without bound towards -1
 
@@ -50,9 +48,11 @@ class PreparationSteps:
     fills_unmeasured : bool
         Whether unmeasured points are expected, and filled.
     s_filter_m, l_filter_m : float or None, m
-        Cut-off wavelengths of the S-filter and the L-filter.
+        Nesting indices of the S-filter and the L-filter.
+    l_filter_is_robust : bool
+        Whether the L-filter is the robust Gaussian one.
     form : str
-        Form that is removed: "auto", "plane", "quadratic" or "none".
+        Form that is removed, by the values of the key `surface.level`.
     closing : str
         How the heights become one period: "blend", "mirror", or "none" for heights that are one.
     is_profile : bool
@@ -63,6 +63,7 @@ class PreparationSteps:
     fills_unmeasured: bool = False
     s_filter_m: float | None = None
     l_filter_m: float | None = None
+    l_filter_is_robust: bool = False
     form: str = "auto"
     closing: str = "none"
     is_profile: bool = False
@@ -156,7 +157,7 @@ def _scale_limited(
         or bool(steps.s_filter_m)
         or bool(steps.l_filter_m)
         or steps.fills_unmeasured
-        or steps.form == "quadratic"
+        or steps.form not in ("auto", "plane", "none")
         or not is_period
         or is_resampled
     )
@@ -166,21 +167,23 @@ def _scale_limited(
     _fill_unmeasured(work)
     if steps.s_filter_m:
         long = smoothed(work.heights, work.steps, steps.s_filter_m, is_period)
-        text = f"waves shorter than {1e6 * steps.s_filter_m:g} um removed"
+        text = f"nesting index {1e3 * steps.s_filter_m:g} mm, shorter waves removed"
         work.replace_heights(long, "s_filter", text)
     if is_resampled:
         _resample(work, steps.s_filter_m or 0.0, grid, is_period)
     mode = steps.form
     if mode == "auto" and not is_period:
         mode = "plane"
-    heights, plane = levelling.level(work.heights, grid.spacing, mode)
-    if plane.is_quadratic:
-        work.replace_heights(heights, "f_operator", "second order")
+    heights, plane = levelling.level(work.heights, work.steps, mode)
+    if plane.form:
+        work.replace_heights(heights, "f_operator", plane.form)
     elif any(plane.taken):
         work.replace_heights(heights, "f_operator", "plane")
     if steps.l_filter_m:
-        long = smoothed(work.heights, work.steps, steps.l_filter_m, is_period)
-        text = f"waves longer than {1e6 * steps.l_filter_m:g} um removed"
+        long_waves = robust_smoothed if steps.l_filter_is_robust else smoothed
+        long = long_waves(work.heights, work.steps, steps.l_filter_m, is_period)
+        kind = "robust Gaussian" if steps.l_filter_is_robust else "Gaussian"
+        text = f"{kind}, nesting index {1e3 * steps.l_filter_m:g} mm, longer waves removed"
         work.replace_heights(work.heights - long, "l_filter", text)
     return work, plane
 
@@ -321,27 +324,7 @@ def filled(heights: Array) -> Array:
     return result
 
 
-# ---- filters and nodes
-
-
-def smoothed(heights: Array, steps: Sequence[float], cutoff: float, wraps: bool) -> Array:
-    """Return the waves longer than a cut-off [m] that the areal Gaussian filter passes.
-
-    The filter halves the amplitude at the cut-off. Heights that do not wrap are filtered without
-    their plane, and the weights are scaled to a sum of 1 at the edges.
-    """
-    z = heights if wraps else without_plane(heights)
-    plane = heights - z
-    for axis, (n, step) in enumerate(zip(heights.shape, steps, strict=True)):
-        pad = 0 if wraps else int(REACH * ALPHA * cutoff / step) + 1
-        size = fft.next_fast_len(n + pad, real=True) if pad else n
-        gain = np.exp(-np.pi * (ALPHA * cutoff * fft.rfftfreq(size, step)) ** 2)
-        weight = fft.irfft(fft.rfft(np.ones(n), size) * gain, size)[:n]
-        if axis == 0:
-            gain = gain[:, None]
-            weight = weight[:, None]
-        z = fft.irfft(fft.rfft(z, size, axis) * gain, size, axis).take(range(n), axis) / weight
-    return np.asarray(z + plane)
+# ---- nodes
 
 
 def resampled(heights: Array, grid: HeightGrid, wraps: bool) -> Array:

@@ -514,6 +514,24 @@ def _add_surface(commands: Any) -> None:
         help="radius of the tip of the stylus, for the waves that it traced",
     )
     surface.add_argument(
+        "--sampling-um",
+        type=arguments.positive,
+        metavar="UM",
+        help="half of the lateral period limit of the instrument (default: the spacing)",
+    )
+    surface.add_argument(
+        "--noise-nm",
+        type=arguments.positive,
+        metavar="NM",
+        help="rms noise of the instrument (default: what the spectrum shows)",
+    )
+    surface.add_argument(
+        "--l-filter-um",
+        type=arguments.positive,
+        metavar="UM",
+        help="nesting index of the L-filter (default: none); its kind follows from the heights",
+    )
+    surface.add_argument(
         "--save",
         type=arguments.path,
         metavar="OUT",

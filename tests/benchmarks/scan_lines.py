@@ -2,9 +2,9 @@
 
     python tests/benchmarks/scan_lines.py
 
-Ten scans are made with lay, form and marks of missing points, and written as texts. The line with
-the file goes into a scene, which is described again: Ra, Sal and Str have the printed digits. The
-random line is made with ten seeds on a track as long as the scan, and their means are compared.
+Thirteen scans are made with lay, form and marks of missing points, and written as texts. The line
+with the file goes into a scene, which is described again: Ra, Sal and Str have the printed digits.
+The random line is made with ten seeds on a track as long as the scan, and their means are compared.
 """
 
 import os
@@ -29,7 +29,8 @@ SPACING_UM = 2.0
 SHAPE = 450, 350
 SEEDS = 10
 NAMES = ("Sa", "Sal", "Str")
-# Lengths along and across [um], exponent of the spectrum, Ra [um], form [um], share of marks.
+# Lengths along and across [um], exponent of the spectrum, Ra [um], form [um] or its name, share of
+# marks.
 SCANS = (
     (8.0, 8.0, 0.9, 0.08, 0.0, 0.0),
     (6.0, 18.0, 0.9, 0.30, 0.0, 0.004),
@@ -41,6 +42,9 @@ SCANS = (
     (9.0, 9.0, 1.2, 0.15, 1.0, 0.03),
     (4.0, 16.0, 0.8, 0.25, 0.0, 0.002),
     (8.0, 300.0, 0.9, 0.30, 3.0, 0.004),
+    (6.0, 15.0, 0.9, 0.30, "cylinder", 0.004),
+    (8.0, 8.0, 0.9, 0.20, "sphere", 0.004),
+    (7.0, 12.0, 0.9, 0.25, "polynomial", 0.0),
 )
 SCENE = """\
 name: scan
@@ -63,8 +67,25 @@ def scan(number: int) -> Array:
     heights *= ra_um / np.abs(heights - heights.mean()).mean()
     x = np.linspace(-1, 1, SHAPE[0])[:, None]
     y = np.linspace(-1, 1, SHAPE[1])
-    heights += 0.5 * x - 0.3 * y + form_um * (x**2 + 0.5 * y**2)
+    heights += 0.5 * x - 0.3 * y + _form(form_um, x, y)
     return np.where(random.random(SHAPE) < share, -9999.0, heights)
+
+
+def _form(form: float | str, x: Array, y: Array) -> Array:
+    """Return a form [um] over places from -1 to 1 along and across.
+
+    The cylinder has a radius of 6 mm and its axis across, the sphere one of 20 mm off the middle,
+    and the polynomial has terms up to the third order.
+    """
+    if isinstance(form, float):
+        return np.asarray(form * (x**2 + 0.5 * y**2))
+    along = 0.5 * SPACING_UM * SHAPE[0] * x
+    across = 0.5 * SPACING_UM * SHAPE[1] * y
+    if form == "cylinder":
+        return np.asarray(np.sqrt(6e3**2 - along**2) + 0.0 * across)
+    if form == "sphere":
+        return np.asarray(np.sqrt(2e4**2 - (along - 50) ** 2 - (across + 30) ** 2))
+    return np.asarray(4.0 * x**2 - 3.0 * y**2 + 2.0 * x * y + 1.5 * x**3)
 
 
 def of_scene(scene: Scene) -> tuple[Array, Array]:
@@ -94,8 +115,8 @@ def means_of_seeds(read: DescribedFile) -> tuple[Array, str]:
 
 def main() -> None:
     """Print the table."""
-    print("|scan|lengths|Ra|Sal|Str|line with the file|random line, Ra|Sal|Str|")
-    print("|---|---|---|---|---|---|---|---|---|")
+    print("|scan|form|lengths|Ra|Sal|Str|line with the file|random line, Ra|Sal|Str|")
+    print("|---|---|---|---|---|---|---|---|---|---|")
     for number in range(len(SCANS)):
         path = Path(f"scan-{number}.csv")
         np.savetxt(path, scan(number), fmt="%.4f", delimiter=";")
@@ -114,7 +135,8 @@ def main() -> None:
         ratios = means / np.array([printed[name] for name in NAMES])
         cells = [f"{100 * (ratio - 1):+.1f} %" for ratio in ratios]
         print(
-            f"|{number + 1}|{min(sides) / longest:.0f}|{written('Sa', printed)}"
+            f"|{number + 1}|{read.keys.get('level', 'plane')}"
+            f"|{min(sides) / longest:.0f}|{written('Sa', printed)}"
             f"|{written('Sal', printed)}|{written('Str', printed)}{bound}"
             f"|{'same digits' if is_same else 'OTHER DIGITS'}|{'|'.join(cells)}|",
             flush=True,

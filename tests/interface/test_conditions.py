@@ -75,7 +75,7 @@ def test_the_preparation_of_a_scan_is_stated_in_its_order() -> None:
         periodic="blend",
     )
     words = preparation_words(surface, 2.0)
-    steps = ["6 robust", "unmeasured", "S-filter 5", "second order", "L-filter 800", "faded"]
+    steps = ["6 robust", "unmeasured", "index 0.005 mm", "second order", "index 0.8 mm", "faded"]
     places = [words.index(step) for step in steps]
     assert places == sorted(places)
 
