@@ -29,7 +29,7 @@ _LEAST_WAVE = 2.01  # spacings, above which a file holds waves that an instrumen
 
 
 @dataclass(frozen=True, kw_only=True)
-class Limits:
+class StatedLimits:
     """What a person states of a measurement.
 
     instrument : Instrument or None. Its limits; None where they are not stated.
@@ -48,7 +48,7 @@ class ChosenFilters:
     reasons: dict[str, str]
 
 
-def chosen_filters(heights: Array, steps: Sequence[float], limits: Limits) -> ChosenFilters:
+def chosen_filters(heights: Array, steps: Sequence[float], limits: StatedLimits) -> ChosenFilters:
     """Choose the S-filter and the kind of the L-filter of heights [m] without form.
 
     The S-filter takes what the instrument does not see, where the file holds such waves. The
@@ -166,9 +166,9 @@ def direction_words(heights: Array, steps: Sequence[float], axis: str) -> str:
         shape = "" if math.isnan(ratio) else f" (Str {rounded(ratio, 2)})"
         return f"{track}, and there is no lay{shape} that asks for another one"
     angle = abs(values["Std"])
-    found = f"Str {rounded(ratio, 2)}, lay at {rounded(angle, 2)} degrees to the track"
+    evidence = f"Str {rounded(ratio, 2)}, lay at {rounded(angle, 2)} degrees to the track"
     if angle >= 90 - UPRIGHT_DEG:
-        return f"{track}, across the lay, as a ball meets it as roughness ({found})"
+        return f"{track}, across the lay, as a ball meets it as roughness ({evidence})"
     if angle <= UPRIGHT_DEG:
-        return f"{track}, which is along the lay; --along turns it ({found})"
-    return f"{track}, oblique to the lay ({found})"
+        return f"{track}, which is along the lay; --along turns it ({evidence})"
+    return f"{track}, oblique to the lay ({evidence})"

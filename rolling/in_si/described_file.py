@@ -14,7 +14,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from rolling.in_si import measured
-from rolling.in_si.chosen_filters import Limits, chosen_filters, direction_words, sight_words
+from rolling.in_si.chosen_filters import StatedLimits, chosen_filters, direction_words, sight_words
 from rolling.in_si.in_metres import HIGHEST, LARGEST_RA
 from rolling.in_si.offered_lines import PROFILE_NODES, Offer, line
 from rolling.in_si.plate_file import ScaleLimited, prepared_file, scale_limited_file
@@ -161,7 +161,7 @@ def described_file(path: Path, options: FileOptions) -> DescribedFile:
     )
 
 
-def limits_of(options: FileOptions) -> Limits:
+def limits_of(options: FileOptions) -> StatedLimits:
     """Return what is stated of the instrument, and the nesting index that is asked for."""
     stated = {
         "tip_radius_um": options.tip_radius_um,
@@ -169,7 +169,7 @@ def limits_of(options: FileOptions) -> Limits:
         "noise_nm": options.noise_nm,
     }
     stated = {name: value for name, value in stated.items() if value is not None}
-    return Limits(
+    return StatedLimits(
         instrument=Instrument(**stated) if stated else None, l_filter_um=options.l_filter_um
     )
 

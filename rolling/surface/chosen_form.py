@@ -14,6 +14,7 @@ from acoustics.numbers import rounded
 from rolling.surface.form import round_form, thinned
 from rolling.surface.parameters import without_plane
 
+LARGE_REST = 0.5  # of what a form leaves, from which on a higher polynomial is named
 LEAST_FORM = 0.05  # of the variance that a plane leaves, from which on a form is removed
 # Terms beyond the plane that each form has, of a map and of a profile.
 _TERMS = {"sphere": 1, "cylinder": 2, "quadratic": 3}
@@ -101,7 +102,7 @@ def chosen_form(heights: Array, steps: Sequence[float] = (1.0, 1.0)) -> ChosenFo
             f"second order would take {share}, but waves of which {waves:.2g} fit in are nearer"
         )
         return ChosenForm("plane", reason)
-    return ChosenForm(best, _reason(best, left))
+    return ChosenForm(best, _reason(best, left) + _hint(field, rests[best]))
 
 
 def _field(heights: Array, steps: Sequence[float]) -> _Field | None:
@@ -194,6 +195,18 @@ def _nearest_waves(field: _Field) -> tuple[float, float]:
         left.append(float(np.mean(_without(field.z, terms) ** 2)))
     nearest = int(np.argmin(left))
     return float(_WAVES[nearest]), left[nearest]
+
+
+def _hint(field: _Field, rest: Array) -> str:
+    """Name a polynomial that takes most of what a form leaves; waves of the field look like it."""
+    higher = float(np.mean(_without(rest, _terms(field.axes, 4)) ** 2))
+    share = 1 - higher / (float(np.mean(rest**2)) or 1.0)
+    if share < LARGE_REST:
+        return ""
+    return (
+        f"; the fourth order would take {rounded(100 * share, 2)} % of the rest: set surface.level"
+        " polynomial-4 if that is form and no waviness"
+    )
 
 
 def _reason(best: str, left: dict[str, float]) -> str:

@@ -146,15 +146,15 @@ def round_form(heights: Array, steps: Sequence[float], name: str) -> RoundForm:
         gtol=1e-10,
         max_nfev=_MOST_TRIALS,
     )
-    found = units * fit.x
+    nearest = units * fit.x
     along = _centred(heights.shape[0])[:, None] * steps[0] / length
     across = _centred(heights.shape[1]) * steps[1] / length
     if few.heights.size < heights.size:
-        found = found + _improvement(found, units, along, across, heights / length)
-    form = length * _round_heights(found, along, across)
+        nearest = nearest + _improvement(nearest, units, along, across, heights / length)
+    form = length * _round_heights(nearest, along, across)
     if axis_deg is not None:
-        axis_deg = (math.degrees(found[4]) + 90.0) % 180.0 - 90.0
-    return RoundForm(form - form.mean(), float(found[3] / length), axis_deg)
+        axis_deg = (math.degrees(nearest[4]) + 90.0) % 180.0 - 90.0
+    return RoundForm(form - form.mean(), float(nearest[3] / length), axis_deg)
 
 
 def _centred(count: int) -> Array:
@@ -179,24 +179,24 @@ def _start(x: Array, y: Array, z: Array, is_cylinder: bool) -> Array:
     return np.append(factors[:3], [curvatures[most], turn])
 
 
-def _improvement(found: Array, units: Array, along: Array, across: Array, z: Array) -> Array:
+def _improvement(nearest: Array, units: Array, along: Array, across: Array, z: Array) -> Array:
     """Return the step of Gauss and Newton over all nodes, after a fit to means of blocks.
 
     Means of a curved form lie off it by the fourth order of the size of a block.
     """
-    count = len(found)
+    count = len(nearest)
     squares = np.zeros((count, count))
     sums = np.zeros(count)
     rows = max(1, _NODES_AT_ONCE // z.shape[1])
     for first in range(0, len(z), rows):
         part = slice(first, first + rows)
         known = ~np.isnan(z[part])
-        gap = (z[part] - _round_heights(found, along[part], across))[known]
+        gap = (z[part] - _round_heights(nearest, along[part], across))[known]
         slopes = []
         for at in range(count):
             change = np.where(np.arange(count) == at, _CHANGE * units, 0.0)
-            above = _round_heights(found + change, along[part], across)
-            below = _round_heights(found - change, along[part], across)
+            above = _round_heights(nearest + change, along[part], across)
+            below = _round_heights(nearest - change, along[part], across)
             slopes.append((above - below)[known] / (2 * _CHANGE))
         table = np.stack(slopes)
         squares += table @ table.T
