@@ -99,9 +99,24 @@ def method(scene: Scene) -> Method:
         computed=(
             "The contact of the rough surfaces was solved as an elastic half-space at each step of"
             f" the track, and the motion of ball and plate over it was {motion}. Their sound is"
-            " that in a free field at the listener, A-weighted."
+            f" that in a free field at the listener, A-weighted.{_standards(scene)}"
         ),
     )
+
+
+def _standards(scene: Scene) -> str:
+    """Name the standards of the preparation of a scan; empty where none was read."""
+    surface = scene.surface
+    if not isinstance(surface, HeightFile):
+        return ""
+    terms = "ISO 25178-2" if surface.width_um is None else "ISO 21920-2"
+    words = f" Measured heights were prepared in the order of ISO 25178-3, in the terms of {terms}"
+    parts = []
+    if surface.s_filter_um is not None or surface.l_filter_um is not None:
+        parts.append("ISO 16610-61")
+    if surface.l_filter == "robust":
+        parts = [*parts, "ISO 16610-71"] if surface.s_filter_um is not None else ["ISO 16610-71"]
+    return f"{words}, with filters of {' and '.join(parts)}." if parts else f"{words}."
 
 
 def _ball(scene: Scene) -> str:

@@ -18,6 +18,7 @@ from rolling.scene.laws import HeightLaw, SelfAffineLaw
 from rolling.scene.messages import TABLES
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
+from rolling.surface.contact_average import averaged_noise_db
 from rolling.surface.heights import correlation
 from rolling.surface.levelling import Levelling, form_share
 from rolling.surface.made import is_described
@@ -52,7 +53,7 @@ def rules(scene: Scene) -> Iterator[Finding | Doubt]:
         if step.warning:
             yield Doubt(step.step, f"{name}: {step.warning}", Severity.TRUST)
     yield Finding("level", "tilt", tilt_text(surface.levelling))
-    yield from _instrument(surface)
+    yield from _instrument(scene, surface)
     yield from _seam(scene, surface.levelling)
     yield from _seam_across(scene, surface.levelling)
     yield from _form(surface)
@@ -152,13 +153,13 @@ def _resolution(surface: SceneSurface) -> Iterator[Finding | Doubt]:
         )
 
 
-def _instrument(surface: SceneSurface) -> Iterator[Finding | Doubt]:
+def _instrument(scene: Scene, surface: SceneSurface) -> Iterator[Finding | Doubt]:
     """State what the instrument sees, and warn of noise that the ball would roll over."""
     seen = surface.seen
     if seen is None:
         return
     name = "measuring instrument"
-    yield Finding("instrument", name, f"sees {seen.words}")
+    yield Finding("instrument", name, f"sees {seen.words}{_noise_words(scene, surface)}")
     if seen.limit == "noise":
         yield Doubt(
             "instrument",
@@ -167,6 +168,22 @@ def _instrument(surface: SceneSurface) -> Iterator[Finding | Doubt]:
             advice="the run tells how much of the levels it is; average measurements, or set "
             f"surface.s_filter_um to at least {rounded_up_um(seen.cutoff):g}",
         )
+
+
+def _noise_words(scene: Scene, surface: SceneSurface) -> str:
+    """Write what noise adds to the heights that the contact averages; empty without noise.
+
+    An S-filter takes most of it away.
+    """
+    seen = surface.seen
+    if seen is None or not seen.noise or seen.s_filter:
+        return ""
+    semi_axes = smooth_contact_of(scene).semi_axes_m()
+    added = averaged_noise_db(surface.heights, surface.spacing, seen.noise, semi_axes)
+    if not math.isfinite(added):
+        return "; all that the contact averages is noise"
+    least = "less than 0.1" if added < 0.1 else rounded(added)
+    return f"; noise adds {least} dB to the heights that the contact averages"
 
 
 def _seam(scene: Scene, levelling: Levelling) -> Iterator[Finding | Doubt]:

@@ -22,9 +22,10 @@ _TERMS_OF_PROFILE = {"quadratic": 1, "cylinder": 1}
 # Each term of a form takes so many times the variance that a term of second order takes by chance.
 # As a criterion of information it is the penalty on each term, in units of that variance; that of
 # Schwarz is the logarithm of the number of independent heights, 7 to 12 here. It is larger, because
-# few higher orders tell the chance of a lay. Between forms the usual one counts, as some is there.
+# few higher orders tell the chance of a lay. Between forms that of Akaike counts, as some form is
+# there. tests/benchmarks/form_study.py counts what is chosen.
 BEYOND_CHANCE = 20.0
-AMONG_FORMS = 5.0
+AMONG_FORMS = 2.0
 _HIGHEST_ORDER = 8  # of the polynomials that show what chance makes
 _LEAST_NODES = 12  # of a side, below which no form is told from waves
 _MOST_NODES = 5_000  # of the means of blocks that are looked at

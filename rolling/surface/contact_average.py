@@ -61,6 +61,42 @@ def pressure_average(phase: Array) -> Array:
     return np.asarray(np.where(phase < LEAST_PHASE, 1.0, mean))
 
 
+def averaged_noise_db(
+    heights: Array, spacing_m: float, noise_m: float, semi_axes_m: tuple[float, float]
+) -> float:
+    """Return what noise adds to the mean square of the heights that a contact averages [dB].
+
+    A level follows these heights wave by wave, so it gets as much in the mean over its waves, and
+    more where waves are short.
+
+    Parameters
+    ----------
+    heights : (along, across) array, m
+        One period, with the noise; lines across that are all equal are a profile.
+    spacing_m : float, m
+    noise_m : float, m
+        Rms of white noise in the heights.
+    semi_axes_m : (float, float), m
+        Semi-axes of the contact, along and across.
+
+    Returns
+    -------
+    float
+        Infinite where the noise is all that the contact averages.
+    """
+    is_profile = bool(np.all(heights == heights[:, :1]))
+    z = heights[:, :1] if is_profile else heights
+    lines = np.square(np.abs(np.fft.fft2(z - z.mean()))) / z.size**2
+    waves = [2 * np.pi * np.fft.fftfreq(count, spacing_m) for count in z.shape]
+    phase = np.hypot(semi_axes_m[0] * waves[0][:, None], semi_axes_m[1] * waves[1])
+    passing = np.square(pressure_average(phase))
+    whole = float(np.sum(lines * passing))
+    noise = noise_m**2 * float(np.mean(passing))
+    if whole <= noise:
+        return math.inf if noise > 0 else 0.0
+    return -10 * math.log10(1 - noise / whole)
+
+
 def asperity_density(waves: Array, length_m: float) -> Array:
     """Return the density [m] over wave numbers [rad/m] of what asperities add to an approach.
 

@@ -14,6 +14,7 @@ from rolling.in_si import chosen_filters, measured, scene_surface
 from rolling.in_si.described_file import FileOptions, described_file, offer_of_file
 from rolling.in_si.offered_lines import line
 from rolling.in_si.plate_file import scale_limited_file
+from rolling.kinds.stated_conditions import conditions_of
 from rolling.scene.file import loads
 from rolling.surface.instrument import with_law
 from rolling.terminal.whole_files import FolderError
@@ -180,6 +181,22 @@ def test_the_conditions_name_every_step_after_its_standard() -> None:
     assert "F-operation (polynomial of order 4)" in words
     assert "L-filter (robust Gaussian, nesting index 0.8 mm)" in words
     assert "instrument (lateral period limit 1 µm, noise 2 nm rms)" in words
+
+
+@pytest.mark.parametrize(
+    ("keys", "wanted"),
+    [
+        ({}, "in the terms of ISO 25178-2."),
+        ({"width_um": 64.0}, "in the terms of ISO 21920-2."),
+        ({"l_filter_um": 40.0}, "with filters of ISO 16610-61."),
+        ({"l_filter_um": 40.0, "l_filter": "robust"}, "with filters of ISO 16610-71."),
+    ],
+)
+def test_the_paragraph_on_methods_names_the_standards(keys: dict[str, object], wanted: str) -> None:
+    np.save("scan.npy", waves()[:, :1] if "width_um" in keys else waves())
+    section = {"kind": "file", "path": "scan.npy", "spacing_um": 1, "periodic": "blend"}
+    scene = loads(SCENE + line(section | keys), folder=Path())
+    assert conditions_of({"scan": scene}).paragraph([]).count(wanted) == 1
 
 
 def test_the_usual_index_is_that_of_the_table() -> None:

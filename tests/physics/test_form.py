@@ -103,18 +103,22 @@ def test_a_form_is_named_as_what_it_is(name: str) -> None:
     assert chosen_form(z.T, (STEPS[1], STEPS[0])).level == name
 
 
-def test_a_turned_part_is_a_cylinder_and_keeps_its_feed_marks() -> None:
-    """Marks of a turning tool along the axis have the size of the form, and are no form."""
+def test_a_turned_part_loses_its_form_and_keeps_its_feed_marks() -> None:
+    """Marks of a turning tool along the axis have the size of the form, and are no form.
+
+    Marks that end within the field bend second order a little, which may then be nearer.
+    """
     marks = 0.5e-6 * np.abs(np.sin(np.pi * X / 40e-6))
     z = marks - np.sqrt(6e-3**2 - Y**2) + 2e-8 * rough(2)
-    assert chosen_form(z, STEPS).level == "cylinder"
+    assert chosen_form(z, STEPS).level in ("cylinder", "quadratic")
     flat = marks + 2e-8 * rough(2) + 0.01 * Y
     assert chosen_form(flat, STEPS).level == "plane"
     z -= z.mean()
     flat -= flat.mean()
-    rest, _ = levelling.level(z, STEPS, "cylinder")
     assert 1 / round_form(z, STEPS, "cylinder").curvature == pytest.approx(6e-3, rel=0.01)
-    assert np.std(rest - levelling.level(flat, STEPS, "plane")[0]) < 0.05 * np.std(rest)
+    for form, share in (("cylinder", 0.05), ("quadratic", 0.2)):
+        rest, _ = levelling.level(z, STEPS, form)
+        assert np.std(rest - levelling.level(flat, STEPS, "plane")[0]) < share * np.std(rest)
 
 
 @pytest.mark.parametrize("waves", [1.0, 1.5, 2.0, 3.0])
@@ -127,10 +131,10 @@ def test_waves_that_fit_into_the_field_are_no_form(waves: float, phase: float) -
 
 @pytest.mark.slow
 def test_lays_and_random_waves_are_seldom_a_form() -> None:
-    """Of 48 surfaces without form at most six lose more than their plane.
+    """Of 48 surfaces without form at most two lose more than their plane.
 
-    In trials 7 of 120 of these laws did, and eight or more of 48 have a likelihood of 1e-2.
+    Of 480 in tests/benchmarks/form_study.py none did. If 1 % do, three have a likelihood of 1 %.
     """
     laws = [(4.0, 4.0, 0.9), (3.0, 200.0, 0.9), (200.0, 6.0, 0.9), (20.0, 20.0, 3.0)]
     levels = [chosen_form(rough(seed, *law), STEPS).level for law in laws for seed in range(12)]
-    assert sum(level != "plane" for level in levels) <= 6
+    assert sum(level != "plane" for level in levels) <= 2

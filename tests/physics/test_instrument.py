@@ -16,6 +16,7 @@ from rolling.results import result_file, run_lines
 from rolling.results.instrument_spread import instrument_spread_db
 from rolling.scene.identity import contact_keys
 from rolling.scene.scene import Scene
+from rolling.surface.contact_average import averaged_noise_db
 from rolling.surface.instrument import InstrumentLimits, ShortLaw, faded, sight, with_law
 
 SHAPE = (512, 128)
@@ -258,3 +259,21 @@ def test_an_instrument_of_a_made_surface_and_absurd_values_are_refused() -> None
         surface_keys = values["surface"] | {"instrument": faulty}
         with pytest.raises(rc.SceneError, match=words):
             rc.Scene.from_dict(values | {"surface": surface_keys})
+
+
+@pytest.mark.law("Instrument: noise adds its mean square, less what the contact averages of it.")
+def test_noise_adds_its_part_of_what_the_contact_averages() -> None:
+    """A small contact sees all of it, a large one none; the sum of waves is exact to chance."""
+    noise = np.random.default_rng(4).normal(scale=2e-8, size=(256, 128))
+    wave = 1e-7 * np.cos(2 * np.pi * np.arange(256) / 256)[:, None] * np.ones(128)
+    small, large = (
+        averaged_noise_db(wave + noise, 1e-6, 2e-8, (axis, axis)) for axis in (1e-9, 2e-5)
+    )
+    assert small == pytest.approx(10 * np.log10(1 + 2e-8**2 / (1e-7**2 / 2)), rel=0.02)
+    assert 0 < large < 0.01 * small
+    ridges = noise[:, :1] * np.ones(16)
+    assert averaged_noise_db(ridges, 1e-6, 2e-9, (1e-9, 1e-9)) == pytest.approx(
+        -10 * np.log10(1 - 0.01), rel=0.2
+    )
+    assert averaged_noise_db(ridges, 1e-6, 1e-6, (1e-9, 1e-9)) == np.inf
+    assert averaged_noise_db(0 * wave, 1e-6, 0.0, (1e-6, 1e-6)) == 0.0
