@@ -26,6 +26,7 @@ plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1, density
 surface: {kind: smooth, spacing_um: 5, width_um: 200}
 rolling: {speed_m_s: 0.05, distance_mm: 1, drop_mm: 0.1}
 dynamics: {}
+sound: {listen_s: 1}
 """
 
 
@@ -54,7 +55,7 @@ class OfKind(NamedTuple):
 
 KINDS = {
     "rolling": OfKind(
-        text=VIBRATING,
+        text=VIBRATING.replace("sound: {", "sound: {listen_s: 1, "),
         sweep="sweep: {rolling.load_n: [1, 1.5]}",
         resound="sound.distance_m=2",
         marched="rolling.load_n=2",

@@ -262,6 +262,7 @@ def test_runs_that_share_a_march_are_as_runs_alone(tmp_path: Path) -> None:
     """Loads, film and marches of an earlier run of another speed leave no trace in a later one."""
     moving = VIBRATING.replace("distance_mm: 0.48", "distance_mm: 2.8").replace("160", "120")
     moving = moving.replace("load_n: 1,", "load_n: 0.05,")
+    moving = moving.replace("sound: {", "sound: {listen_s: 0.5, ")
     speeds = "sweep: {rolling.speed_m_s: [%s]}\n"
     whole = tmp_path / "whole"
     assert run(write(tmp_path, moving + speeds % "0.1, 1"), whole, "--no-report") == 0
