@@ -73,7 +73,9 @@ def test_a_louder_run_sounds_louder(file: str, quantity: str, swept: Path) -> No
 
 
 @pytest.mark.law("listening: listen.wav of a sweep does not depend on the order of its runs.")
-@pytest.mark.parametrize("order", ["workers", "grown", "reversed parts"])
+@pytest.mark.parametrize(
+    "order", [pytest.param("workers", marks=pytest.mark.slow), "grown", "reversed parts"]
+)
 def test_the_bytes_do_not_depend_on_the_order(order: str, swept: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     scene = write(tmp_path, LOADS)

@@ -293,8 +293,13 @@ if not matplotlib.rcParams["text.usetex"]:  # TeX may be missing, which is the p
     ("backend", "settings", "taken"),
     [
         ("nonsense", b"font.size: \xff\xfe", "None"),  # matplotlib chooses one for a window
-        ("module://no_such.backend", b"", "module://no_such.backend"),
-        ("agg", b"text.usetex: True\nfont.size: 30\nbackend: nonsense", "agg"),
+        *(
+            pytest.param(*values, marks=pytest.mark.slow)
+            for values in (
+                ("module://no_such.backend", b"", "module://no_such.backend"),
+                ("agg", b"text.usetex: True\nfont.size: 30\nbackend: nonsense", "agg"),
+            )
+        ),
     ],
 )
 def test_backends_and_settings_files_that_matplotlib_refuses_cost_nothing(

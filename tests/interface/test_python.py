@@ -277,7 +277,8 @@ def test_a_script_needs_no_guard(source: str, folder: Path, tmp_path: Path) -> N
     assert first == "main" and second.startswith("{1: ")
 
 
-@pytest.mark.parametrize("kind", ["multiprocessing", pytest.param("dask", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["multiprocessing", "dask"])
 def test_a_process_of_a_pool_solves_itself(kind: str, tmp_path: Path) -> None:
     """Daemonic processes must not have children; the level is that of the main process."""
     if kind == "dask":
