@@ -16,6 +16,7 @@ import numpy as np
 from acoustics import wav
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, third_octave_mean_square
+from acoustics.radiation import P_REF_PA
 from acoustics.spectrum import audible_lines
 from acoustics.weighting import a_weighting_db
 from rolling.ball_kinds.ball_candidates import LOSS_KEY, of_ball
@@ -43,6 +44,10 @@ from rolling.sound.vibration_sound import radiated_by_motion
 BAFFLE = "baffle"  # source of a part of the ± of a free plate
 # Speeds over that of the scene. The lines of a lap move by more than their distance between them.
 SPEED_RATIOS = (0.97, 0.985, 1.0, 1.015, 1.03)
+
+
+# A-weighted mean square of -200 dB, below which a contact without waves has its rounding errors.
+ROUNDING_PA2 = 1e-20 * P_REF_PA**2
 
 
 class LevelError(NamedTuple):
@@ -186,8 +191,10 @@ def hear(specimen: Specimen, result: Result) -> HeardBall:
             _weighted_lines(_heard_scene(scene, loss_factor, ratio), law, result)
             for ratio in _speed_ratios(scene)
         ]
-        squares.append(np.mean([lines.total for lines in at_speeds]))
-        bands.append(np.mean([lines.bands for lines in at_speeds], axis=0))
+        square = float(np.mean([lines.total for lines in at_speeds]))
+        sounds = square > ROUNDING_PA2
+        squares.append(square if sounds else 0.0)
+        bands.append(np.mean([lines.bands for lines in at_speeds], axis=0) * sounds)
     highest = scene.motion.fastest(scene.duration) / (2 * scene.step)
     if scene.is_one_event:  # its time steps resolve an impact
         highest = wav.SAMPLE_RATE_HZ / 2

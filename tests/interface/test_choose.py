@@ -60,6 +60,19 @@ def test_a_choice_leaves_its_answer_in_files(chosen: Path) -> None:
 
 
 @pytest.mark.slow
+def test_a_flat_scan_is_silent(tmp_path: Path) -> None:
+    """Rounding errors of a contact without waves, at -240 dB, are no level that one compares."""
+    np.save(tmp_path / "flat.npy", np.zeros((64, 64)))
+    path = write(tmp_path, "ground", more="sweep: {surface.path: [flat.npy, rough.npy]}")
+    np.save(tmp_path / "rough.npy", 1e-8 * np.random.default_rng(1).normal(size=(64, 64)))
+    keys = "surface={kind: file, path: flat.npy, spacing_um: 3, level: none}"
+    scene = rc.read_scene(path, ["rolling.distance_mm=", f"{keys}"])
+    choice = rc.choose(scene, pairs=2, folder=tmp_path / "out", workers=1, progress=False)
+    assert "flat makes no sound within hearing" in choice.sentences[0].lower()
+    assert choice.differences[0].db is None
+
+
+@pytest.mark.slow
 def test_sounds_of_a_choice_have_one_gain(chosen: Path) -> None:
     gains = []
     for name in ("ground", "lapped"):
