@@ -50,7 +50,10 @@ def refuse_many(omitted: Sequence[OmittedPair], count: int, noun: str) -> None:
     first = omitted[0]
     if count == 1:
         raise ContactError(f"{first.label}: {first.reason}")
-    raise ContactError(
-        f"{len(omitted)} of {count} {noun} have no solution, so that the others do not stand for"
-        f" all; {first.label}, specimen {first.number}: {first.reason}"
-    )
+    which = f"none of {count} {noun} has a solution"
+    if len(omitted) < count:
+        which = (
+            f"{len(omitted)} of {count} {noun} have no solution, so that the others do not stand"
+            " for all"
+        )
+    raise ContactError(f"{which}; {first.label}, specimen {first.number}: {first.reason}")

@@ -26,6 +26,7 @@ from rolling.ball_kinds.ball_specimens import BallSpecimens
 from rolling.check import narrow_surface
 from rolling.choice import choice_doubts as choice_doubts
 from rolling.choice import choice_picture, choice_sentences, omissions, specimen_solving
+from rolling.choice.choice_numbers import OmittedPair
 from rolling.choice.choose_command import as_json, write_answer
 from rolling.choice.choosing import choose_scenes, open_choice
 from rolling.choice.heard_specimen import Specimen
@@ -130,6 +131,14 @@ def test_one_surface_under_two_names_is_told(
     assert "further scan" not in told
     others = choose_scenes(two(wide, "rough"), tmp_path / "two", Budget(pairs=6), workers=1)
     assert "the same to the last digit" not in " ".join(others.sentences)
+
+
+def test_a_choice_without_any_solution_says_so() -> None:
+    omitted = [OmittedPair(number, "x", "take a larger scan") for number in (1, 2, 3, 4)]
+    with pytest.raises(
+        ContactError, match=r"^none of 4 places has a solution; x, specimen 1: take"
+    ):
+        omissions.refuse_many(omitted, 4, "places")
 
 
 def test_another_contact_is_marched_again(
