@@ -135,9 +135,7 @@ def test_one_surface_under_two_names_is_told(
 
 def test_a_choice_without_any_solution_says_so() -> None:
     omitted = [OmittedPair(number, "x", "take a larger scan") for number in (1, 2, 3, 4)]
-    with pytest.raises(
-        ContactError, match=r"^none of 4 places has a solution; x, specimen 1"
-    ):
+    with pytest.raises(ContactError, match=r"^none of 4 places has a solution; x, specimen 1"):
         omissions.refuse_many(omitted, 4, "places")
 
 
