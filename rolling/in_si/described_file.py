@@ -124,7 +124,7 @@ def described_file(path: Path, options: FileOptions) -> DescribedFile:
     if is_profile:
         keys["width_um"] = float(f"{PROFILE_NODES * 1e6 * steps[0]:.10g}")
     _refuse_index(path, options, level.shape, steps)
-    form = chosen_form(level, (float(steps[0]), float(steps[1])))
+    form = chosen_form(heights, (float(steps[0]), float(steps[1])))
     if form.level != "plane":
         keys["level"] = form.level
     described = DescribedFile(

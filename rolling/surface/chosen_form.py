@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from rolling.surface.form import round_form, thinned
-from rolling.surface.parameters import without_plane
+from rolling.surface.parameters import about_mean, without_plane
 
 LARGE_REST = 0.5  # of what a form leaves, from which on a higher polynomial is named
 LEAST_FORM = 0.05  # of the variance that a plane leaves, from which on a form is removed
@@ -45,11 +45,12 @@ class ChosenForm(NamedTuple):
 class _Field(NamedTuple):
     """Means of blocks of heights, on which the forms are compared.
 
-    grid : (m, n) array, m. Less their plane; NaN where unmeasured.
+    grid : (m, n) array, m. As they are; NaN where unmeasured.
     steps : (2,) sequence of float, m. Spacings of the blocks.
     known : (2,) tuple of (count,) arrays. Indices of the measured ones.
     axes : list of (count,) arrays. Their places along each axis, from -1 to 1; a profile has one.
-    z : (count,) array. Their heights, whose mean square is 1.
+    z : (count,) array. Their heights less their plane, whose mean square is 1.
+    size : float, m. Root of that mean square in metres.
     """
 
     grid: Array
@@ -57,6 +58,7 @@ class _Field(NamedTuple):
     known: tuple[NDArray[np.int64], ...]
     axes: list[Array]
     z: Array
+    size: float
 
     @property
     def plane(self) -> list[Array]:
@@ -109,9 +111,9 @@ def chosen_form(heights: Array, steps: Sequence[float] = (1.0, 1.0)) -> ChosenFo
 def _field(heights: Array, steps: Sequence[float]) -> _Field | None:
     """Return the means of blocks of heights; None where nothing but a plane is there."""
     few = thinned(heights, _MOST_NODES)
-    grid = without_plane(few.heights)
+    grid = about_mean(few.heights)
     known = np.nonzero(~np.isnan(grid))
-    z = grid[known]
+    z = without_plane(grid)[known]
     size = float(np.sqrt(np.mean(z**2)))
     if not size > 0:
         return None
@@ -125,16 +127,15 @@ def _field(heights: Array, steps: Sequence[float]) -> _Field | None:
         float(place[1] - place[0]) * step if len(place) > 1 else step
         for place, step in zip(places, steps, strict=True)
     ]
-    return _Field(grid=grid, steps=block, known=known, axes=axes, z=z / size)
+    return _Field(grid=grid, steps=block, known=known, axes=axes, z=z / size, size=size)
 
 
 def _rest(field: _Field, name: str) -> Array:
     """Return what a form with its tilt leaves of the heights of a field."""
     if name == "quadratic":
         return _without(field.z, _terms(field.axes, 2))
-    form = round_form(field.grid, field.steps, name).heights[field.known]
-    size = float(np.sqrt(np.mean(field.grid[field.known] ** 2)))
-    return _without(field.z - form / size, field.plane)
+    form = round_form(field.grid, field.steps, name)
+    return _without((field.grid - form.heights)[field.known] / field.size, field.plane)
 
 
 def _without(z: Array, terms: list[Array]) -> Array:

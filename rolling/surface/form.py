@@ -83,8 +83,11 @@ def polynomial(heights: Array, order: int) -> Array:
     """Return the least-squares polynomial of heights [m], without its constant.
 
     Its terms x^i y^j have i + j up to the order. On a grid orthonormal polynomials of each axis
-    give it without a system of equations.
+    give it without a system of equations. With unmeasured nodes, NaN, it is that of means of
+    blocks.
     """
+    if np.isnan(heights).any():
+        return _polynomial_past_gaps(heights, order)
     bases = []
     for count in heights.shape:
         places = np.linspace(-1.0, 1.0, count) if count > 1 else np.zeros(1)
@@ -96,6 +99,22 @@ def polynomial(heights: Array, order: int) -> Array:
     factors[orders > order] = 0.0
     factors[0, 0] = 0.0
     return np.asarray(along @ factors @ across.T)
+
+
+def _polynomial_past_gaps(heights: Array, order: int) -> Array:
+    """Return the polynomial of least squares of heights with unmeasured nodes, at all nodes."""
+    few = thinned(heights, _MOST_NODES)
+    known = ~np.isnan(few.heights)
+    ends = [max((count - 1) / 2, 0.5) for count in heights.shape]
+    orders = [(i, total - i) for total in range(order + 1) for i in range(total + 1)]
+    along = np.polynomial.legendre.legvander(few.along / ends[0], order)
+    across = np.polynomial.legendre.legvander(few.across / ends[1], order)
+    terms = np.stack([np.multiply.outer(along[:, i], across[:, j])[known] for i, j in orders], -1)
+    factors = np.zeros((order + 1, order + 1))
+    factors[tuple(np.transpose(orders))] = np.linalg.lstsq(terms, few.heights[known])[0]
+    places = [_centred(count) / end for count, end in zip(heights.shape, ends, strict=True)]
+    form = np.polynomial.legendre.leggrid2d(places[0], places[1], factors)
+    return np.asarray(form - form.mean())
 
 
 def round_form(heights: Array, steps: Sequence[float], name: str) -> RoundForm:
@@ -229,6 +248,11 @@ def _round_heights(form: Array, x: Array, y: Array) -> Array:
     constant = curvature * radial - 2 * (normal[0] * x + normal[1] * y)
     root = np.sqrt(np.maximum(middle**2 - square * constant, _LEAST_CAP))
     return np.asarray(height + constant / (middle + root))
+
+
+def has_curved_form(level: str) -> bool:
+    """Tell whether a value of the key `surface.level` names a form beyond a plane."""
+    return level in ORDERS or level in ROUND
 
 
 def named_form(heights: Array, steps: Sequence[float], name: str) -> tuple[Array, str]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.surface.form import ORDERS, ROUND, named_form
+from rolling.surface.form import has_curved_form, named_form
 
 # A seam stands out if it exceeds the maximum difference between neighbouring rows by this factor
 # plus 4 / rows.
@@ -82,13 +82,14 @@ def level(heights: Array, spacing: float | Sequence[float], mode: str) -> tuple[
     taken = (removed[0], removed[1])
     ra_before = float(np.abs(heights).mean())
     ra_after = ra_before
-    has_form = mode in ORDERS or mode in ROUND
+    has_form = has_curved_form(mode)
     if any(taken) or has_form:
-        heights = heights - (taken[0] * steps[0] * centred(heights.shape[0]))[:, None]
-        heights -= taken[1] * steps[1] * centred(heights.shape[1])
-        if has_form:
+        if has_form:  # with its own tilt, as a round form without its plane is no longer round
             of_form, form = named_form(heights, steps, mode)
-            heights -= of_form
+            heights = heights - of_form
+        else:
+            heights = heights - (taken[0] * steps[0] * centred(heights.shape[0]))[:, None]
+            heights -= taken[1] * steps[1] * centred(heights.shape[1])
         ra_after = float(np.abs(heights).mean())
         seams = (seam(heights, 0), seam(heights, 1))
     levelling = Levelling(

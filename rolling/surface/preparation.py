@@ -13,6 +13,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from rolling.surface import levelling
+from rolling.surface.form import has_curved_form, named_form
 from rolling.surface.gaussian_filter import robust_smoothed, smoothed
 from rolling.surface.heights import SurfaceError
 from rolling.surface.markers import Nodes
@@ -164,9 +165,10 @@ def _scale_limited(
     work = Preparation(heights, grid.steps, watched)
     if steps.outliers:
         _remove_outliers(work, steps.outliers, marked)
-    _fill_unmeasured(work)
+    form = _form_beneath(work, steps.form)
+    _fill_unmeasured(work, form)
     if steps.s_filter_m:
-        long = smoothed(work.heights, work.steps, steps.s_filter_m, is_period)
+        long = form + smoothed(work.heights - form, work.steps, steps.s_filter_m, is_period)
         text = f"nesting index {1e3 * steps.s_filter_m:g} mm, shorter waves removed"
         work.replace_heights(long, "s_filter", text)
     if is_resampled:
@@ -203,14 +205,25 @@ def _remove_outliers(work: Preparation, threshold: float, marked: Nodes | None) 
     work.replace_heights(heights, "outliers", text)
 
 
-def _fill_unmeasured(work: Preparation) -> None:
-    """Fill the unmeasured points, if there are any."""
+def _form_beneath(work: Preparation, level: str) -> Array | float:
+    """Return the form [m] about which gaps are filled and short waves removed; 0 for a plane.
+
+    A harmonic filling is flat under a curved form, and weights at the ends see only one side of it.
+    """
+    if not has_curved_form(level):
+        return 0.0
+    heights = work.heights - np.nanmean(work.heights)
+    return named_form(heights, work.steps, level)[0]
+
+
+def _fill_unmeasured(work: Preparation, form: Array | float) -> None:
+    """Fill the unmeasured points about a form, if there are any."""
     count = int(np.count_nonzero(np.isnan(work.heights)))
     if not count:
         return
     share = rounded(100 * count / work.heights.size)
     work.replace_heights(
-        filled(work.heights), "unmeasured", f"{count} filled, {share} % of the nodes"
+        form + filled(work.heights - form), "unmeasured", f"{count} filled, {share} % of the nodes"
     )
 
 

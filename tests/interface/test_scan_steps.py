@@ -202,3 +202,29 @@ def test_the_paragraph_on_methods_names_the_standards(keys: dict[str, object], w
 def test_the_usual_index_is_that_of_the_table() -> None:
     """Ra 0.08 um lies in the class up to 0.1 um, which has 0.25 mm."""
     assert chosen_filters.usual_index(0.8e-7 * np.sign(waves())) == 0.25e-3
+
+
+def test_gaps_and_ends_of_a_curved_scan_keep_its_form() -> None:
+    """A gap of 60 um on a ball of 2 mm is not flat, and the S-filter does not lift the ends.
+
+    A harmonic filling would leave 0.2 um in the gap, and weights at the ends 0.1 um.
+    """
+    x = 1e-6 * (np.arange(96)[:, None] - 30)
+    ball = 2e-3 - np.sqrt(2e-3**2 - x**2 - (1e-6 * (np.arange(80) - 50)) ** 2)
+    ball[20:80, 10:70] = np.nan
+    np.save("ball.npy", ball)
+    keys = {"path": "ball.npy", "spacing_um": 1, "unmeasured": "fill", "periodic": "blend"}
+    scan = HeightFile(**keys, level="sphere", s_filter_um=8)  # type: ignore[arg-type]
+    left = scale_limited_file(Path("ball.npy"), scan).heights
+    assert np.ptp(left) < 1e-12
+
+
+def test_a_tilted_arc_is_round_and_not_sheared() -> None:
+    """A stylus on a groove of 1 mm reads an arc, tilted by 2 degrees as the part lies."""
+    x = 2e-6 * (np.arange(400) - 180)
+    rough = 1e-8 * np.random.default_rng(5).normal(size=400)
+    arc = rough - np.sqrt(1e-3**2 - (x - 4e-5) ** 2)
+    np.save("arc.npy", arc[:, None])
+    read = described_file(Path("arc.npy"), FileOptions(spacing_um=2.0))
+    assert read.keys["level"] == "cylinder"
+    assert np.std(read.heights) == pytest.approx(np.std(rough), rel=0.03)

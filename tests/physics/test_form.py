@@ -68,6 +68,9 @@ def test_polynomials_are_taken_off_exactly(order: int) -> None:
         random.normal() * x**i * y ** (n - i) for n in range(order + 1) for i in range(n + 1)
     )
     assert np.abs(form - polynomial(form, order) - form.mean()).max() < 1e-12
+    gappy = np.where(x + y > 0.8, np.nan, form)
+    gappy[10:40, 20] = np.nan
+    assert np.abs(form - polynomial(gappy, order) - form.mean()).max() < 1e-9
     higher = x ** (order + 1)
     assert np.std(higher - polynomial(higher, order)) > 1e-3
 
