@@ -1,19 +1,22 @@
 """Compare filters and forms of least squares with those of surfalize and SurfaceTopography.
 
-    PYTHONPATH=. ENVIRONMENT/bin/python tests/benchmarks/filter_programs.py
+    PYTHONPATH=. ENVIRONMENT/bin/python tests/benchmarks/filter_programs.py [FOLDER]
 
 ENVIRONMENT holds both programs; without them the script says so and does nothing. Each row is one
 made surface of 300 x 260 nodes of 2 um and Sq 1 um with a form: the Sq that both programs leave,
 and the rms of the difference of their heights. They have no robust filter and no sphere, so the
-sums of ISO 16610-31 and the form that was put in stand there.
+sums of ISO 16610-31 and the form that was put in stand there. The files of FOLDER, such as those of
+the tests of surfalize, are read by both programs, each with its own reader.
 """
 
 from __future__ import annotations
 
+import itertools
 import sys
 from collections.abc import Iterator
 from importlib.metadata import version
 from importlib.util import find_spec
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -82,6 +85,57 @@ def of_surfalize() -> Iterator[Row]:
     )
 
 
+def of_printed_tests() -> Iterator[Row]:
+    """Yield what the tests of surfalize print of their made surface: Sq of its long waves."""
+    x, y = np.meshgrid(np.arange(1000), np.arange(700))
+    fine = np.sin((np.sin(y / 10) + x) / 10 * 2 * np.pi)
+    heights = np.sin(x / 200 * 2 * np.pi)
+    heights += 0.15 * (np.sin((x - 100) / 200 * 2 * np.pi) + 1) * fine
+    heights += np.random.RandomState(0).normal(size=heights.shape) / 5
+    yield Row("Sq as made", "printed by surfalize", heights, of_sq(0.745961))
+    for index_um, printed in ((1.5, 0.7050198), (2.0, 0.7023322), (5.0, 0.6779730)):
+        long = smoothed(heights, (0.1, 0.1), index_um, wraps=False)
+        yield Row(f"Gaussian lowpass {index_um:g} um", "printed by surfalize", long, of_sq(printed))
+
+
+def of_sq(size: float) -> np.ndarray:
+    """Return two heights [um] with an Sq [um], of which no more is known."""
+    return np.array([-size, size])
+
+
+def of_files(folder: Path) -> Iterator[Row]:
+    """Yield steps of the files of a folder that both programs read without gaps."""
+    from surfalize import Surface
+
+    from rolling.scene import height_grid
+    from rolling.scene.height_format import HeightFormatError
+
+    name = f"surfalize {version('surfalize')}"
+    for path in sorted(folder.iterdir()):
+        try:
+            read = height_grid.read(path, None, None, None)
+            other = Surface.load(path)
+        except (HeightFormatError, ValueError, KeyError) as error:
+            print(f"{path.name}: {error}", file=sys.stderr)
+            continue
+        heights = 1e6 * read.heights
+        if read.spacing_m is None or np.isnan(heights).any() or min(heights.shape) < 100:
+            print(f"{path.name}: left out, with gaps or less than 100 nodes", file=sys.stderr)
+            continue
+        level = heights - heights.mean()
+        yield Row(f"{path.name} as read", name, heights, other.data)
+        for order in (1, 2, 4):
+            ours = level - polynomial(level, order)
+            step = f"{path.name}, order {order}"
+            yield Row(step, name, ours, other.detrend_polynomial(order).data)
+        sides = np.array(heights.shape) * read.spacing_m
+        index_um = float(f"{1e6 * sides.min() / 5:.2g}")
+        ours = level - polynomial(level, 1)
+        long = smoothed(ours, [1e6 * step for step in read.spacing_m], index_um, wraps=False)
+        filtered = other.level().filter("highpass", index_um).data
+        yield Row(f"{path.name}, L-filter {index_um:g} um", name, ours - long, filtered)
+
+
 def of_surface_topography() -> Iterator[Row]:
     """Yield the steps that SurfaceTopography has."""
     from SurfaceTopography import Topography
@@ -143,15 +197,15 @@ def main() -> None:
         return
     print("|step|beside|Sq, this program [um]|Sq, beside [um]|rms of the difference [um]|")
     print("|---|---|---|---|---|")
-    for rows in (of_surfalize, of_surface_topography, of_truth):
-        for row in rows():
-            ours = row.ours - row.ours.mean()
-            other = row.other - row.other.mean()
-            print(
-                f"|{row.step}|{row.program}|{ours.std():.6f}|{other.std():.6f}"
-                f"|{np.std(ours - other):.1e}|",
-                flush=True,
-            )
+    sources = [of_surfalize(), of_printed_tests(), of_surface_topography(), of_truth()]
+    if len(sys.argv) > 1:
+        sources = [of_files(Path(sys.argv[1]))]
+    for row in itertools.chain(*sources):
+        difference = "-"
+        if row.ours.shape == row.other.shape:
+            difference = f"{np.std(row.ours - row.other):.1e}"
+        sizes = f"{row.ours.std():.6f}|{row.other.std():.6f}"
+        print(f"|{row.step}|{row.program}|{sizes}|{difference}|", flush=True)
 
 
 if __name__ == "__main__":
