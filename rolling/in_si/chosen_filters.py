@@ -15,6 +15,7 @@ from rolling.contact.track import MIN_NODES
 from rolling.scene.surfaces import Instrument
 from rolling.surface.gaussian_filter import FAR, smoothed
 from rolling.surface.instrument import InstrumentSight, faded, sight
+from rolling.surface.markers import Nodes
 from rolling.surface.parameters import parameters
 from rolling.surface.profile_parameters import CLASSES
 
@@ -48,11 +49,14 @@ class ChosenFilters:
     reasons: dict[str, str]
 
 
-def chosen_filters(heights: Array, steps: Sequence[float], limits: StatedLimits) -> ChosenFilters:
+def chosen_filters(
+    heights: Array, steps: Sequence[float], limits: StatedLimits, measured: Nodes
+) -> ChosenFilters:
     """Choose the S-filter and the kind of the L-filter of heights [m] without form.
 
     The S-filter takes what the instrument does not see, where the file holds such waves. The
     L-filter is only taken if a nesting index is given, because the ball rolls over long waves, too.
+    Its kind follows from the measured nodes, as filled ones are smooth.
     """
     s_filter_um, of_short = _s_filter(heights, steps, limits.instrument)
     keys: dict[str, Any] = {}
@@ -66,7 +70,7 @@ def chosen_filters(heights: Array, steps: Sequence[float], limits: StatedLimits)
             f" has {1e3 * usual:g} mm)"
         )
         return ChosenFilters(keys=keys, reasons={"s_filter": of_short, "l_filter": of_long})
-    share = far_share(heights, steps, 1e-6 * index_um)
+    share = far_share(heights, steps, 1e-6 * index_um, measured)
     keys["l_filter_um"] = index_um
     words = (
         f"{rounded(100 * share, 2)} % of the heights lie beyond three robust standard deviations"
@@ -84,9 +88,9 @@ def usual_index(heights: Array) -> float:
     return next(usual.index_m for usual in CLASSES if ra <= usual.up_to_ra_m)
 
 
-def far_share(heights: Array, steps: Sequence[float], index_m: float) -> float:
-    """Return the share of heights that lie three robust standard deviations off the long waves."""
-    distance = np.abs(heights - smoothed(heights, steps, index_m, wraps=False))
+def far_share(heights: Array, steps: Sequence[float], index_m: float, measured: Nodes) -> float:
+    """Return the share of measured heights three robust standard deviations off the long waves."""
+    distance = np.abs(heights - smoothed(heights, steps, index_m, wraps=False))[measured]
     far = FAR * float(np.median(distance))
     return float(np.mean(distance > far)) if far > 0 else 0.0
 

@@ -139,7 +139,9 @@ def described_file(path: Path, options: FileOptions) -> DescribedFile:
     )
     try:
         unfiltered = scale_limited_file(path, HeightFile(**keys))
-        filters = chosen_filters(unfiltered.heights, unfiltered.steps, limits_of(options))
+        filters = chosen_filters(
+            unfiltered.heights, unfiltered.steps, limits_of(options), ~np.isnan(level)
+        )
         prepared = unfiltered
         if filters.keys:
             keys |= filters.keys
@@ -261,12 +263,16 @@ def _refuse_unusable(path: Path, heights: Array, doubts: list[str]) -> None:
 def _refuse_index(path: Path, options: FileOptions, shape: tuple[int, ...], steps: Array) -> None:
     """Raise FolderError for a nesting index of the L-filter that the file has no room for."""
     index_um = options.l_filter_um
-    sides = [1e6 * count * step for count, step in zip(shape, steps, strict=True) if count > 1]
-    most = min(sides, default=0.0)
-    if index_um is not None and index_um > most:
+    if index_um is None:
+        return
+    nodes_um = [1e6 * float(step) for step, count in zip(steps, shape, strict=True) if count > 1]
+    sides_um = [1e6 * count * step for count, step in zip(shape, steps, strict=True) if count > 1]
+    least = 2 * max(nodes_um, default=0.0)
+    most = min(sides_um, default=0.0)
+    if not least <= index_um <= most:
         raise FolderError(
-            f"{path}: --l-filter-um: got {index_um:g}, allowed: up to {rounded(most, 4)}, the"
-            " shorter side"
+            f"{path}: --l-filter-um: got {index_um:g}, allowed: {rounded(least, 4)}, two nodes, to"
+            f" {rounded(most, 4)}, the shorter side"
         )
 
 

@@ -89,10 +89,15 @@ def test_the_l_filter_is_robust_where_pits_would_pull_it() -> None:
     assert "Gaussian, nesting index 0.03 mm" in steps["L-filter"]
     steps, keys = steps_of("pitted.npy", l_filter_um=30.0)
     assert keys["l_filter"] == "robust" and "robust Gaussian" in steps["L-filter"]
+    half = waves()
+    half[:, :38] = np.nan
+    np.save("half.npy", half)
+    assert "l_filter" not in steps_of("half.npy", l_filter_um=30.0)[1]
     steps, keys = steps_of("pitted.npy")
     assert "l_filter_um" not in keys and "ISO 21920-3 has" in steps["L-filter"]
-    with pytest.raises(FolderError, match=r"--l-filter-um: got 90, allowed: up to 80"):
-        steps_of("scan.npy", l_filter_um=90.0)
+    for index_um in (1.5, 90.0):
+        with pytest.raises(FolderError, match=r"--l-filter-um: got \S+, allowed: 2, .* to 80"):
+            steps_of("scan.npy", l_filter_um=index_um)
 
 
 def test_the_track_is_said_to_lie_across_or_along_a_lay() -> None:
