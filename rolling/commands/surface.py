@@ -16,7 +16,13 @@ from acoustics.texts import printable
 from rolling.check import refusals
 from rolling.commands.replaced import SOURCE, refuse_others, source_name
 from rolling.in_si import measured, offered_lines
-from rolling.in_si.described_file import ChainStep, FileOptions, described_file, offer_of_file
+from rolling.in_si.described_file import (
+    ChainStep,
+    FileOptions,
+    described_file,
+    offer_of_file,
+    scene_chain,
+)
 from rolling.in_si.plate_file import ScaleLimited, scale_limited_file
 from rolling.in_si.scene_surface import scene_surface
 from rolling.results.roughness_sheet import MADE_HEIGHTS
@@ -219,7 +225,7 @@ def _surface_of_scene(path: Path, overrides: Sequence[str]) -> _DescribedSurface
     for doubt in surface.suspicions:
         progress.line(f"warning: {doubt}")
     own = _measurement_of_scene(scene)
-    if own is not None:
+    if own is not None and isinstance(scene.surface, HeightFile):
         return _DescribedSurface(
             name=scene.name,
             words="prepared by the scene; the ball rolls over a period of it, whose ends are"
@@ -228,7 +234,7 @@ def _surface_of_scene(path: Path, overrides: Sequence[str]) -> _DescribedSurface
             steps=np.array(own.steps),
             is_periodic=False,
             pair=offered_lines.pair_of_scene(scene),
-            chain=[ChainStep(effect.step, "by the scene", effect.text) for effect in own.effects],
+            chain=scene_chain(own, scene.surface),
             period=surface.heights,
             facts=(("Heights", f"the file of the scene {printable(scene.name)}, prepared by it"),),
             departures=("What the instrument filtered before it wrote the file is not known.",),

@@ -159,7 +159,10 @@ def described_file(path: Path, options: FileOptions) -> DescribedFile:
         heights=prepared.heights,
         steps=np.array(prepared.steps),
         sight=sight_words(unfiltered.heights, unfiltered.steps, limits_of(options).instrument),
-        chain=_chain(prepared, reasons, options.along or "y"),
+        chain=[
+            *_chain(prepared, reasons, options.along or "y"),
+            ChainStep("period", "its ends are blended for the ball, as the scan has edges"),
+        ],
     )
 
 
@@ -179,10 +182,16 @@ def limits_of(options: FileOptions) -> StatedLimits:
 _ORDER = ("outliers", "unmeasured", "s_filter", "f_operator", "l_filter")  # of ISO 25178-3
 
 
+def scene_chain(prepared: ScaleLimited, surface: HeightFile) -> list[ChainStep]:
+    """Return the steps that a scene asks for, in their order, with the lay."""
+    reasons = dict.fromkeys(_ORDER, "by the scene")
+    return _chain(prepared, reasons, surface.along or "y")
+
+
 def _chain(prepared: ScaleLimited, reasons: dict[str, str], axis: str) -> list[ChainStep]:
     """Return the steps of a preparation in their order, those that are left out with a reason."""
     effects = {effect.step: effect.text for effect in prepared.effects}
-    chain = []
+    chain: list[ChainStep] = []
     for step in _ORDER:
         if step in effects or step in ("s_filter", "l_filter"):
             chain.append(
@@ -200,7 +209,6 @@ def _chain(prepared: ScaleLimited, reasons: dict[str, str], axis: str) -> list[C
         if abs(across / along - 1) > SAME:
             words = "to square nodes for the ball, at the finer spacing"
             chain.append(ChainStep("resampling", words))
-    chain.append(ChainStep("period", "its ends are blended for the ball, as the scan has edges"))
     return chain
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling import HeightFile, SceneError
+from rolling import HeightFile, SceneError, cli
 from rolling.ball_kinds.ball_conditions import preparation_words
 from rolling.in_si import chosen_filters, measured, scene_surface
 from rolling.in_si.described_file import FileOptions, described_file, offer_of_file
@@ -109,6 +109,19 @@ def test_the_track_is_said_to_lie_across_or_along_a_lay() -> None:
     assert "which is along the lay; --along turns it" in steps_of("turned.npy")[0]["direction"]
     assert "runs along x of" in steps_of("turned.npy", along="x")[0]["direction"]
     assert "there is no lay" in steps_of("even.npy")[0]["direction"]
+
+
+def test_a_scene_with_a_scan_says_its_steps_and_the_lay(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rolling.commands.surface._parameters_and_picture", lambda *_: ([], {}))
+    np.save("laid.npy", waves(across=200.0))
+    section = {"kind": "file", "path": "laid.npy", "spacing_um": 1, "periodic": "blend"}
+    Path("own.yaml").write_text(SCENE + line(section | {"level": "cylinder", "l_filter_um": 40}))
+    assert cli.main(["surface", "own.yaml"]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "F-operation: cylinder, " in told and "L-filter: Gaussian, nesting index" in told
+    assert "S-filter: none; by the scene" in told and "across the lay" in told
 
 
 def test_nodes_that_are_not_square_keep_the_round_form() -> None:
