@@ -1,4 +1,4 @@
-"""Gaussian filters of ISO 16610: the areal linear one (part 61) and the robust one (part 71)."""
+"""Gaussian filters of ISO 16610: of profiles (part 21), areal (61), and areal and robust (71)."""
 
 from __future__ import annotations
 
@@ -56,14 +56,24 @@ def robust_smoothed(heights: Array, steps: Sequence[float], index: float, wraps:
 
 
 def _averaged(z: Array, steps: Sequence[float], index: float, wraps: bool) -> Array:
-    """Return the Gaussian means of heights, whose weights have a sum of 1 at the edges, too."""
-    for axis, (n, step) in enumerate(zip(z.shape, steps, strict=True)):
-        pad = 0 if wraps else int(REACH * ALPHA * index / step) + 1
-        size = fft.next_fast_len(n + pad, real=True) if pad else n
-        gain = np.exp(-np.pi * (ALPHA * index * fft.rfftfreq(size, step)) ** 2)
-        weight = fft.irfft(fft.rfft(np.ones(n), size) * gain, size)[:n]
-        if axis == 0:
-            gain = gain[:, None]
-            weight = weight[:, None]
-        z = fft.irfft(fft.rfft(z, size, axis) * gain, size, axis).take(range(n), axis) / weight
-    return np.asarray(z)
+    """Return the areal Gaussian means of heights."""
+    for axis, step in enumerate(steps):
+        z = long_waves(z, step, index, wraps, axis)
+    return z
+
+
+def long_waves(z: Array, step: float, index: float, wraps: bool, axis: int = 0) -> Array:
+    """Return the Gaussian means of heights along one axis, as the mean lines of profiles.
+
+    At ends that do not wrap the weights have a sum of 1, too.
+    """
+    n = z.shape[axis]
+    pad = 0 if wraps else int(REACH * ALPHA * index / step) + 1
+    size = fft.next_fast_len(n + pad, real=True) if pad else n
+    gain = np.exp(-np.pi * (ALPHA * index * fft.rfftfreq(size, step)) ** 2)
+    weight = fft.irfft(fft.rfft(np.ones(n), size) * gain, size)[:n]
+    if axis == 0:
+        gain = gain[:, None]
+        weight = weight[:, None]
+    passed = fft.irfft(fft.rfft(z, size, axis) * gain, size, axis).take(range(n), axis)
+    return np.asarray(passed / weight)

@@ -13,11 +13,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import fft
 
 from acoustics.arrays import Array
+from rolling.surface.gaussian_filter import long_waves
 from rolling.surface.parameters import about_mean, without_plane
-from rolling.surface.stylus import ALPHA
 
 SECTIONS = 5  # of an evaluation length
 MOST_LINES = 64  # across the surface, at equal distances, that are evaluated
@@ -168,17 +167,6 @@ def fitting_index(
         if usual.index_m <= usual_m and fits:
             return usual.index_m
     return None
-
-
-def long_waves(lines: Array, spacing_m: float, index_m: float, is_periodic: bool) -> Array:
-    """Return the mean lines of profiles (m, n) by the Gaussian filter along the first axis."""
-    count = len(lines)
-    beyond = 0 if is_periodic else round(index_m / spacing_m)
-    size = fft.next_fast_len(count + beyond, real=True) if beyond else count
-    gain = np.exp(-np.pi * (ALPHA * index_m * fft.rfftfreq(size, spacing_m)) ** 2)
-    passed = fft.irfft(fft.rfft(lines, size, axis=0) * gain[:, None], size, axis=0)[:count]
-    weights = fft.irfft(fft.rfft(np.ones(count), size) * gain, size)[:count]
-    return np.asarray(passed / weights[:, None])
 
 
 def cut(lines: Array, nodes: int) -> Array:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from rolling.surface.gaussian_filter import long_waves
 from rolling.surface.profile_parameters import (
     CLASSES,
     cut,
     element_spacing,
     fitting_index,
-    long_waves,
     profile_roughness,
 )
 
@@ -50,7 +50,7 @@ def test_a_sine_has_its_closed_forms() -> None:
 @pytest.mark.parametrize(("length_um", "passed"), [(800.0, 0.5), (400.0, 1 / 16), (80.0, 0.0)])
 def test_the_filter_passes_half_at_its_index(length_um: float, passed: float) -> None:
     lines = wave(10_000, length_um)
-    long = long_waves(lines, 2 * UM, 0.8e-3, is_periodic=True)
+    long = long_waves(lines, 2 * UM, 0.8e-3, wraps=True)
     assert np.abs(long).max() == pytest.approx(passed * UM, abs=1e-3 * UM)
 
 
@@ -62,7 +62,7 @@ def test_open_ends_leave_half_an_index() -> None:
     # Half an index is what instruments leave out; the filter still knows its end by a per cent.
     assert found.values["a"] == pytest.approx(2 / np.pi * UM, rel=1e-2)
     middle = wave(3_000, 40.0)[200:2800]
-    assert long_waves(np.ones((500, 1)), 2 * UM, 0.25e-3, is_periodic=False) == pytest.approx(1.0)
+    assert long_waves(np.ones((500, 1)), 2 * UM, 0.25e-3, wraps=False) == pytest.approx(1.0)
     assert len(cut(middle, 1000)) == 4
 
 
