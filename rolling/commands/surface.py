@@ -295,6 +295,7 @@ def _surface_of_file(path: Path, options: FileOptions) -> _DescribedSurface:
         facts=(
             ("Heights", f"the file {printable(path.name)} as it was measured"),
             ("Form", _form_words(read.keys)),
+            ("Filters of the surface", _filter_words(read.keys)),
             ("Unmeasured nodes", f"{gaps:,}, {'filled' if read.chain else 'which do not count'}"),
         ),
         departures=("What the instrument filtered before it wrote the file is not known.",),
@@ -305,7 +306,18 @@ def _form_words(keys: Mapping[str, Any]) -> str:
     """Name the form that is removed."""
     level = str(keys.get("level", "plane"))
     name = "surface of second order" if level == "quadratic" else level
-    return f"the {name} of least squares is removed (F-operation)"
+    return f"the least-squares {name} is removed"
+
+
+def _filter_words(keys: Mapping[str, Any]) -> str:
+    """Name the filters with their nesting indices."""
+    parts = []
+    if "s_filter_um" in keys:
+        parts.append(f"S-filter, Gaussian, nesting index {keys['s_filter_um'] / 1e3:g} mm")
+    if "l_filter_um" in keys:
+        kind = "robust Gaussian" if keys.get("l_filter") == "robust" else "Gaussian"
+        parts.append(f"L-filter, {kind}, nesting index {keys['l_filter_um'] / 1e3:g} mm")
+    return "; ".join(parts) or "none"
 
 
 def _parameters_and_picture(

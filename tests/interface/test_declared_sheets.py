@@ -249,6 +249,7 @@ def test_a_file_of_heights_has_its_report(tmp_path: Path, monkeypatch: pytest.Mo
     read = json.loads(Path(f"outputs/scan.xyz-surface/{NAME}.json").read_text())
     (sheet,) = read["runs"][0]["sheets"]
     assert sheet["facts"]["Form"] == "the least-squares plane is removed"
+    assert sheet["facts"]["Filters of the surface"] == "none"
     values = {value["symbol"]: value["value"] for value in sheet["values"]}
     table = Path("outputs/scan.xyz-surface/surface.csv").read_text()
     for row in csv.DictReader(io.StringIO(table)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -215,6 +216,21 @@ def test_the_paragraph_on_methods_names_the_standards(keys: dict[str, object], w
     section = {"kind": "file", "path": "scan.npy", "spacing_um": 1, "periodic": "blend"}
     scene = loads(SCENE + line(section | keys), folder=Path())
     assert conditions_of({"scan": scene}).paragraph([]).count(wanted) == 1
+
+
+def test_the_roughness_report_names_form_and_filters(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rolling.commands.surface._parameters_and_picture", lambda *_: ([], {}))
+    y = 1e-6 * (np.arange(80) - 40)
+    np.save("roller.npy", waves() - np.sqrt(1e-3**2 - y**2))
+    words = ["--spacing-um", "1", "--sampling-um", "2", "--l-filter-um", "60", "--declare"]
+    assert cli.main(["-q", "surface", "roller.npy", *words]) == 0
+    read = json.loads(Path("outputs/roller.npy-surface/declaration.json").read_text())
+    facts = read["runs"][0]["sheets"][0]["facts"]
+    assert facts["Form"] == "the least-squares cylinder is removed"
+    filters = (
+        "S-filter, Gaussian, nesting index 0.004 mm; L-filter, Gaussian, nesting index 0.06 mm"
+    )
+    assert facts["Filters of the surface"] == filters
 
 
 def test_the_usual_index_is_that_of_the_table() -> None:
