@@ -31,7 +31,7 @@ from typing import Any
 
 from rolling import _own_acoustics
 
-__version__ = "0.11.0"
+__version__ = "0.12.0"
 
 # Public names by the module that has them.
 _NAMES = {
