@@ -195,7 +195,8 @@ def test_the_conditions_name_every_step_after_its_standard() -> None:
             l_filter_um=800,
             l_filter="robust",
             instrument={"sampling_um": 0.5, "noise_nm": 2},
-        )
+        ),
+        spacing_um=2.0,
     )
     assert "F-operation (polynomial of order 4)" in words
     assert "L-filter (robust Gaussian, nesting index 0.8 mm)" in words
