@@ -84,19 +84,13 @@ class RandomRows:
         level = np.exp([0.5 * np.interp(windows.place, own, row) for row in smooth])
         self._level = self.block * np.sqrt(ratio) * level
         self._steps = windows.steps
-        # Short rows are continued by many blocks. The lines of longer ones would take much memory.
-        self._weighted = list(self._lines_by_neighbour()) if self.block == MIN_BLOCK else []
-
-    def _lines_by_neighbour(self) -> Iterator[Array]:
-        """Yield the given lines about the places of a block, (rows, places), for each neighbour."""
-        for line, root in self._steps:
-            yield root * self._white[:, line]
 
     def _drawn(self, random: np.random.Generator) -> Array:
         """Draw a block, (rows, block)."""
         drawn = np.zeros(self._level.shape, dtype=complex)
-        for lines in self._weighted or self._lines_by_neighbour():
-            drawn += _TURNS[random.integers(0, 4, lines.shape[1], dtype=np.uint8)] * lines
+        for line, root in self._steps:
+            phase = _TURNS[random.integers(0, 4, len(line), dtype=np.uint8)]
+            drawn += (root * phase) * self._white[:, line]
         spectrum = np.zeros((len(drawn), self.block // 2 + 1), dtype=complex)
         spectrum[:, 1 : 1 + drawn.shape[1]] = self._level * drawn
         return np.fft.irfft(spectrum, self.block)

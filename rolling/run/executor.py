@@ -26,6 +26,7 @@ from rolling.scene.messages import SceneError
 from rolling.terminal import progress, shortage
 
 POLL_SECONDS = 0.5  # between two polls of the pool
+FEW = 2  # processes, of which one alone makes a first answer sooner
 LOST = "a worker process was killed; the tasks that it may have had are done again, one by one"
 # Errors of a disk, which stop all runs. Another error of the system stops the run of its folder.
 OF_A_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
@@ -455,7 +456,7 @@ class RunLoop:
                     # Before a first answer no task waits in a process that the answer will need.
                     slots = 1 if self._answers else pool.slots
                     taken = self._backlog.take(pool.teams, counts, slots)
-                if taken is None and not self._backlog and self._later:
+                if taken is None and not self._backlog and self._later and not self._hold(pool):
                     self._queue_later()
                     continue
                 if taken is None:
@@ -482,6 +483,15 @@ class RunLoop:
         if counts[idlest] >= pool.slots * pool.teams[idlest]:
             return None
         return idlest, self._urgent.popleft()
+
+    def _hold(self, pool: Pool) -> bool:
+        """Tell whether other marches are held back for a first answer that is being made.
+
+        One of two processes makes the answer. The other one would slow it down by about as much as
+        it would get done itself.
+        """
+        is_answering = bool(self._answers and self._in_hand)
+        return is_answering and sum(pool.teams.values()) <= FEW
 
     def _queue_later(self) -> None:
         """Queue the marches that no first answer needs."""

@@ -273,6 +273,35 @@ def test_no_other_march_waits_in_a_process_that_a_first_answer_needs(
     assert sorted(pool.tasks) == ["outer-beside-pit", "outer-pit"]
 
 
+class BusyPool(TwoProcesses):
+    """Pool that is stopped while the files of a run are being written; it notes later marches."""
+
+    def submit(self, task: Task, team: Hashable = 0) -> Future[Any]:
+        if task.piece is None:
+            self.tasks.append("files")
+            return Future()
+        return super().submit(task, team)
+
+    def poll(self) -> None:
+        if "files" in self.tasks:
+            raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize(("processes", "is_held"), [(1, True), (2, True), (3, False)])
+def test_two_processes_begin_other_marches_after_the_first_answer(
+    processes: int, is_held: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One makes the answer, which the other one would slow down."""
+    pool = BusyPool()
+    pool.teams = dict.fromkeys(range(processes), 1)
+    monkeypatch.setattr(solving, "local_pool", lambda workers, scenes: pool)
+    pit = "{kind: pit, at_mm: [2, 0], size_um: 200, depth_um: 5}"
+    scene = loads_bearing(BEARING.replace("{8: 0.05}}", f"{{8: 0.05}}, faults: [{pit}]}}"))
+    with pytest.raises(KeyboardInterrupt):
+        commands.run_scene(scene, tmp_path / "out", workers=2, report=False)
+    assert (pool.tasks[-1] == "files") == is_held
+
+
 def test_a_bearing_answers_before_its_contacts_are_marched(
     tmp_path: Path, said: list[str], stopping: list[list[Path]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
