@@ -47,11 +47,12 @@ PART_WORDS: Mapping[str, str] = {
     "instrument": "the instrument of the scan",
     "window": "the stretch of track that stands for the turn",
     "linear": "rough contacts that are linear",
+    "one_load": "faults that are marched at one load",
     "gain": "the gain of rough contacts",
     "loss_factor": "the assumed loss factor of the contacts",
     "film": "what films of oil leave of waves",
     "film_damping": "the damping by films of oil",
-    "surfaces": "the assumed waves around balls and raceways",
+    "surfaces": "the assumed waves and roughness of balls and raceways",
 }
 # Parts that two runs of this program share: a wrong one shifts both levels by nearly the same.
 SHARED = ("chain", "baffle")
