@@ -9,15 +9,8 @@ from rolling.results.description import plate_size, values_text
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
 from rolling.scene.surfaces import HeightFile, Instrument
+from rolling.surface.step_words import filter_words, form_words
 
-LEVELLED = {
-    "quadratic": "surface of second order",
-    "auto": "least-squares plane",
-    "none": "none",
-    "plane": "least-squares plane",
-    "cylinder": "least-squares cylinder",
-    "sphere": "least-squares sphere",
-}
 CLOSED = {
     "blend": "each end faded into its beginning",
     "mirror": "continued backwards at its ends",
@@ -53,11 +46,11 @@ def preparation_words(surface: HeightFile, spacing_um: float) -> str:
     if surface.unmeasured == "fill":
         steps.append("unmeasured points filled from around them")
     if surface.s_filter_um is not None:
-        steps.append(f"S-filter (Gaussian, nesting index {surface.s_filter_um / 1e3:g} mm)")
+        steps.append(f"S-filter ({filter_words(1e-6 * surface.s_filter_um)})")
     steps.append(f"F-operation ({_form(surface.level, surface.made_periodic)})")
     if surface.l_filter_um is not None:
-        kind = "robust Gaussian" if surface.l_filter == "robust" else "Gaussian"
-        steps.append(f"L-filter ({kind}, nesting index {surface.l_filter_um / 1e3:g} mm)")
+        is_robust = surface.l_filter == "robust"
+        steps.append(f"L-filter ({filter_words(1e-6 * surface.l_filter_um, is_robust)})")
     steps.append(CLOSED[surface.made_periodic])
     steps.append(f"nodes {rounded(spacing_um, 4)} µm apart")
     if surface.along == "x":
@@ -70,10 +63,8 @@ def preparation_words(surface: HeightFile, spacing_um: float) -> str:
 def _form(level: str, closed: str) -> str:
     """Name the form that is removed."""
     if level == "auto" and closed == "none":
-        return "least-squares plane if that lowers the step at the seam"
-    if level.startswith("polynomial-"):
-        return f"polynomial of order {level.removeprefix('polynomial-')}"
-    return LEVELLED[level]
+        return f"{form_words(level)} if that lowers the step at the seam"
+    return form_words(level)
 
 
 def _instrument(instrument: Instrument) -> str:

@@ -4,7 +4,7 @@ from acoustics.numbers import rounded
 from rolling.bearing import iso_15242
 from rolling.scene.bearing_scene import BearingScene
 
-# of the mass that a ring has by its dimensions: a given one is that of the ring alone up to it
+# Of the mass that a ring has by its dimensions. Up to it, a given mass is that of the ring alone.
 _FIXED_SHARE = 0.2
 
 

@@ -33,6 +33,7 @@ from rolling.scene.height_format import HeightFormatError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import character
+from rolling.surface.step_words import filter_words, form_words
 from rolling.terminal import progress, whole_files
 from rolling.terminal.streams import wrapped
 from rolling.terminal.whole_files import FolderError
@@ -305,18 +306,17 @@ def _surface_of_file(path: Path, options: FileOptions) -> _DescribedSurface:
 def _form_words(keys: Mapping[str, Any]) -> str:
     """Name the form that is removed."""
     level = str(keys.get("level", "plane"))
-    name = "surface of second order" if level == "quadratic" else level
-    return f"the least-squares {name} is removed"
+    return "none is removed" if level == "none" else f"the {form_words(level)} is removed"
 
 
 def _filter_words(keys: Mapping[str, Any]) -> str:
     """Name the filters with their nesting indices."""
     parts = []
     if "s_filter_um" in keys:
-        parts.append(f"S-filter, Gaussian, nesting index {keys['s_filter_um'] / 1e3:g} mm")
+        parts.append(f"S-filter, {filter_words(1e-6 * keys['s_filter_um'])}")
     if "l_filter_um" in keys:
-        kind = "robust Gaussian" if keys.get("l_filter") == "robust" else "Gaussian"
-        parts.append(f"L-filter, {kind}, nesting index {keys['l_filter_um'] / 1e3:g} mm")
+        is_robust = keys.get("l_filter") == "robust"
+        parts.append(f"L-filter, {filter_words(1e-6 * keys['l_filter_um'], is_robust)}")
     return "; ".join(parts) or "none"
 
 

@@ -19,6 +19,7 @@ from rolling.surface.heights import SurfaceError
 from rolling.surface.markers import Nodes
 from rolling.surface.parameters import roughness, without_plane
 from rolling.surface.period_grid import SAME, HeightGrid, is_other
+from rolling.surface.step_words import filter_words
 
 NAMES = ("Sa", "Sq", "Ssk", "Sku", "Sdq")  # of the roughness before and after a step
 NEIGHBOURS = 5  # nodes of each side of the square whose median shows outliers
@@ -169,7 +170,7 @@ def _scale_limited(
     _fill_unmeasured(work, form)
     if steps.s_filter_m:
         long = form + smoothed(work.heights - form, work.steps, steps.s_filter_m, is_period)
-        text = f"nesting index {1e3 * steps.s_filter_m:g} mm, shorter waves removed"
+        text = f"{filter_words(steps.s_filter_m)}, shorter waves removed"
         work.replace_heights(long, "s_filter", text)
     if is_resampled:
         _resample(work, steps.s_filter_m or 0.0, grid, is_period)
@@ -184,8 +185,8 @@ def _scale_limited(
     if steps.l_filter_m:
         long_waves = robust_smoothed if steps.l_filter_is_robust else smoothed
         long = long_waves(work.heights, work.steps, steps.l_filter_m, is_period)
-        kind = "robust Gaussian" if steps.l_filter_is_robust else "Gaussian"
-        text = f"{kind}, nesting index {1e3 * steps.l_filter_m:g} mm, longer waves removed"
+        filtered = filter_words(steps.l_filter_m, steps.l_filter_is_robust)
+        text = f"{filtered}, longer waves removed"
         work.replace_heights(work.heights - long, "l_filter", text)
     return work, plane
 

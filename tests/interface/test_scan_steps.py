@@ -198,7 +198,7 @@ def test_the_conditions_name_every_step_after_its_standard() -> None:
         ),
         spacing_um=2.0,
     )
-    assert "F-operation (polynomial of order 4)" in words
+    assert "F-operation (least-squares polynomial of order 4)" in words
     assert "L-filter (robust Gaussian, nesting index 0.8 mm)" in words
     assert "instrument (lateral period limit 1 µm, noise 2 nm rms)" in words
 
