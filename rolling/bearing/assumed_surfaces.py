@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -42,6 +41,7 @@ AMPLITUDE_DB = 20 * math.log10(LARGEST_OFF) / math.sqrt(3)
 EXPONENT = EXPONENT_OFF / math.sqrt(3)
 FORM_DB = -20 * math.log10(LEAST_FORM) / math.sqrt(3)  # rms about the limit, the end of the range
 _NOTHING = 1e-12
+OrderGains = Mapping[str, Mapping[str, Array]]  # by direction and band, (orders,)
 _HIGHEST_ACROSS = 8.0  # wave number times correlation length across, beyond which are no waves
 _STEP_ACROSS = 0.5  # of the wave number times the semi-axis across or the correlation length
 
@@ -113,25 +113,25 @@ def exponent_db(orders: int) -> Array:
 
 
 def order_powers(
-    waves: AssumedWaves, model: BearingModel, bands_hz: Mapping[str, tuple[float, float]]
+    waves: AssumedWaves, model: BearingModel, gains: OrderGains
 ) -> dict[str, dict[str, Array]]:
     """Return the mean square of the ring's velocity by each order of waves [(m/s)^2].
 
-    By direction and band, (orders,).
+    By direction and band, (orders,), from gains of orders around the body, as of `order_gains`.
     """
     orders = len(waves.amplitudes_m)
-    gains = order_gains(waves.body, model, bands_hz)
-    powers = {direction: {band: np.zeros(orders) for band in bands_hz} for direction in DIRECTIONS}
+    powers: dict[str, dict[str, Array]] = {direction: {} for direction in DIRECTIONS}
     for direction, of_bands in gains.items():
         for band, gain in of_bands.items():
             count = min(orders, len(gain))
             amplitudes = waves.amplitudes_m[:count] * _followed(waves, model, count)
+            powers[direction][band] = np.zeros(orders)
             powers[direction][band][:count] = gain[:count] * np.square(amplitudes)
     return powers
 
 
 def roughness_powers(
-    body: str, law: RoughnessLaw, model: BearingModel, gains: Mapping[str, Mapping[str, Array]]
+    body: str, law: RoughnessLaw, model: BearingModel, gains: OrderGains
 ) -> dict[str, dict[str, float]]:
     """Return the mean square of the ring's velocity by the roughness of a raceway [(m/s)^2].
 
@@ -169,31 +169,33 @@ def roughness_powers(
 
 
 def order_gains(
-    body: str, model: BearingModel, bands_hz: Mapping[str, tuple[float, float]]
-) -> dict[str, dict[str, Array]]:
+    body: str, model: BearingModel, bands_hz: Mapping[str, tuple[float, float]], orders: int
+) -> OrderGains:
     """Return the mean square of the ring's velocity over that of amplitudes of each order [1/s2].
 
-    The orders from 0 on are those that reach the end of the bands, and contacts follow them in
-    full. All balls have waves of their own. By direction and band, (orders,).
+    Contacts follow the orders in full, and all balls have waves of their own.
+
+    Parameters
+    ----------
+    body : str
+        inner, outer or balls.
+    model : BearingModel
+        Bearing.
+    bands_hz : dict, Hz
+        Edges of the bands by their names.
+    orders : int
+        Number of orders from 0 on; fewer are returned where the bands end below them.
     """
-    return _kept_gains(body, model, tuple(bands_hz.items()))
-
-
-@lru_cache(maxsize=16)  # because waves and roughness of a body have the same gains
-def _kept_gains(
-    body: str, model: BearingModel, bands: tuple[tuple[str, tuple[float, float]], ...]
-) -> dict[str, dict[str, Array]]:
-    """Return the gains of orders, which are shared: they are not to be changed."""
-    bands_hz = dict(bands)
     motion = WaveMotion(model)
     speeds = model.kinematics
     ring_hz = speeds.inner_hz if body == INNER else speeds.outer_hz
     turn_hz = speeds.ball_spin_hz if body == BALLS else abs(speeds.cage_hz - ring_hz)
-    count = math.ceil(max(high for _, high in bands_hz.values()) / turn_hz) + 1
+    highest_hz = max(high for _, high in bands_hz.values())
+    count = min(orders, math.ceil(highest_hz / turn_hz) + 1)
     bodies = model.geometry.balls if body == BALLS else 1
     gains = {direction: {band: np.zeros(count) for band in bands_hz} for direction in DIRECTIONS}
-    orders = range(1, count)
-    for order, lines in zip(orders, motion.of_orders(body, orders), strict=True):
+    numbers = range(1, count)
+    for order, lines in zip(numbers, motion.of_orders(body, numbers), strict=True):
         for line in lines:
             for band, (low, high) in bands_hz.items():
                 if not low <= line.frequency_hz < high:
@@ -274,19 +276,43 @@ class _SurfaceInBand(NamedTuple):
 _OfBands = dict[str, dict[str, _SurfaceInBand]]  # by direction and band
 
 
-def _of_surface(
-    surface: AssumedSurface, model: BearingModel, bands_hz: Mapping[str, tuple[float, float]]
-) -> _OfBands:
-    """Return what a surface makes of bands, by direction and band."""
-    if isinstance(surface, AssumedRoughness):
-        return _of_roughness(surface, model, bands_hz)
+def _of_surfaces(
+    surfaces: Sequence[AssumedSurface],
+    model: BearingModel,
+    bands_hz: Mapping[str, tuple[float, float]],
+) -> list[_OfBands]:
+    """Return what each surface makes of bands, by direction and band."""
+    orders: dict[str, int] = {}
+    for surface in surfaces:
+        orders[surface.body] = max(orders.get(surface.body, 1), _orders_of(surface, model))
+    gains = {body: order_gains(body, model, bands_hz, count) for body, count in orders.items()}
+    return [
+        _of_roughness(surface, model, gains[surface.body])
+        if isinstance(surface, AssumedRoughness)
+        else _of_waves(surface, model, gains[surface.body])
+        for surface in surfaces
+    ]
+
+
+def _orders_of(surface: AssumedSurface, model: BearingModel) -> int:
+    """Return how many orders of a surface have heights: a slow ring has millions below a band."""
+    if isinstance(surface, AssumedWaves):
+        return len(surface.amplitudes_m)
+    laws = [surface.law, *(law for ends in surface.others.values() for law in ends)]
+    ((_, radius_m),) = _contacts_of(surface.body, model)
+    shortest_m = min(law.along_m for law in laws)
+    return math.ceil(2 * radius_m / shortest_m * math.sqrt(-math.log(_NOTHING))) + 1
+
+
+def _of_waves(waves: AssumedWaves, model: BearingModel, gains: OrderGains) -> _OfBands:
+    """Return what waves make of bands, by direction and band."""
     levels_db: dict[str, Array] = {}
-    if not surface.is_stated:
+    if not waves.is_stated:
         # Surfaces with and without crests are the ends of the range, one of which is stated.
         levels_db = {
-            AMPLITUDE: np.full(len(surface.amplitudes_m), surface.amplitude_db),
-            OF_EXPONENT: surface.exponent_db,
-            CRESTS: crests_db(surface, model) / math.sqrt(3),
+            AMPLITUDE: np.full(len(waves.amplitudes_m), waves.amplitude_db),
+            OF_EXPONENT: waves.exponent_db,
+            CRESTS: crests_db(waves, model) / math.sqrt(3),
         }
     return {
         direction: {
@@ -297,15 +323,12 @@ def _of_surface(
             )
             for band, power in of_bands.items()
         }
-        for direction, of_bands in order_powers(surface, model, bands_hz).items()
+        for direction, of_bands in order_powers(waves, model, gains).items()
     }
 
 
-def _of_roughness(
-    surface: AssumedRoughness, model: BearingModel, bands_hz: Mapping[str, tuple[float, float]]
-) -> _OfBands:
+def _of_roughness(surface: AssumedRoughness, model: BearingModel, gains: OrderGains) -> _OfBands:
     """Return what the roughness of a raceway makes of bands, by direction and band."""
-    gains = order_gains(surface.body, model, bands_hz)
     own = roughness_powers(surface.body, surface.law, model, gains)
     ends = {
         name: [roughness_powers(surface.body, law, model, gains) for law in laws]
@@ -346,7 +369,7 @@ def surfaces_db(
     bands_hz : dict, Hz
         Edges of the bands by their names.
     """
-    of_surfaces = [_of_surface(surface, model, bands_hz) for surface in surfaces]
+    of_surfaces = _of_surfaces(surfaces, model, bands_hz)
     parts: dict[str, dict[str, float]] = {direction: {} for direction in DIRECTIONS}
     for direction in DIRECTIONS:
         for band in bands_hz:
@@ -371,7 +394,7 @@ def assumptions_db(
     By body and assumption, AMPLITUDE, OF_EXPONENT and CRESTS of waves and RA, LENGTH and
     LENGTH_ACROSS of roughness, then by band. Nothing but these surfaces moves the ring.
     """
-    of_surfaces = [_of_surface(surface, model, bands_hz)[RADIAL] for surface in surfaces]
+    of_surfaces = [bands[RADIAL] for bands in _of_surfaces(surfaces, model, bands_hz)]
     worth: dict[tuple[str, str], dict[str, float]] = {}
     for band in bands_hz:
         whole = sum(bands[band].power for bands in of_surfaces)

@@ -19,6 +19,8 @@ markers
 period_grid, gaussian_filter, preparation
     the nodes of a period; Gaussian filters of ISO 16610; fill, filter, resample and close measured
     heights by ISO 25178-3
+step_words
+    names of forms and filters, as standards have them
 instrument
     finds what the instrument of a measurement could not see
 parameters, lay, character

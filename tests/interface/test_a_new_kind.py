@@ -182,7 +182,7 @@ def test_a_recording_is_compared_with_its_sound(
 def test_twice_the_waves_are_six_decibels_louder(tmp_path: Path) -> None:
     scene = rolling.read_scene(written(tmp_path), ["sweep.plates.amplitude_um=[0.05, 0.1]"])
     choice = rolling.choose(scene, workers=1, progress=False, folder=tmp_path / "choice")
-    assert choice.contenders[0].label == "amplitude_um 0.05"
+    assert choice.contenders[0].label == "plates.amplitude_um 0.05"
     assert "6.0 dB(A) quieter" in choice.sentences[0]
 
 

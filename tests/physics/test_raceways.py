@@ -259,7 +259,8 @@ def test_the_expected_power_of_orders_is_that_of_the_moved_ring() -> None:
         amplitudes = np.zeros(32)
         amplitudes[order] = 1e-8
         waves = AssumedWaves(body, amplitudes, 1.0, False, 0.0, np.zeros(32))
-        powers = order_powers(waves, case, BANDS)[direction]
+        gains = order_gains(waves.body, case, BANDS, len(waves.amplitudes_m))
+        powers = order_powers(waves, case, gains)[direction]
         waved = {0: {order: 1e-8}} if body == "balls" else {order: 1e-8}
         tracks = with_waves(smooth_tracks(case.geometry), **{body: waved})
         record = record_of(move_ring(case, tracks, 0.25, 48_000), case.kinematics)
@@ -279,7 +280,10 @@ def test_assumed_amplitudes_count_by_their_share_and_raceways_together() -> None
         AssumedWaves(body, amplitudes, 1.0, False, 40.0, np.zeros(32))
         for body in ("inner", "outer")
     ]
-    powers = [order_powers(waves, case, BANDS) for waves in bodies]
+    powers = [
+        order_powers(waves, case, order_gains(waves.body, case, BANDS, len(waves.amplitudes_m)))
+        for waves in bodies
+    ]
     own: dict[str, dict[str, float]] = {}
     for direction in DIRECTIONS:
         sums = {band: sum(power[direction][band].sum() for power in powers) for band in BANDS}
@@ -362,7 +366,7 @@ def test_the_power_of_roughness_is_that_of_its_heights() -> None:
     rough = {"kind": "raceway", "finish": "honed", "correlation_length_um": 60.0}
     scene = bearing_scene(outer=rough | {"seed": 3}).with_({"bearing.contact_loss_factor": 0.3})
     (roughness,) = assumed_roughness(scene)
-    gains = order_gains("outer", scene.model, VELOCITY_BANDS_HZ)
+    gains = order_gains("outer", scene.model, VELOCITY_BANDS_HZ, orders=8192)
     powers = roughness_powers("outer", roughness.law, scene.model, gains)[RADIAL]
     made_power = marched_powers(contact_plan(scene), {}, scene.model)["outer"]
     for band in ("medium", "high"):
