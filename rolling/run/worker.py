@@ -130,8 +130,7 @@ def run_task(task: bytes, program: Program) -> Any:
     from rolling.kinds.registry import unpacked
 
     function, arguments = unpacked(task)
-    progress.silence()
-    with _one_task:
+    with _one_task, progress.shown(False):
         return function(*arguments)
 
 

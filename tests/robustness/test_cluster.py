@@ -31,7 +31,7 @@ from rolling.kinds.run_folder import RunFolder
 from rolling.results import run_result
 from rolling.run import folder as folders
 from rolling.run import worker
-from rolling.terminal import program
+from rolling.terminal import program, progress
 
 pytest.importorskip("distributed", reason="a cluster needs Dask")
 
@@ -217,6 +217,7 @@ def test_a_worker_with_threads_does_one_task_at_a_time() -> None:
     with ThreadPoolExecutor(3) as threads:
         list(threads.map(worker.run_task, [task] * 3, [program.identity()] * 3))
     assert _events == ["begin", "end"] * 3
+    assert not progress.is_quiet(), "the program of the worker says what it said before"
 
 
 @pytest.mark.slow
