@@ -81,17 +81,32 @@ def love(rows: Array, columns: Array) -> Array:
     (m, n) array
         Coefficients k of the deflection u = spacing / (pi E*) * sum k p.
     """
+    # Squares side by side share their corners.
+    s, (above, below) = np.unique([rows - 0.5, rows + 0.5], return_inverse=True)
+    t, (before, after) = np.unique([columns - 0.5, columns + 0.5], return_inverse=True)
+    # Corners lie half a spacing off the nodes, so neither s nor t is ever zero; arcsinh does not
+    # cancel where log(y + r) would.
+    s = s[:, None]
+    corner = s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t))
+    upper = corner[above]
+    lower = corner[below]
+    coefficients: Array = upper[:, before] + lower[:, after] - upper[:, after] - lower[:, before]
+    return coefficients
 
-    def corner(s: Array, t: Array) -> Array:
-        """Return the part of the coefficient by a corner of the square."""
-        # Corners lie half a spacing off the nodes, so neither s nor t is ever zero; arcsinh does
-        # not cancel where log(y + r) would.
-        return s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t))
 
-    x = rows[:, None].astype(float)
-    y = columns[None, :].astype(float)
-    h = 0.5
-    return corner(x + h, y + h) + corner(x - h, y - h) - corner(x + h, y - h) - corner(x - h, y + h)
+def mirrored(values: Array, axis: int, whole: bool) -> Array:
+    """Continue values from distance 0 on to negative distances along an axis.
+
+    As a `whole` they begin with the largest negative distance; otherwise they are a period, which
+    begins with 0 and has the largest distance once.
+    """
+    back = np.flip(values, axis)
+    inner = [slice(None), slice(None)]
+    if whole:
+        inner[axis] = slice(-1)
+        return np.concatenate([back[tuple(inner)], values], axis=axis)
+    inner[axis] = slice(1, -1)
+    return np.concatenate([values, back[tuple(inner)]], axis=axis)
 
 
 # Bytes of spectra that a process keeps beside its transforms: the hundred sizes of a rough track up
@@ -116,9 +131,9 @@ def half_spectrum(
         if key in _kept:
             _kept.move_to_end(key)
             return _kept[key]
-    rows, columns = (np.minimum(np.arange(k), k - np.arange(k)) for k in (m, n))
-    quarter = coefficients(np.arange(m // 2 + 1.0), np.arange(n // 2 + 1.0))
-    half = np.fft.rfft2(quarter[rows[:, None], columns]).real[: m // 2 + 1].copy()
+    half = coefficients(np.arange(m // 2 + 1.0), np.arange(n // 2 + 1.0))
+    for _ in range(2):  # across, then along; the transform of even numbers is real and even
+        half = np.ascontiguousarray(np.fft.rfft(mirrored(half, axis=1, whole=False)).real.T)
     if half.nbytes <= KEPT_SPECTRA:
         with _lock:
             _kept[key] = half
@@ -215,7 +230,8 @@ class HalfSpace:
         convolution = self.convolution(rows, columns)
         deflection = np.empty(pressure.shape) if out is None else out
         deflect_window = kernels.window_kernel(self.subcells)
-        deflect_window(pressure, self.unit, convolution.entry, deflection)
+        entry = convolution.entry_for(pressure.shape[0])
+        deflect_window(pressure, self.unit, entry, deflection)
         self.count += 1
         return deflection
 
@@ -253,7 +269,7 @@ class HalfSpace:
 class Convolution:
     """Transforms of one padded size and their work arrays.
 
-    Compiled code uses them by their `entry`, numbers that _transform_kernels lists. In single
+    Compiled code uses them by the numbers of `entry_for`, which _transform_kernels lists. In single
     precision their error is about 1e-7 of the maximum deflection, and they are up to twice as fast.
     `real` (m / 2, n, 2) holds rows of cells side by side in pairs.
     """
@@ -289,7 +305,7 @@ class Convolution:
         self._plans += [Plan(columns[part], lines[part], 0, backward=True) for part in parts]
         self._row_plans = np.zeros((-(-length // GROUP) + 1, 2), np.int64)
         entry = np.zeros(kernels.ENTRIES, np.int64)
-        self.entry = entry
+        self._entry = entry
         entry[kernels.LENGTH] = m
         entry[kernels.WIDTH] = n
         entry[kernels.SUBCELLS] = subcells
@@ -301,12 +317,22 @@ class Convolution:
         arrays = self._pairs, self._pairs, self._lines, self._columns, *self._factors, self._turns
         entry[kernels.BLOCK : kernels.TURNS + 1] = [array.ctypes.data for array in arrays]
         entry[kernels.ROW_PLANS] = self._row_plans.ctypes.data
-        for number, count in enumerate([*range(GROUP, length, GROUP), length], 1):
+
+    def entry_for(self, rows: int) -> NDArray[np.int64]:
+        """Return the numbers by which compiled code transforms a block of so many rows.
+
+        Its lines are planned at the first call for their number: a march asks for few of them.
+        """
+        length, n, _ = self.real.shape
+        count = kernels.lines_of(rows, int(self._entry[kernels.SUBCELLS]), 2 * length)
+        number = -(-count // GROUP)
+        if not self._row_plans[number].any():
             head = self._pairs[:count]
-            rows = self._lines[:count, :n]
-            plans = Plan(head, rows, 1), Plan(rows, head, 1, backward=True)
-            self._row_plans[number] = [plan.address for plan in plans]
+            lines = self._lines[:count, :n]
+            plans = Plan(head, lines, 1), Plan(lines, head, 1, backward=True)
             self._plans += plans
+            self._row_plans[number] = [plan.address for plan in plans]
+        return self._entry
 
     @property
     def nbytes(self) -> int:
@@ -326,9 +352,9 @@ class Convolution:
         if self._influence is None:
             length, n, _ = self.real.shape
             if self.real.size <= MAX_INFLUENCE:
-                along = np.abs(np.arange(-length, length + 1.0))
-                across = np.abs(np.arange(-(n // 2), n // 2 + 1.0))
-                self._influence = love(along, across).astype(np.float32).ravel()
+                near = love(np.arange(length + 1.0), np.arange(n // 2 + 1.0)).astype(np.float32)
+                half = mirrored(near, 0, whole=True)
+                self._influence = mirrored(half, 1, whole=True).ravel()
             else:
                 self._influence = np.empty(0, np.float32)
         return self._influence

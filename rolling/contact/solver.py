@@ -458,7 +458,7 @@ def _tables(
     coarse_rows, coarse_columns, tile = coarse_grid(along, across)
     tables = (
         (half_space.unit, *stencils(half_space.unit)),
-        (transforms.entry, coefficients, kernel),
+        (transforms.entry_for(rows), coefficients, kernel),
         far_field(coarse_rows, coarse_columns, tile),
     )
     size = along * across

@@ -92,9 +92,9 @@ class SubcellConvolution(Convolution):
         self._own_block = own_block(subcells).astype(self.real.dtype)
         # Coefficients by distance would depend on the place within a cell.
         self._influence = np.empty(0, np.float32)
-        self.entry[kernels.BLOCK] = self._fine.ctypes.data
-        self.entry[kernels.WEIGHTS] = self._weights.ctypes.data
-        self.entry[kernels.OWN_BLOCK] = self._own_block.ctypes.data
+        self._entry[kernels.BLOCK] = self._fine.ctypes.data
+        self._entry[kernels.WEIGHTS] = self._weights.ctypes.data
+        self._entry[kernels.OWN_BLOCK] = self._own_block.ctypes.data
 
     @property
     def nbytes(self) -> int:

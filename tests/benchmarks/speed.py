@@ -97,14 +97,14 @@ def convolving_seconds(half_space: HalfSpace, states: list[ContactState]) -> np.
     rows, columns = states[-1].window[2:]
     seconds = {}
     for single in (False, True):
-        transforms = half_space.convolution(rows - 1, columns - 1, single)
+        entry = half_space.convolution(rows - 1, columns - 1, single).entry_for(rows)
         kernel, nothing = nodes_kernel(1, single), np.empty(0)
         block = 0, 0, rows, columns
         nodes = np.empty(0, np.uint32), np.empty(0, np.int64)
         clock = []
         for _ in range(31):
             began = time.perf_counter()
-            deflect_nodes(kernel, transforms.entry, block, nothing, 1.0, nothing, nodes)
+            deflect_nodes(kernel, entry, block, nothing, 1.0, nothing, nodes)
             clock.append(time.perf_counter() - began)
         seconds[single] = np.median(clock)
     counts = np.array([state.convolutions for state in states[1:]])

@@ -60,7 +60,8 @@ def convolved(transforms: Convolution, pressure: np.ndarray) -> np.ndarray:
     block = (0, 0, rows, columns)
     d = pressure.ravel()
     nodes = (node, np.empty(0, np.int64))
-    _transform_kernels.deflect_nodes(kernel, transforms.entry, block, d, 1.0, image, nodes)
+    entry = transforms.entry_for(rows)
+    _transform_kernels.deflect_nodes(kernel, entry, block, d, 1.0, image, nodes)
     return image[node].reshape(pressure.shape)
 
 
