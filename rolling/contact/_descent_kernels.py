@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from rolling.contact import _candidate_kernels as search
+from rolling.contact import _direct_kernels as direct
 from rolling.contact import _solver_kernels as solver
 from rolling.contact import _system as parts
 from rolling.contact import _transform_kernels as transforms
@@ -71,7 +72,7 @@ def system_of(window, listed, block, numbers, half_space, memory):
     unit, preconditioner, inverse, centre, own, common = stencils
     entry = convolution[0]
     coefficients = convolution[1]
-    doubles, singles, indices, strips = memory
+    doubles, singles, indices, strips, between = memory
     rows = block[2] + 2 * BORDER
     columns = block[3] + 2 * BORDER
     blended = edge.size > 0
@@ -100,6 +101,10 @@ def system_of(window, listed, block, numbers, half_space, memory):
     state = (p.reshape(-1), g.reshape(-1))
     out = (v, index, strips)
     count = search.take_nodes(listed, p.shape[1], corner, row_lengths, rows, state, out)
+    if between.size:
+        direct.collect_between(coefficients, index[3], between)
+        for a in range(listed.size):
+            index[1, a] = a
     stiffness = 1 / (unit * OWN_COEFFICIENT)
     system = System(
         parts.Nodes(v[0], v[1], edges[0], edges[1]),
@@ -136,7 +141,7 @@ def system_of(window, listed, block, numbers, half_space, memory):
             coarse[5],
             coarse[6],
         ),
-        parts.Influence(coefficients, index[3]),
+        parts.Influence(coefficients, index[3], between),
     )
     if blended:
         search.take_edges(system, listed, edge.reshape(-1), shape.reshape(-1), gap.reshape(-1))
@@ -156,13 +161,27 @@ def convolve(system, block, convolution, cells):
     """Set the image to the deflection by the direction."""
     entry, _, kernel = convolution
     transform = system.transform
+    between = system.influence.between
+    if between.size:
+        direct.multiply_between(between, system.work.d, transform.unit, transform.image)
+        return
     nodes = transform.node, cells
     transforms.deflect_nodes(
         kernel, entry, block, system.work.d, transform.unit, transform.image, nodes
     )
 
 
-@njit(cache=True, calls=(solver.iterate, project, settle_load, search.list_strips))
+@njit(
+    cache=True,
+    calls=(
+        solver.iterate,
+        project,
+        settle_load,
+        search.list_strips,
+        direct.collect_between,
+        direct.multiply_between,
+    ),
+)
 def descend(window, candidates, numbers, half_space, before, aims, progress, memory):
     """Descend by conjugate gradients until the violation is within the goal, stuck or spent.
 
@@ -192,7 +211,8 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
     progress : tuple
         Fields of Progress.
     memory : arrays
-        Doubles, singles, indices and strips of the grid, which are overwritten (see Scratch).
+        Doubles, singles, indices, strips of the grid, and coefficients between candidates, or none
+        where transforms are quicker. They are overwritten (see Scratch).
 
     Returns
     -------

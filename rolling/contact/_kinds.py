@@ -33,7 +33,7 @@ _system = parts.System(
         _singles, _grid, _grid, _grid, _grid, _grid, _grid, _grid, _indices, _strips, 1.0, 1.0
     ),
     parts.FarField(1, 1, 1.0, 1.0, *(_singles,) * 8),
-    parts.Influence(_singles, _indices),
+    parts.Influence(_singles, _indices, _singles),
 )
 
 LINE = typeof(_line)

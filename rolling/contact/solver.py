@@ -28,6 +28,7 @@ from rolling.contact import _position_kernels as kernels
 from rolling.contact._candidate_kernels import STRIP, candidates
 from rolling.contact._condition_kernels import has_partial_cells, yielding_overlap
 from rolling.contact._descent_kernels import MAX_ITERATIONS, descend
+from rolling.contact._direct_kernels import is_direct
 from rolling.contact._far_field import coarse_grid, far_field, stencils
 from rolling.contact._system import BORDER, OWN_COEFFICIENT, Limits, Progress, Sets
 from rolling.contact._transform_kernels import nodes_kernel
@@ -461,6 +462,9 @@ def _tables(
         (transforms.entry_for(rows), coefficients, kernel),
         far_field(coarse_rows, coarse_columns, tile),
     )
+    # Few candidates need no transforms, as precise as those in single precision.
+    few = transforms.single and coefficients.size > 0 and is_direct(count, transforms.real.size)
+    pairs = count * (count + 1) // 2 if few else 0
     size = along * across
     coarse_size = 2 * coarse_rows * coarse_columns
     places = max(transforms.real.size, rows * columns)
@@ -469,6 +473,7 @@ def _tables(
         scratch.array("singles", (7 * (size + coarse_size),), np.float32),
         scratch.array("indices", (4 * count,), np.uint32),
         scratch.array("strips", (size // STRIP + 1, 2), np.uint64),
+        scratch.array("between candidates", (pairs,), np.float32),
     )
     return tables, memory
 
