@@ -33,7 +33,7 @@ called by name.
 - `_position_kernels`: passes over a window between descents: `judge`, `measure`, mixing of starts.
 - `_linked`, `_kinds`: linked kernels, and the types that they take and return.
 - `_by_address`, `_plans`: calls by address, of transforms and of the plans of FFTW.
-- `_direct_kernels`: the product with few candidates, without transforms.
+- `_direct_kernels`: deflection of few candidates by direct sums, without transforms.
 - `_solver_kernels`: conjugate gradients: line search, residual, preconditioner (`precondition`) and
   next direction.
 - `_model_kernels`, `_far_field`: the model problem that predicts who bears load next

@@ -72,7 +72,7 @@ def system_of(window, listed, block, numbers, half_space, memory):
     unit, preconditioner, inverse, centre, own, common = stencils
     entry = convolution[0]
     coefficients = convolution[1]
-    doubles, singles, indices, strips, between = memory
+    doubles, singles, indices, strips, triangle = memory
     rows = block[2] + 2 * BORDER
     columns = block[3] + 2 * BORDER
     blended = edge.size > 0
@@ -101,8 +101,9 @@ def system_of(window, listed, block, numbers, half_space, memory):
     state = (p.reshape(-1), g.reshape(-1))
     out = (v, index, strips)
     count = search.take_nodes(listed, p.shape[1], corner, row_lengths, rows, state, out)
-    if between.size:
-        direct.collect_between(coefficients, index[3], between)
+    if triangle.size:
+        direct.collect_triangle(coefficients, index[3], triangle)
+        # Direct sums leave the deflections in the order of the candidates.
         for a in range(listed.size):
             index[1, a] = a
     stiffness = 1 / (unit * OWN_COEFFICIENT)
@@ -141,7 +142,7 @@ def system_of(window, listed, block, numbers, half_space, memory):
             coarse[5],
             coarse[6],
         ),
-        parts.Influence(coefficients, index[3], between),
+        parts.Influence(coefficients, index[3], triangle),
     )
     if blended:
         search.take_edges(system, listed, edge.reshape(-1), shape.reshape(-1), gap.reshape(-1))
@@ -159,16 +160,15 @@ def sweeps_of(iterations, stuck, nodes):
 @inlined()
 def convolve(system, block, convolution, cells):
     """Set the image to the deflection by the direction."""
-    entry, _, kernel = convolution
     transform = system.transform
-    between = system.influence.between
-    if between.size:
-        direct.multiply_between(between, system.work.d, transform.unit, transform.image)
-        return
-    nodes = transform.node, cells
-    transforms.deflect_nodes(
-        kernel, entry, block, system.work.d, transform.unit, transform.image, nodes
-    )
+    triangle = system.influence.triangle
+    d = system.work.d
+    if triangle.size:
+        direct.multiply_triangle(triangle, d, transform.unit, transform.image)
+    else:
+        entry, _, kernel = convolution
+        nodes = transform.node, cells
+        transforms.deflect_nodes(kernel, entry, block, d, transform.unit, transform.image, nodes)
 
 
 @njit(
@@ -178,8 +178,8 @@ def convolve(system, block, convolution, cells):
         project,
         settle_load,
         search.list_strips,
-        direct.collect_between,
-        direct.multiply_between,
+        direct.collect_triangle,
+        direct.multiply_triangle,
     ),
 )
 def descend(window, candidates, numbers, half_space, before, aims, progress, memory):
@@ -211,8 +211,8 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
     progress : tuple
         Fields of Progress.
     memory : arrays
-        Doubles, singles, indices, strips of the grid, and coefficients between candidates, or none
-        where transforms are quicker. They are overwritten (see Scratch).
+        Doubles, singles, indices, strips of the grid, and room for the triangle of coefficients,
+        empty where the block is transformed. They are overwritten (see Scratch).
 
     Returns
     -------

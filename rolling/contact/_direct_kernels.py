@@ -1,7 +1,8 @@
-"""Compiled product of pressures on few nodes with the coefficients between each two of them.
+"""Compiled deflection of few nodes by direct sums over their pairs, without transforms.
 
-Where the candidates of a block are few, their product with a stored half of a symmetric matrix is
-faster than transforms of the whole block. It is in single precision, as those transforms are.
+The coefficients between the nodes are a symmetric matrix, of which the lower triangle is stored by
+rows. Where the candidates of a block are few, its products are quicker than transforms of the whole
+block. They are in single precision, as those transforms are.
 """
 
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
@@ -13,30 +14,33 @@ from rolling.contact._kinds import INDICES, LINE, NOTHING, NUMBER, SINGLES
 from rolling.contact._linked import linked
 from rolling.contact.compiling import inlined
 
-# Rows of the matrix whose sums stay in single precision. Longer sums would lose digits: with 2,000
-# nodes the error would be 1e-6 of the largest deflection, and it is 2e-7.
-ROWS = 64
-# Products with n candidates are direct if n^2 is at most so many times the numbers of a transform.
-# Collecting the matrix takes as long as five of its products; a descent takes three or four. Where
-# both ways take the same time, which is at 10, transforms need less memory.
-DIRECT = 8
+# After so many rows the sums down the columns are added up in double precision. Each of them grows
+# by one addition a row: over 2,000 rows in one go they would be off by 1e-6 of the largest
+# deflection; so they are off by 2e-7. A sum along a row may stay single, because the processor
+# takes it in several parts.
+ROWS_PER_SUM = 64
+# Sums over n candidates are direct up to n^2 = 8 times the padded points of their block. At 10 the
+# three or four transforms of a descent take as long as as many products with the triangle, and its
+# collection, which costs five of them. Beyond 8 the gain is not worth the memory, 2 n^2 bytes.
+DIRECT_UP_TO = 8
 
 
-def is_direct(nodes: int, transformed: int) -> bool:
-    """Tell whether a product with so many nodes is faster than a transform of so many numbers."""
-    return nodes * nodes <= DIRECT * transformed
+def is_direct(candidates: int, padded_points: int) -> bool:
+    """Tell whether sums over pairs of candidates are quicker than transforms of their block."""
+    return candidates * candidates <= DIRECT_UP_TO * padded_points
 
 
 @linked(NOTHING(SINGLES, INDICES, SINGLES))
-def collect_between(coefficients, place, between):
-    """Set the coefficients between all pairs of nodes, by rows up to the node itself.
+def collect_triangle(coefficients, place, triangle):
+    """Set the lower triangle of the coefficients between nodes, by rows with their diagonal.
 
-    `place` leads from a node to the flat coefficients by distance, whose middle is no distance.
+    `place` is the index of each node on a grid with rows as long as those of the flat coefficients
+    by distance: their middle is distance 0, so that differences of places lead to all others.
     """
     middle = coefficients.size // 2
     first = 0
     for k in range(place.size):
-        row = between[first : first + k + 1]
+        row = triangle[first : first + k + 1]
         here = middle + np.int64(place[k])
         for j in range(row.size):
             row[j] = coefficients[here - np.int64(place[j])]
@@ -44,36 +48,38 @@ def collect_between(coefficients, place, between):
 
 
 @inlined(fused=True)
-def multiply_row(row, pressure, own, sums):
-    """Add a row times the pressure of its node to the sums; return the row times all pressures."""
+def multiply_row(row, loads, load, sums):
+    """Deflect the node of a row and the nodes before it by each other.
+
+    A coefficient acts both ways: the deflection of the row's node is returned, and those by its
+    load are added to the sums.
+    """
     total = np.float32(0.0)
     for j in range(row.size):
-        total += row[j] * pressure[j]
-        sums[j] += row[j] * own
+        total += row[j] * loads[j]
+        sums[j] += row[j] * load
     return total
 
 
 @linked(NOTHING(SINGLES, LINE, NUMBER, LINE))
-def multiply_between(between, d, unit, deflection):
-    """Set the deflections of nodes by pressures d on them, which each have a place in both lines.
+def multiply_triangle(triangle, d, unit, deflection):
+    """Set the deflection of each node by the pressures d on all of them, in the order of the nodes.
 
-    `between` is that of `collect_between`, and `unit` the deflection per pressure and coefficient.
+    `unit` is the deflection per pressure and coefficient.
     """
     nodes = d.size
-    pressure = np.empty(nodes, np.float32)
+    loads = np.empty(nodes, np.float32)
     for k in range(nodes):
-        pressure[k] = unit * d[k]
+        loads[k] = unit * d[k]
         deflection[k] = 0.0
     sums = np.empty(nodes, np.float32)
     first = 0
-    for begin in range(0, nodes, ROWS):
-        end = min(begin + ROWS, nodes)
+    for begin in range(0, nodes, ROWS_PER_SUM):
+        end = min(begin + ROWS_PER_SUM, nodes)
         sums[:end] = 0.0
         for k in range(begin, end):
-            # The node itself is the last one of its row.
-            row = between[first : first + k]
-            total = multiply_row(row, pressure, pressure[k], sums)
-            deflection[k] += total + between[first + k] * pressure[k]
+            total = multiply_row(triangle[first : first + k], loads, loads[k], sums)
+            deflection[k] += total + triangle[first + k] * loads[k]
             first += k + 1
         for k in range(end):
             deflection[k] += sums[k]

@@ -51,8 +51,8 @@ class Transform(NamedTuple):
     """Image of the direction, the deflection that it causes.
 
     It has the places of the array of the transforms, of which only those of the candidates count,
-    or one place for each candidate where no transforms are needed. It is in double precision,
-    whatever the transforms are.
+    or those of the candidates alone where sums are direct. It is in double precision, whatever the
+    transforms are.
     """
 
     image: Array  # flat, deflection by the direction [m]
@@ -115,7 +115,7 @@ class Influence(NamedTuple):
 
     coefficients: Singles  # flat, by distance along and across from negative to positive, or empty
     node: Indices  # (n,) index of each candidate in an array with rows of the same length
-    between: Singles  # (n (n + 1) / 2,) of each two candidates; empty where transforms are quicker
+    triangle: Singles  # (n (n + 1) / 2,) of all pairs by rows; empty unless sums are direct
 
 
 class Work(NamedTuple):

@@ -39,7 +39,7 @@ def compile_step() -> None:
         (_FIELD, _FIELD, _FIELD, 0, 0),
         (1.0, 1.0),
         tuple(Progress()),
-        (_LINE, _SINGLES, _INDICES, _STRIPS),
+        (_LINE, _SINGLES, _INDICES, _STRIPS, _SINGLES),
     )
 
 

@@ -81,32 +81,17 @@ def love(rows: Array, columns: Array) -> Array:
     (m, n) array
         Coefficients k of the deflection u = spacing / (pi E*) * sum k p.
     """
-    # Squares side by side share their corners.
-    s, (above, below) = np.unique([rows - 0.5, rows + 0.5], return_inverse=True)
-    t, (before, after) = np.unique([columns - 0.5, columns + 0.5], return_inverse=True)
+    # Neighbouring squares share corners, so each corner is computed once instead of four times.
+    # Distances may repeat or leave some out, as those between sub-cells do.
+    x, (x_minus, x_plus) = np.unique([rows - 0.5, rows + 0.5], return_inverse=True)
+    y, (y_minus, y_plus) = np.unique([columns - 0.5, columns + 0.5], return_inverse=True)
+    s, t = x[:, None], y[None, :]
     # Corners lie half a spacing off the nodes, so neither s nor t is ever zero; arcsinh does not
     # cancel where log(y + r) would.
-    s = s[:, None]
-    corner = s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t))
-    upper = corner[above]
-    lower = corner[below]
-    coefficients: Array = upper[:, before] + lower[:, after] - upper[:, after] - lower[:, before]
+    corners = s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t))
+    plus, minus = corners[x_plus], corners[x_minus]
+    coefficients: Array = plus[:, y_plus] + minus[:, y_minus] - plus[:, y_minus] - minus[:, y_plus]
     return coefficients
-
-
-def mirrored(values: Array, axis: int, whole: bool) -> Array:
-    """Continue values from distance 0 on to negative distances along an axis.
-
-    As a `whole` they begin with the largest negative distance; otherwise they are a period, which
-    begins with 0 and has the largest distance once.
-    """
-    back = np.flip(values, axis)
-    inner = [slice(None), slice(None)]
-    if whole:
-        inner[axis] = slice(-1)
-        return np.concatenate([back[tuple(inner)], values], axis=axis)
-    inner[axis] = slice(1, -1)
-    return np.concatenate([values, back[tuple(inner)]], axis=axis)
 
 
 # Bytes of spectra that a process keeps beside its transforms: the hundred sizes of a rough track up
@@ -131,15 +116,26 @@ def half_spectrum(
         if key in _kept:
             _kept.move_to_end(key)
             return _kept[key]
-    half = coefficients(np.arange(m // 2 + 1.0), np.arange(n // 2 + 1.0))
-    for _ in range(2):  # across, then along; the transform of even numbers is real and even
-        half = np.ascontiguousarray(np.fft.rfft(mirrored(half, axis=1, whole=False)).real.T)
+    quarter = coefficients(np.arange(m // 2 + 1.0), np.arange(n // 2 + 1.0))
+    across = even_transform(quarter)
+    half = np.ascontiguousarray(even_transform(across.T).T)
     if half.nbytes <= KEPT_SPECTRA:
         with _lock:
             _kept[key] = half
             while sum(kept.nbytes for kept in _kept.values()) > KEPT_SPECTRA:
                 _kept.popitem(last=False)
     return half
+
+
+def even_transform(values: Array) -> Array:
+    """Return the transform along rows that continue as f(-x) = f(x), with the period 2 columns - 2.
+
+    It is real and even itself, so it has as many numbers.
+    """
+    last = values.shape[1] - 1
+    period = np.concatenate([values, values[:, last - 1 : 0 : -1]], axis=1)
+    # The copy frees the imaginary parts, which are zero.
+    return np.fft.rfft(period).real.copy()
 
 
 class HalfSpace:
@@ -160,7 +156,8 @@ class HalfSpace:
     unit : float, m/Pa
         Deflection per pressure and coefficient.
     count : int
-        Number of convolutions so far, a cost that does not depend on the machine.
+        Number of deflections so far, by transforms or direct sums: a cost that does not depend on
+        the machine.
     subcells : int
         Nodes along the side of a cell of the transforms, 1 here.
 
@@ -230,7 +227,7 @@ class HalfSpace:
         convolution = self.convolution(rows, columns)
         deflection = np.empty(pressure.shape) if out is None else out
         deflect_window = kernels.window_kernel(self.subcells)
-        entry = convolution.entry_for(pressure.shape[0])
+        entry = convolution.planned_entry(pressure.shape[0])
         deflect_window(pressure, self.unit, entry, deflection)
         self.count += 1
         return deflection
@@ -269,8 +266,9 @@ class HalfSpace:
 class Convolution:
     """Transforms of one padded size and their work arrays.
 
-    Compiled code uses them by the numbers of `entry_for`, which _transform_kernels lists. In single
-    precision their error is about 1e-7 of the maximum deflection, and they are up to twice as fast.
+    Compiled code uses them by the numbers of `planned_entry`, which _transform_kernels lists. In
+    single precision their error is about 1e-7 of the maximum deflection, and they are up to twice
+    as fast.
     `real` (m / 2, n, 2) holds rows of cells side by side in pairs.
     """
 
@@ -318,20 +316,21 @@ class Convolution:
         entry[kernels.BLOCK : kernels.TURNS + 1] = [array.ctypes.data for array in arrays]
         entry[kernels.ROW_PLANS] = self._row_plans.ctypes.data
 
-    def entry_for(self, rows: int) -> NDArray[np.int64]:
-        """Return the numbers by which compiled code transforms a block of so many rows.
+    def planned_entry(self, rows: int) -> NDArray[np.int64]:
+        """Return the numbers by which compiled code transforms a block, planned for its rows.
 
-        Its lines are planned at the first call for their number: a march asks for few of them.
+        Plans are made at the first call for so many rows, because a march needs few of them.
+        Compiled code must not transform a block of other numbers of rows by them.
         """
         length, n, _ = self.real.shape
         count = kernels.lines_of(rows, int(self._entry[kernels.SUBCELLS]), 2 * length)
-        number = -(-count // GROUP)
-        if not self._row_plans[number].any():
+        group = -(-count // GROUP)
+        if not self._row_plans[group].all():
             head = self._pairs[:count]
             lines = self._lines[:count, :n]
             plans = Plan(head, lines, 1), Plan(lines, head, 1, backward=True)
             self._plans += plans
-            self._row_plans[number] = [plan.address for plan in plans]
+            self._row_plans[group] = [plan.address for plan in plans]
         return self._entry
 
     @property
@@ -352,9 +351,10 @@ class Convolution:
         if self._influence is None:
             length, n, _ = self.real.shape
             if self.real.size <= MAX_INFLUENCE:
-                near = love(np.arange(length + 1.0), np.arange(n // 2 + 1.0)).astype(np.float32)
-                half = mirrored(near, 0, whole=True)
-                self._influence = mirrored(half, 1, whole=True).ravel()
+                quarter = love(np.arange(length + 1.0), np.arange(n // 2 + 1.0))
+                along = np.abs(np.arange(-length, length + 1))
+                across = np.abs(np.arange(-(n // 2), n // 2 + 1))
+                self._influence = quarter.astype(np.float32)[along][:, across].ravel()
             else:
                 self._influence = np.empty(0, np.float32)
         return self._influence

@@ -50,7 +50,8 @@ NEAR = 0.01
 # Nodes at the hardness rest beyond so many times the reach of the open candidates. With 1 the last
 # check refuses more descents, above all on sub-cells; with 8 the candidates are up to 14 % more.
 REST = 4
-# Single precision, with an error of 1e-7 of the maximum deflection, serves no tighter tolerance.
+# Single precision serves no tighter tolerance: its error is 1e-7 of the maximum deflection by
+# transforms, and 2e-7 by direct sums over 2,000 nodes.
 SINGLE_TOLERANCE = 1e-6
 # Share of the maximum gap that its rounding adds to the violation. Below 32 eps some solves still
 # converge, so the limit that is named is four times that.
@@ -459,12 +460,10 @@ def _tables(
     coarse_rows, coarse_columns, tile = coarse_grid(along, across)
     tables = (
         (half_space.unit, *stencils(half_space.unit)),
-        (transforms.entry_for(rows), coefficients, kernel),
+        (transforms.planned_entry(rows), coefficients, kernel),
         far_field(coarse_rows, coarse_columns, tile),
     )
-    # Few candidates need no transforms, as precise as those in single precision.
-    few = transforms.single and coefficients.size > 0 and is_direct(count, transforms.real.size)
-    pairs = count * (count + 1) // 2 if few else 0
+    pairs = count * (count + 1) // 2 if _sums_directly(transforms, count) else 0
     size = along * across
     coarse_size = 2 * coarse_rows * coarse_columns
     places = max(transforms.real.size, rows * columns)
@@ -473,9 +472,19 @@ def _tables(
         scratch.array("singles", (7 * (size + coarse_size),), np.float32),
         scratch.array("indices", (4 * count,), np.uint32),
         scratch.array("strips", (size // STRIP + 1, 2), np.uint64),
-        scratch.array("between candidates", (pairs,), np.float32),
+        scratch.array("triangle", (pairs,), np.float32),
     )
     return tables, memory
+
+
+def _sums_directly(transforms: Convolution, candidates: int) -> bool:
+    """Tell whether a descent sums over pairs of candidates instead of transforming their block.
+
+    Direct sums are in single precision, so a descent in double precision does not take them. They
+    need coefficients by distance, which sub-cells and large transforms do not have.
+    """
+    has_coefficients = transforms.influence().size > 0
+    return transforms.single and has_coefficients and is_direct(candidates, transforms.real.size)
 
 
 def _not_converged(problem: Problem, solution: Solution, progress: Progress) -> ContactError:

@@ -142,7 +142,7 @@ def measure(kind: str, scene: Scene, width: int) -> Cost:
 def bare_seconds(half_space: HalfSpace, nodes: tuple[int, int], single: bool) -> float:
     """Return the seconds of the transforms of a block of so many rows and columns of nodes."""
     transforms = half_space.convolution(nodes[0] - 1, nodes[1] - 1, single=single)
-    entry = transforms.entry_for(nodes[0])
+    entry = transforms.planned_entry(nodes[0])
     kernel, nothing = nodes_kernel(1, single), np.empty(0)
     block, listed = (0, 0, *nodes), (np.empty(0, np.uint32), np.empty(0, np.int64))
     taken = []

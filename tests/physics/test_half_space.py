@@ -208,3 +208,14 @@ def test_plans_of_pyfftw_serve_where_the_library_tells_no_functions(
     del space, state, other
     gc.collect()
     assert len(_plans._plans) == planned
+
+
+def test_lines_of_a_block_are_planned_once() -> None:
+    """Further blocks of as many lines, or of a few rows less, take the same plans."""
+    transforms = HalfSpace(SPACING, STEEL).convolution(60, 60)
+    entry = transforms.planned_entry(30)
+    planned = len(transforms._plans)
+    assert transforms.planned_entry(30) is transforms.planned_entry(29) is entry
+    assert len(transforms._plans) == planned
+    transforms.planned_entry(50)
+    assert len(transforms._plans) == planned + 2

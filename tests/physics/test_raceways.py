@@ -12,6 +12,7 @@ from bearings import model
 
 import rolling
 from acoustics.ring_velocity import VELOCITY_BANDS_HZ
+from rolling.bearing import assumed_surfaces
 from rolling.bearing.assumed_surfaces import (
     AMPLITUDE_DB,
     FORM_DB,
@@ -372,6 +373,22 @@ def test_the_power_of_roughness_is_that_of_its_heights() -> None:
     for band in ("medium", "high"):
         wanted = float(made_power.of_band(RADIAL, band).sum())
         assert 10 * math.log10(powers[band] / wanted) == pytest.approx(0, abs=1.0), band
+
+
+def test_orders_beyond_the_shortest_roughness_have_no_power() -> None:
+    """A ring that hardly turns has 300 million orders below the end of the bands."""
+    scene = bearing_scene(outer={"kind": "raceway", "finish": "honed"})
+    (roughness,) = assumed_roughness(scene)
+    laws = [roughness.law, *(law for ends in roughness.others.values() for law in ends)]
+    orders = assumed_surfaces._orders_of(roughness, scene.model)
+    some = order_gains("outer", scene.model, VELOCITY_BANDS_HZ, orders=orders)
+    many = order_gains("outer", scene.model, VELOCITY_BANDS_HZ, orders=4 * orders)
+    for law in laws:
+        few = roughness_powers("outer", law, scene.model, some)[RADIAL]
+        assert few == pytest.approx(roughness_powers("outer", law, scene.model, many)[RADIAL])
+    slow = scene.with_({"bearing.speed_rpm": 0.001})
+    gains = order_gains("outer", slow.model, VELOCITY_BANDS_HZ, orders=orders)
+    assert len(gains[RADIAL]["high"]) == orders < 20_000
 
 
 def test_assumed_roughness_counts_by_the_range_of_its_power() -> None:

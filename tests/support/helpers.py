@@ -60,7 +60,7 @@ def convolved(transforms: Convolution, pressure: np.ndarray) -> np.ndarray:
     block = (0, 0, rows, columns)
     d = pressure.ravel()
     nodes = (node, np.empty(0, np.int64))
-    entry = transforms.entry_for(rows)
+    entry = transforms.planned_entry(rows)
     _transform_kernels.deflect_nodes(kernel, entry, block, d, 1.0, image, nodes)
     return image[node].reshape(pressure.shape)
 
