@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
+import numba
 import numpy as np
 import pytest
 from helpers import assert_solved, make_track, roll, rough, space_of
@@ -14,6 +15,7 @@ from helpers import assert_solved, make_track, roll, rough, space_of
 from rolling.contact import (
     _candidate_kernels,
     _condition_kernels,
+    compiling_ahead,
     half_space,
     single_contact,
     solver,
@@ -263,3 +265,23 @@ def test_a_solve_that_takes_long_lets_python_hear_an_interrupt(calls: list[Call]
     ends = [call.iterations for call in calls]
     assert len(ends) >= 6
     assert max(b - a for a, b in pairwise([0, *ends])) <= 101
+
+
+def test_the_descent_is_compiled_ahead_for_the_arguments_of_a_march(
+    track: RollingContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """For others the first march would wait for it, and nobody would hear of it."""
+    ahead: list[tuple[Any, ...]] = []
+    monkeypatch.setattr(compiling_ahead, "_compile", lambda kernel, *given: ahead.append(given))
+    compiling_ahead.compile_step()
+    marched: list[tuple[Any, ...]] = []
+    descend = solver.descend
+
+    def watched(*arguments: Any) -> tuple:
+        marched.append(arguments)
+        return descend(*arguments)
+
+    monkeypatch.setattr(solver, "descend", watched)
+    roll(track, 0, 1)
+    kinds = {tuple(map(numba.typeof, arguments)) for arguments in ahead + marched}
+    assert len(kinds) == 1
