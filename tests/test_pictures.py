@@ -27,7 +27,6 @@ import picture_sounds  # noqa: E402
 import pictures  # noqa: E402
 import speed_pictures  # noqa: E402
 
-TIMES = "step-cost.png"  # of a machine, whatever the version; a benchmark draws it
 LARGEST = {".png": 300_000, ".svg": 60_000}  # bytes
 CAPTIONED = [picture for picture in picture_list.ALL if picture.has_dark]
 each_picture = pytest.mark.parametrize(
@@ -46,7 +45,7 @@ def test_each_picture_has_a_command_and_is_small() -> None:
     made = {picture.path.name for picture in picture_list.ALL if picture.is_drawn}
     made |= {picture_parts.dark_twin(picture.path).name for picture in CAPTIONED}
     files = [path for path in picture_parts.PICTURES.iterdir() if path.suffix in LARGEST]
-    assert {path.name for path in files} == {*made, TIMES}
+    assert {path.name for path in files} == made
     assert all(path.stat().st_size < LARGEST[path.suffix] for path in files)
 
 
@@ -85,6 +84,14 @@ def test_a_number_that_a_page_does_not_state_is_missed() -> None:
     heading = "The table shows\nboth  at 1 m"  # spaces and ends of lines are no difference
     assert pictures.missing({"README.md": [heading]}) == {}
     assert pictures.missing({"README.md": [heading, row]}) == {"README.md": [row]}
+
+
+def test_texts_of_the_last_picture_are_renewed_where_they_stand_once() -> None:
+    page = "|5 N|1.0|\n|20 N|2.0|\n2.0 and 2.0 dB\n"
+    before = ["|5 N|1.0|", "|20 N|2.0|", "2.0"]
+    now = ["|5 N|1.5|", "|20 N|2.5|", "2.5"]
+    assert pictures.renewed(page, before, now) == "|5 N|1.5|\n|20 N|2.5|\n2.0 and 2.0 dB\n"
+    assert pictures.renewed(page, before[:2], now) == page
 
 
 @pytest.mark.parametrize("picture", CAPTIONED, ids=lambda picture: picture.stem)

@@ -1,10 +1,8 @@
-"""Pictures of what docs/performance.md and docs/accuracy.md tabulate: growth, calibration."""
+"""The picture of what docs/accuracy.md tabulates about choices: their calibration."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,16 +13,14 @@ from scipy import stats
 from acoustics.arrays import Array
 from acoustics.plot_style import COLOURS, LINE_STYLES, gridded
 
-PERFORMANCE = ROOT / "docs" / "performance.md"
 ACCURACY = ROOT / "docs" / "accuracy.md"
 ROUNDING = 0.06  # of shares in percent, as the table prints them
 BINOMIAL = 0.05  # probability of fewer right answers, below which a promise does not hold
-POWER_LAW = re.compile(r"([\d.]+) ms \(n/100\)\^([\d.]+)")
 
 
-def rows_of_table(heading: str, page: Path) -> list[dict[str, str]]:
-    """Return the rows of the table of a page whose first columns are headed so."""
-    lines = page.read_text(encoding="utf-8").splitlines()
+def rows_of_table(heading: str) -> list[dict[str, str]]:
+    """Return the rows of the table of docs/accuracy.md whose first columns are headed so."""
+    lines = ACCURACY.read_text(encoding="utf-8").splitlines()
     first = next(k for k, line in enumerate(lines) if line.startswith(f"|{heading}|"))
     names = lines[first].strip("|").split("|")
     rows = []
@@ -33,33 +29,6 @@ def rows_of_table(heading: str, page: Path) -> list[dict[str, str]]:
             break
         rows.append(dict(zip(names, line[1:-1].split("|"), strict=True)))
     return rows
-
-
-def growth(scenes: Mapping[str, Any]) -> Drawn:
-    """Draw the fitted time of a step over the width of its window."""
-    figure = new_figure(4.2)
-    ax = figure.add_subplot()
-    powers = []
-    for number, row in enumerate(rows_of_table("scene|nodes a side", PERFORMANCE)):
-        fit = POWER_LAW.fullmatch(row["fit"])
-        assert fit is not None
-        at_100_ms, power = map(float, fit.groups())
-        low, high = (float(text.replace(",", "")) for text in row["nodes a side"].split(" to "))
-        nodes = np.geomspace(low, high, 20)
-        ax.plot(
-            nodes,
-            at_100_ms * (nodes / 100) ** power,
-            color=COLOURS[number],
-            linestyle=LINE_STYLES[number],
-            label=row["scene"],
-        )
-        powers.append(power)
-    ax.set(xscale="log", yscale="log")
-    gridded(ax, xlabel="nodes on a side of the window", ylabel="time of a step [ms]")
-    ax.xaxis.set_major_formatter("{x:g}")
-    ax.yaxis.set_major_formatter("{x:g}")
-    legend_below(figure, ax, columns=2)
-    return Drawn(figure, {"least": f"{min(powers):.2f}", "most": f"{max(powers):.2f}"})
 
 
 class Calibration(NamedTuple):
@@ -83,7 +52,7 @@ class Calibration(NamedTuple):
 
 def read_calibration(heading: str) -> Calibration:
     """Read the table of a calibration whose first column is headed so."""
-    rows = rows_of_table(f"{heading}|answers", ACCURACY)
+    rows = rows_of_table(f"{heading}|answers")
     answers = np.array([int(row["answers"]) for row in rows])
     promised = np.array([float(row["promised"].rstrip(" %")) for row in rows])
     return Calibration(

@@ -11,6 +11,7 @@ import answer_pictures
 import bearing_pictures
 import contact_pictures
 import drawn_pictures
+import growth_picture
 import instrument_picture
 import machine_drawings
 import measured_pictures
@@ -44,7 +45,7 @@ DRAW: dict[str, drawn_pictures.Draw] = {
     "bench": answer_pictures.bench,
     "speed": speed_pictures.easy,
     "speed-hard": speed_pictures.hard,
-    "growth": measured_pictures.growth,
+    "growth": growth_picture.growth,
     "calibration": measured_pictures.calibration,
 }
 

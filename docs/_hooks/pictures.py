@@ -1,15 +1,15 @@
 """Make the pictures of README and docs, each with a JSON of the numbers that it shows.
 
-    python docs/_hooks/pictures.py [NAME...]
+    python docs/_hooks/pictures.py [--write] [NAME...]
 
 makes all of them in scenarios/pictures, or those of the names. The names are those of
 page_pictures.py (quickstart, vibrating-ball, python, choice, accuracy, gallery), which the program
 draws by its own commands, and those of the tables in pictures.toml, which have captions, and a
 second file for dark pages. A JSON has the version of the program, the digests of the scenes, the
 numbers, the caption, and the texts by which pages state them. tests/test_pictures.py compares these
-with the pages and the program, and the command prints the texts that a page lacks. Runs are kept in
-outputs/pictures, by the sources of the program. Chromium (extra `dev`) draws the pages. The picture
-of a step's cost shows times of a machine and is made by tests/benchmarks/step_cost.py.
+with the pages and the program, and the command prints the texts that a page lacks. With `--write`
+it first puts them in place of those of the last picture, where these stand once on their page. Runs
+are kept in outputs/pictures, by the sources of the program. Chromium (extra `dev`) draws the pages.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ from picture_parts import Picture, dark_twin
 
 def main(names: list[str]) -> int:
     """Make the pictures of some names, or all; return the exit code."""
+    is_written = "--write" in names
+    names = [name for name in names if name != "--write"]
     known = dict.fromkeys(picture.name for picture in ALL)
     unknown = [name for name in names if name not in known]
     if unknown:
@@ -38,7 +40,11 @@ def main(names: list[str]) -> int:
         if names and picture.name not in names:
             continue
         print(f"== {picture.stem}", flush=True)
+        last = picture.path.with_suffix(".json")
+        before = json.loads(last.read_text(encoding="utf-8"))["pages"] if last.is_file() else {}
         stored = write(picture)
+        if is_written:
+            write_pages(before, stored["pages"])
         for page, texts in missing(stored["pages"]).items():
             print(f"{page} lacks:", *texts, sep="\n")
     return 0
@@ -63,6 +69,27 @@ def write(picture: Picture) -> dict[str, Any]:
     content["pages"] = shown.pages
     text = json.dumps(content, indent=2, ensure_ascii=False)
     picture.path.with_suffix(".json").write_text(f"{text}\n", encoding="utf-8")
+    return content
+
+
+def write_pages(before: Mapping[str, Sequence[str]], now: Mapping[str, Sequence[str]]) -> None:
+    """Put the texts of a picture in place of those before, by page."""
+    for page, texts in now.items():
+        path = ROOT / page
+        content = path.read_text(encoding="utf-8")
+        path.write_text(renewed(content, before.get(page, ()), texts), encoding="utf-8")
+
+
+def renewed(content: str, before: Sequence[str], now: Sequence[str]) -> str:
+    """Return the content of a page with texts in place of those before.
+
+    A text that does not stand there once stays, and all do if their number has changed.
+    """
+    if len(before) != len(now):
+        return content
+    for old, new in zip(before, now, strict=True):
+        if content.count(old) == 1:
+            content = content.replace(old, new)
     return content
 
 

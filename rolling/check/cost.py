@@ -21,9 +21,9 @@ SUBCELL_POWER = 1.6
 STEP_POWER = 1 / 3
 LONGEST_STEP = 4.0  # [nodes], up to which this was measured
 # A step with its release at tolerance 1e-4 takes c (n/100)^k milliseconds on an overlap of n by n
-# nodes, of which the window leaves out up to a quarter. c and k follow the fits of
-# tests/benchmarks/step_cost.py, from 40 to 1,000 nodes, with an allowance of 10 to 30 % for
-# machines that are not idle. Elastic and yielding plates share a law at sharp edges.
+# nodes, of which the window leaves out up to a quarter. c and k follow the times and widths that
+# tests/benchmarks/step_cost.py measures, from 40 to 1,000 nodes, with an allowance of 10 to 30 %
+# for machines that are not idle. Elastic and yielding plates share a law at sharp edges.
 STEP_LAWS = {"smooth": (0.65, 1.45), "sharp": (0.8, 2.3), "blended": (1.2, 2.25)}
 # On a smoother surface [m] pressures move with the sphere, and a solve hardly iterates.
 SMOOTH = 1e-9

@@ -16,7 +16,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent / "peers"))
 import sequences
-from problem import Answers, Failed, Problem, Solved
+from problem import Answers, Failed, Problem, Solved, peak_memory
 from sequences import SEQUENCES, SPACING, N
 
 from rolling.contact.half_space import HalfSpace
@@ -24,7 +24,7 @@ from rolling.contact.march import march
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact, Window
 
-__all__ = ["SEQUENCES", "Failed", "Problem", "Solved", "sequences"]
+__all__ = ["SEQUENCES", "Failed", "Problem", "Solved", "peak_memory", "sequences"]
 
 PEERS = Path(__file__).parent / "peers"
 TOLERANCES = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7)

@@ -11,6 +11,7 @@ from against_peers import Problem, SharedProblem
 from hard_cases.named_cases import CASES, SOLVED
 from hard_cases.optimality import gap_at
 from hard_cases.random_cases import random_scene
+from scipy.fft import next_fast_len
 
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
@@ -31,8 +32,13 @@ LEAST = 8  # nodes on a side of a grid
 SURE = 1e-6  # tolerance of the march that finds the contact
 
 
-def hard_problem(track: RollingContact, first: int, steps: int) -> SharedProblem:
+def hard_problem(
+    track: RollingContact, first: int, steps: int, is_fast: bool = False
+) -> SharedProblem:
     """Return a scene on the smallest square grid that moves with its sphere and has its contact.
+
+    Where it should be fast, the grid is wider until transforms of its sides are so: a large prime
+    in the number of nodes makes them slow.
 
     The contact is marched, as nobody else knows where it is; so the other programs are spared the
     nodes that are never loaded.
@@ -51,6 +57,8 @@ def hard_problem(track: RollingContact, first: int, steps: int) -> SharedProblem
         loaded = (i + state.window.row - row, j + state.window.column - column)
         corners.append((row, column))
         reach = max(reach, *(2 * int(np.abs(nodes).max()) + 2 * BORDER for nodes in loaded))
+    if is_fast:
+        reach = next_fast_len(reach, real=True)
     windows = tuple(
         Window(row - reach // 2, column - reach // 2, reach, reach) for row, column in corners
     )

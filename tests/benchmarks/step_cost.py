@@ -1,11 +1,13 @@
-"""The time of a step over the width of its window, with a fit and the machine's limit.
+"""Time and memory of a step over nodes in contact, steps of a track and workers, beside peers.
 
-The script marches spheres over plates under loads whose windows are 40 to 2,000 nodes wide, writes
-step-cost.json and step-cost.md, draws step-cost.svg, and prints the tables. It takes five
-to ten minutes on a machine on which nothing else runs, `--quick` stops at 350 nodes.
+    python tests/benchmarks/step_cost.py [FOLDER]
 
-python tests/benchmarks/step_cost.py [--quick] [--out FOLDER]
-python tests/benchmarks/step_cost.py --draw scenarios/pictures/step-cost.png    from the last json
+FOLDER has the environments of aspher and slippy, as README.md beside this script makes them; one
+that is absent keeps its results with their date. The script marches spheres over plates under loads
+from 0.03 to 10,000 N, gives some of these contacts to the public solvers, and rolls tracks of three
+lengths, the longest on one worker and on two. It writes step_cost.json beside itself, from which
+`python docs/_hooks/pictures.py growth` draws. Processor time of one thread counts, except for the
+tracks on two workers. `--quick` stops at 100 N, and needs another `--out`.
 """
 
 from __future__ import annotations
@@ -13,18 +15,35 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import sys
 import time
-import tracemalloc
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 if __name__ == "__main__":
     pinned = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
     os.environ.update(dict.fromkeys(pinned, "1"))
 
 import numpy as np
+from against_peers import Solved, peak_memory
+from hard_problems import hard_problem
+from speed import answer, in_fresh_process, machine
+from speed_against_error import (
+    OURS,
+    PEERS,
+    SOLVED_GAP,
+    SOLVED_LOAD,
+    Contest,
+    Points,
+    solved_ms,
+    version_of,
+)
 
+from rolling import __version__
 from rolling.check import cost
 from rolling.contact._transform_kernels import deflect_nodes, nodes_kernel
 from rolling.contact.half_space import HalfSpace
@@ -37,97 +56,150 @@ from rolling.kinds.reading import read_scene
 from rolling.scene.scene import Scene
 
 HERE = Path(__file__).parent
+STORED = Path(__file__).with_suffix(".json")
 QUICKSTART = HERE.parent.parent / "scenarios" / "quickstart.yaml"
-OUTPUTS = HERE.parent.parent / "outputs" / "benchmarks"
-WIDTHS = (40, 70, 110, 180, 350, 600, 1000, 2000)
+LOADS = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 10_000.0)  # [N]
+QUICK_LOAD = 100.0
+QUICK_STEPS = 400
+FEWEST = 20  # nodes in contact: fewer are no contact whose growth can be seen
 ELASTIC = "plate.hardness_gpa=null"
 SHARP = "numerics.edges=sharp"
 WHOLE = (SHARP, "numerics.subcells=1")
+ELASTIC_ROUGH = "elastic, Ra 0.1 µm"
+YIELDING_ROUGH = "yielding, Ra 0.1 µm, sharp edges"
 KINDS = {
     "elastic, smooth": (ELASTIC, "surface.roughness_ra_um=0.0001", *WHOLE),
-    "elastic, Ra 0.1 µm": (ELASTIC, *WHOLE),
-    "yielding, Ra 0.1 µm, sharp edges": WHOLE,
+    ELASTIC_ROUGH: (ELASTIC, *WHOLE),
+    YIELDING_ROUGH: WHOLE,
     "yielding, Ra 1 µm, sharp edges": ("surface.roughness_ra_um=1", *WHOLE),
     "yielding, Ra 0.1 µm, blended edges": ("numerics.subcells=1",),
 }
-LIMIT = "bare transforms, rough"
 FIRST = 2  # steps that a trend does not lead yet
+PEER_STEPS = (4, 12)  # fewest and most
+PEER_SECONDS = 60.0  # of processor time of a program for all tolerances of a contact
+TRACKS = ((200, 1), (1000, 1), (5000, 1), (5000, 2))  # steps and workers
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A public solver, and the contacts that it solves in turn with this program.
+
+    name : str. Name of its environment and of its script.
+    kind : str. Key of KINDS.
+    loads : tuple of float. [N], for about 100 to 100,000 nodes in contact.
+    """
+
+    name: str
+    kind: str
+    loads: tuple[float, ...]
+
+
+RIVALS = (
+    Rival("aspher", ELASTIC_ROUGH, (0.5, 8.0, 80.0, 800.0, 3500.0)),
+    Rival("slippy", YIELDING_ROUGH, (0.5, 8.0, 80.0, 900.0)),
+)
 
 
 @dataclass(frozen=True)
 class Cost:
-    """Measured steps of one kind at one width.
+    """Measured steps of one kind under one load.
 
     Parameters
     ----------
-    kind : str
-        Key of KINDS.
+    load : float, N
+    in_contact : float
+        Nodes in contact: the contact area over that of a node, mean of the steps.
     width : float
         Geometric mean of rows and columns of the windows.
-    milliseconds, convolutions : float
+    ms, convolutions : float
         CPU time of a step with its release, lower quartile, and convolutions per step.
-    bare : float
+    bare_ms : float
         Milliseconds of so many bare convolutions, one of them in double precision.
-    bytes_per_node : float
-        Maximum memory of the arrays of the march, its cold start included, per node of the window.
+    memory_mb : float or None
+        What the march takes at most, its cold start included; None where the system is not Linux.
     """
 
-    kind: str
+    load: float
+    in_contact: float
     width: float
-    milliseconds: float
+    ms: float
     convolutions: float
-    bare: float
-    bytes_per_node: float
-
-    @property
-    def law(self) -> float:
-        """n^2 log n of the width n."""
-        return float(self.width**2 * np.log(self.width))
+    bare_ms: float
+    memory_mb: float | None
 
 
-def scene_of(kind: str, width: float) -> Scene | None:
-    """Return the scene of a kind under the load whose window is so many nodes wide.
+@dataclass(frozen=True)
+class PeerCost:
+    """Times of a step of a public solver and of this program, at the same error of the gap.
 
-    Return None where the roughness alone makes the window wider.
+    Parameters
+    ----------
+    load : float, N
+    in_contact : float
+        Nodes in contact.
+    side : int
+        Nodes on a side of the grid of the public solver: the smallest square around the contact
+        whose transforms are fast.
+    ms, own_ms : float or None
+        CPU time of a step of the public solver and of this program, each at the fastest of its
+        tolerances that solves the contact; None if none does.
+    tolerance, own_tolerance : float or None
+        Those tolerances, each by the program's own measure.
+    memory_mb, own_memory_mb : float or None
+        What each takes at most beyond the problem, at any of its tolerances.
     """
 
-    def under(load: float) -> Scene:
-        nodes = 1 << int(np.ceil(np.log2(max(256, 1.3 * width))))
+    load: float
+    in_contact: float
+    side: int
+    ms: float | None
+    own_ms: float | None
+    tolerance: float | None
+    own_tolerance: float | None
+    memory_mb: float | None
+    own_memory_mb: float | None
+
+
+# ---- steps of this program
+
+
+def scene_of(kind: str, load: float) -> Scene:
+    """Return the scene of a kind under a load [N], with a plate that its window does not fill."""
+
+    def on_nodes(nodes: int) -> Scene:
+        """Return the scene on a plate of so many nodes along and across."""
         long = f"rolling.duration_s={nodes * 2e-6 / 0.1:g}"
         across = f"surface.width_um={nodes * 2}"
-        overrides = [*KINDS[kind], f"rolling.load_n={load:.6g}", across, long]
-        pinned = ["numerics.tolerance=1e-4", "numerics.error_estimate=false"]
-        return read_scene(QUICKSTART, [*overrides, *pinned]).runs()[0][1]
+        pinned = ["numerics.tolerance=1e-4", "numerics.step_nodes=1"]
+        pinned += ["numerics.error_estimate=false", f"rolling.load_n={load:g}"]
+        return read_scene(QUICKSTART, [*KINDS[kind], *pinned, across, long]).runs()[0][1]
 
-    def wide(scene: Scene) -> bool:
-        return cost.window_nodes(scene, cost.roughness(scene)[0]) > width
-
-    low = 0.1
-    high = 1e6
-    if wide(under(low)):
-        return None
-    for _ in range(24):
-        middle = float(np.sqrt(low * high))
-        low, high = (low, middle) if wide(under(middle)) else (middle, high)
-    return under(low)
+    width = window_nodes(on_nodes(4096))
+    return on_nodes(1 << int(np.ceil(np.log2(max(256, 1.3 * width)))))
 
 
-def measure(kind: str, scene: Scene, width: int) -> Cost:
+def window_nodes(scene: Scene) -> float:
+    """Estimate the nodes on a side of the window of a scene."""
+    return cost.window_nodes(scene, cost.roughness(scene)[0])
+
+
+def measure(kind: str, load: float) -> Cost:
     """Measure a march of a few steps."""
+    scene = scene_of(kind, load)
     contact = rolling_contact(scene)
     half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
-    steps = int(np.clip(4000 / width, 5, 40))
+    steps = int(np.clip(4000 / window_nodes(scene), 5, 40))
     states: list[ContactState] = []
     clock = []
-    tracemalloc.start()  # the first steps only: it takes time itself
+    areas = []
+    resident = peak_memory(afresh=True)
     for state in march(contact, 0, FIRST + steps, half_space):
         if states:
             step_energy(states[-1], state, half_space)
         states = [*states[-1:], state]
-        if state.position == FIRST:
-            peak = tracemalloc.get_traced_memory()[1]
-            tracemalloc.stop()
         clock.append((time.thread_time(), state.convolutions, state.window))
+        areas.append(state.contact_area)
+    memory = None if resident is None else (peak_memory() - resident) / 1e6
     seconds = np.diff([t for t, *_ in clock])[FIRST:]
     counts = np.mean([count for _, count, _ in clock[1 + FIRST :]])
     windows = [window for *_, window in clock[1 + FIRST :]]
@@ -135,8 +207,15 @@ def measure(kind: str, scene: Scene, width: int) -> Cost:
     block = states[-1].loaded
     bare = bare_seconds(half_space, (windows[-1].rows, windows[-1].columns), False)
     bare += (counts - 1) * bare_seconds(half_space, (block.rows, block.columns), True)
-    step = 1e3 * float(np.quantile(seconds, 0.25))
-    return Cost(kind, wide, step, float(counts), 1e3 * bare, peak / wide**2)
+    return Cost(
+        load=load,
+        in_contact=float(np.mean(areas[1 + FIRST :])) / contact.spacing**2,
+        width=wide,
+        ms=1e3 * float(np.quantile(seconds, 0.25)),
+        convolutions=float(counts),
+        bare_ms=1e3 * float(bare),
+        memory_mb=memory,
+    )
 
 
 def bare_seconds(half_space: HalfSpace, nodes: tuple[int, int], single: bool) -> float:
@@ -153,99 +232,155 @@ def bare_seconds(half_space: HalfSpace, nodes: tuple[int, int], single: bool) ->
     return float(np.min(taken))
 
 
-def fit(costs: list[Cost], of: str = "milliseconds") -> tuple[float, float]:
-    """Fit a power law; return the milliseconds at 100 nodes and the power."""
-    x = np.log([c.width / 100 for c in costs])
-    y = np.log([getattr(c, of) for c in costs])
-    power, at_100 = np.polyfit(x, y, 1) if len(costs) > 1 else (np.nan, y[0])
-    return float(np.exp(at_100)), float(power)
+def measure_kinds(most: float) -> dict[str, list[dict[str, Any]]]:
+    """Return the costs of all kinds under loads of so many newtons at most."""
+    costs: dict[str, list[dict[str, Any]]] = {kind: [] for kind in KINDS}
+    for kind, of_kind in costs.items():
+        for load in LOADS:
+            if load > most:
+                continue
+            measured = measure(kind, load)
+            _say(f"{kind}: {measured}")
+            if measured.in_contact >= FEWEST:
+                of_kind.append(asdict(measured))
+    return costs
 
 
-def table(costs: list[Cost]) -> str:
-    """Return the fits of the kinds and the rows of their widths as two Markdown tables."""
-    fits = [
-        "| scene | nodes | fit, n x n nodes | power of n^2 log n | of bare transforms |",
-        "|---|---|---|---|---|",
-    ]
-    rows = [
-        "| scene | nodes | ms per step | convolutions | over bare transforms | bytes per node |",
-        "|---|---|---|---|---|---|",
-    ]
-    for kind in dict.fromkeys(c.kind for c in costs):
-        mine = [c for c in costs if c.kind == kind]
-        at_100, power = fit(mine)
-        nodes = f"{mine[0].width:.0f} to {mine[-1].width:.0f}"
-        law = fit(mine, "law")[1]
-        bare = fit(mine, "bare")[1]
-        fits.append(
-            f"| {kind} | {nodes} | {at_100:.1f} ms (n/100)^{power:.2f} | {law:.2f} | {bare:.2f} |"
+# ---- the public solvers
+
+
+def measure_rival(rival: Rival, python: Path, most: float) -> list[dict[str, Any]]:
+    """Return the costs of a public solver and of this program on the contacts of a rival."""
+    contest = Contest({rival.name: python}, rounds=1)
+    costs = []
+    for load in rival.loads:
+        if load > most:
+            continue
+        scene = scene_of(rival.kind, load)
+        steps = int(np.clip(1200 / window_nodes(scene), *PEER_STEPS))
+        shared = hard_problem(rolling_contact(scene), 0, steps, is_fast=True)
+        curves = contest.curves({rival.kind: shared}, PEER_SECONDS)
+        theirs, own = (curves[program][rival.kind] for program in (rival.name, OURS))
+        costs.append(
+            PeerCost(
+                load=load,
+                in_contact=measure(rival.kind, load).in_contact,
+                side=shared.problem.nodes,
+                ms=solved_ms(theirs),
+                own_ms=solved_ms(own),
+                tolerance=_solving_tolerance(theirs),
+                own_tolerance=_solving_tolerance(own),
+                memory_mb=_memory_mb(theirs),
+                own_memory_mb=_memory_mb(own),
+            )
         )
-        rows += [
-            f"| {kind} | {c.width:.0f} | {c.milliseconds:.3g} | {c.convolutions:.1f}"
-            f" | {c.milliseconds / c.bare:.1f} | {c.bytes_per_node:.0f} |"
-            for c in mine
-        ]
-    return "\n".join([*fits, "", *rows]) + "\n"
+        _say(f"{rival.name}: {costs[-1]}")
+    return [asdict(each) for each in costs]
 
 
-def draw(costs: list[Cost], path: Path) -> None:
-    """Draw times, fits and bare transforms over the width of the window."""
-    from matplotlib.figure import Figure
-
-    from acoustics.plot_style import curve_style
-
-    figure = Figure(figsize=(6.4, 4.2), layout="constrained")
-    ax = figure.subplots()
-    kinds = dict.fromkeys(c.kind for c in costs)
-    for number, kind in enumerate(kinds):
-        mine = [c for c in costs if c.kind == kind]
-        style = curve_style(number, len(kinds))
-        line = {"color": style["color"], "linestyle": style["linestyle"]}
-        mark = {"color": style["color"], "marker": style["marker"]}
-        ax.plot([c.width for c in mine], [c.milliseconds for c in mine], linestyle="none", **mark)
-        at_100, power = fit(mine)
-        widths = np.array([mine[0].width, mine[-1].width])
-        ax.plot(widths, at_100 * (widths / 100) ** power, linewidth=1, **line)
-        ax.plot([], [], label=kind, **style)
-    rough = sorted((c for c in costs if "smooth" not in c.kind), key=lambda c: c.width)
-    at_100, power = fit(rough, "bare")
-    widths = np.array([rough[0].width, rough[-1].width])
-    ax.plot(widths, at_100 * (widths / 100) ** power, "k--", lw=1, label=LIMIT)
-    ax.set(xscale="log", yscale="log", xlabel="width of the window [nodes]")
-    ax.set_ylabel("time of a step [ms]")
-    ax.grid(alpha=0.3, which="both")
-    ax.legend(fontsize="small")
-    figure.savefig(path, metadata={"Date": None})
+def _solving_tolerance(points: Points) -> float | None:
+    """Return the tolerance of the point whose time `solved_ms` returns."""
+    ms = solved_ms(points)
+    return next((point.tolerance for point in points if solved_ms([point]) == ms), None)
 
 
-def main() -> None:
+def _memory_mb(points: Points) -> float | None:
+    """Return the largest memory of solved points [MB]."""
+    taken = [point.memory for point in points if isinstance(point, Solved)]
+    known = [memory for memory in taken if memory is not None]
+    return max(known) / 1e6 if known else None
+
+
+# ---- tracks
+
+
+def measure_tracks(is_quick: bool) -> list[dict[str, float]]:
+    """Return wall and processor time of a step of whole tracks, without the start of workers."""
+    tracks = []
+    for steps, workers in TRACKS:
+        run = answer(
+            in_fresh_process("run", min(steps, QUICK_STEPS) if is_quick else steps, workers)
+        )
+        began = workers > 1  # one worker is the process itself, which has begun by then
+        wall = run["seconds"] - began * run["start_up_s"]
+        of_processors = run["cpu_s"] - began * run["start_up_cpu_s"]
+        tracks.append(
+            {
+                "steps": run["steps"],
+                "workers": workers,
+                "wall_ms": 1e3 * wall / run["steps"],
+                "cpu_ms": 1e3 * of_processors / run["steps"],
+                "memory_mb": run["peak_bytes"] / 1e6,
+                "march_mb": run["march_bytes"] / 1e6,
+            }
+        )
+        _say(f"track: {tracks[-1]}")
+    return tracks
+
+
+# ---- what is stored
+
+
+def _say(words: str) -> None:
+    print(words, file=sys.stderr, flush=True)
+
+
+def stored_text(content: Any) -> str:
+    """Return the content of the file with four digits, and each measurement on a line."""
+
+    def rounded(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: rounded(each) for key, each in value.items()}
+        if isinstance(value, list):
+            return [rounded(each) for each in value]
+        return float(f"{value:.4g}") if isinstance(value, float) else value
+
+    text = json.dumps(rounded(content), indent=1, ensure_ascii=False)
+    one_line = re.compile(r"\{\s+([^{}\[\]]+?)\s+\}")
+    return one_line.sub(lambda found: f"{{{' '.join(found[1].split())}}}", text) + "\n"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure steps, public solvers and tracks, and write the file."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--quick", action="store_true", help="windows of up to 350 nodes")
-    parser.add_argument("--out", metavar="FOLDER", type=Path, default=OUTPUTS)
-    parser.add_argument("--draw", metavar="PICTURE", type=Path, help="draw the last measurement")
-    given = parser.parse_args()
-    kept = given.out / "step-cost.json"
-    if given.draw:
-        draw([Cost(**each) for each in json.loads(kept.read_text())], given.draw)
-        return
-    given.out.mkdir(parents=True, exist_ok=True)
-    costs = []
+    parser.add_argument("folder", type=Path, nargs="?", help="environments of the public solvers")
+    parser.add_argument("--quick", action="store_true", help="loads of up to 100 N, short tracks")
+    parser.add_argument("--out", type=Path, default=STORED, help="default: %(default)s")
+    parser.add_argument("--note", default="", help="what the reader has to know of the machine")
+    given = parser.parse_args(arguments)
+    if given.quick and given.out == STORED:
+        parser.error("--quick measures too little to be kept: give another file with --out")
+    here = machine()
+    about = {
+        "version": __version__,
+        "date": datetime.now(UTC).date().isoformat(),
+        "machine": {"cpu": here["cpu"], "cores": here["cores"], "note": given.note},
+    }
+    content: dict[str, Any] = {"peers": {}}
+    if given.out.exists():
+        content = json.loads(given.out.read_text(encoding="utf-8"))
+    most = QUICK_LOAD if given.quick else max(LOADS)
     for kind in KINDS:
-        for width in WIDTHS:
-            if given.quick and width > 350:
-                continue
-            scene = scene_of(kind, width)
-            if scene is None:
-                continue
-            costs.append(measure(kind, scene, width))
-            print(costs[-1], file=sys.stderr, flush=True)
-    kept.write_text(json.dumps([asdict(each) for each in costs], indent=1) + "\n")
-    (given.out / "step-cost.md").write_text(table(costs))
-    draw(costs, given.out / "step-cost.svg")
-    print(table(costs), end="")
+        measure(kind, LOADS[0])  # compiles
+    content |= about | {"kinds": measure_kinds(most), "tracks": measure_tracks(given.quick)}
+    content["solved"] = {"gap_error": SOLVED_GAP, "load_error": SOLVED_LOAD}
+    given.out.write_text(stored_text(content), encoding="utf-8")
+    packages = {peer.name: peer.package for peer in PEERS}
+    for rival in RIVALS if given.folder else ():
+        python = given.folder / rival.name / "bin" / "python"
+        if not python.exists():
+            continue
+        content["peers"][rival.name] = {
+            "version": version_of(python, packages[rival.name]),
+            "date": about["date"],
+            "kind": rival.kind,
+            "points": measure_rival(rival, python, most),
+        }
+        given.out.write_text(stored_text(content), encoding="utf-8")
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -8,7 +8,6 @@ python tests/benchmarks/whole_run.py convolutions SECONDS     prints bare convol
 
 from __future__ import annotations
 
-import ctypes
 import json
 import os
 import sys
@@ -18,6 +17,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
+from against_peers import peak_memory
 
 from rolling.contact.half_space import HalfSpace
 from rolling.in_si.scene_surface import heights
@@ -36,19 +36,6 @@ def scene_20_n(*overrides: str) -> Scene:
     """Return the quickstart's run under 20 N."""
     runs = read_scene(QUICKSTART, overrides).runs()
     return next(scene for values, scene in runs if values["rolling.load_n"] == 20)
-
-
-def peak_memory(afresh: bool = False) -> int:
-    """Return the peak resident bytes of this process (Linux).
-
-    The number of getrusage would begin with the bytes of the parent process.
-    """
-    if afresh:
-        # what the surface's making left free would hide what the march takes
-        ctypes.CDLL(None).malloc_trim(0)
-        Path("/proc/self/clear_refs").write_text("5")
-    status = Path("/proc/self/status").read_text().split()
-    return 1024 * int(status[status.index("VmHWM:") + 1])
 
 
 Arrays = dict[str, np.ndarray]

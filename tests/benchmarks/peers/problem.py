@@ -6,6 +6,8 @@ The module needs numpy only, and shares no code with any solver. Numbers are SI,
 
 from __future__ import annotations
 
+import ctypes
+import gc
 import json
 import signal
 import sys
@@ -23,6 +25,7 @@ import numpy as np
 NEGLIGIBLE = 1e-9
 TOO_LONG = "took too long"
 SOONEST = 0.01  # [s] after which the processor time is asked for again
+RESET_PEAK = Path("/proc/self/clear_refs")
 
 
 class Unsolved(Exception):
@@ -159,7 +162,8 @@ class Solved:
 
     Medians and means leave the first position out. `ms` is the mean time of a position, because a
     program may prepare new sizes at some of them. Gap errors [m] and errors of the load are of all
-    positions; deflection [m] is the maximum of the last.
+    positions; deflection [m] is the maximum of the last. memory [bytes] is what the process takes
+    at most beyond what it had before, and None where the system does not tell it.
     """
 
     tolerance: float
@@ -171,6 +175,7 @@ class Solved:
     load_error: float
     convolutions: float | None
     iterations: float | None = None
+    memory: int | None = None
 
 
 @dataclass(frozen=True)
@@ -193,6 +198,7 @@ class Answers:
     def __init__(self, problem: Problem, tolerance: float) -> None:
         self.problem = problem
         self.tolerance = tolerance
+        self.resident = peak_memory(afresh=True)
         self.seconds: list[float] = []
         self.convolutions: list[int] = []
         self.iterations: list[int] = []
@@ -200,6 +206,9 @@ class Answers:
 
     def solved(self) -> Solved:
         """Judge all positions."""
+        memory = None
+        if self.resident is not None:
+            memory = peak_memory() - self.resident  # before the judge takes some itself
         judgements = [self.problem.judge(k, p) for k, p in enumerate(self.pressures)]
         errors = [judgement.gap_error for judgement in judgements]
         return Solved(
@@ -212,7 +221,25 @@ class Answers:
             load_error=max(abs(judgement.load_error) for judgement in judgements),
             convolutions=_mean_after_first(self.convolutions),
             iterations=_mean_after_first(self.iterations),
+            memory=memory,
         )
+
+
+def peak_memory(afresh: bool = False) -> int | None:
+    """Return the peak resident bytes of this process, or None where the system is not Linux.
+
+    The peak is that since the start of the process, or since the last call `afresh`. The number of
+    getrusage would begin with the bytes of the parent process.
+    """
+    if not RESET_PEAK.exists():
+        return None
+    if afresh:
+        # what is free but still resident would hide what is taken from now on
+        gc.collect()
+        ctypes.CDLL(None).malloc_trim(0)
+        RESET_PEAK.write_text("5")
+    status = Path("/proc/self/status").read_text().split()
+    return 1024 * int(status[status.index("VmHWM:") + 1])
 
 
 def _mean_after_first(counts: Sequence[int]) -> float | None:
