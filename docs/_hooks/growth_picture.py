@@ -20,6 +20,7 @@ from acoustics.plot_style import COLOURS, MARKERS, gridded
 
 STORED = ROOT / "tests" / "benchmarks" / "step_cost.json"
 NODES = (1e2, 1e3, 1e4, 1e5)  # in contact, of the columns of the table
+POWERS = "10², 10³, 10⁴, 10⁵"
 FINER = 4.0  # times the nodes of a grid with half the spacing
 NONE = "-"
 
@@ -138,7 +139,7 @@ def _row(label: str, points: Points, over: Sequence[float | None]) -> str:
     """Return the row of steps over nodes in contact."""
     power = power_of(points)
     return _line(
-        f"nodes in contact: {', '.join(f'{nodes:,.0f}' for nodes in NODES)}",
+        f"nodes in contact: {POWERS}",
         label,
         _listed(at_nodes(points, "ms", nodes) for nodes in NODES),
         NONE if power is None else f"{power:.2f}",
