@@ -21,6 +21,7 @@ sys.path.append(str(ROOT / "docs" / "_hooks"))
 
 # isort: split, for these stand beside the docs
 import drawn_pictures  # noqa: E402
+import growth_picture  # noqa: E402
 import picture_list  # noqa: E402
 import picture_parts  # noqa: E402
 import picture_sounds  # noqa: E402
@@ -219,6 +220,19 @@ def test_the_time_at_an_error_lies_between_two_tolerances() -> None:
     assert speed_pictures.ms_at(curve, 1e-9) == 1.0
     assert speed_pictures.ms_at(curve, 1e-13) is None
     assert speed_pictures.ms_at([], 1e-9) is None
+
+
+def test_the_time_at_some_nodes_in_contact_lies_between_two_contacts() -> None:
+    """A power law keeps its power; nothing is told beyond the contacts that were measured."""
+    nodes = (50.0, 3e3, 2e4, 2e5)
+    points = [{"in_contact": n, "ms": 1e-3 * n**1.1, "own_ms": 1e-3 * n} for n in nodes]
+    assert growth_picture.at_nodes(points, "ms", 1e3) == pytest.approx(1e-3 * 1e3**1.1)
+    assert growth_picture.at_nodes(points, "ms", 1e4, over="own_ms") == pytest.approx(1e4**0.1)
+    assert growth_picture.power_of(points) == pytest.approx(1.1)
+    assert growth_picture.at_nodes(points, "ms", 20.0) is None
+    unsolved = [*points[:-1], points[-1] | {"ms": None}]
+    assert growth_picture.at_nodes(unsolved, "ms", 1e5) is None
+    assert growth_picture.power_of(unsolved) is None
 
 
 def _levels(colour: str) -> tuple[int, ...]:
