@@ -118,8 +118,8 @@ def _rows(content: Mapping[str, Any]) -> dict[str, str]:
     longest = [track for track in content["tracks"] if track["steps"] == one[-1]["steps"]]
     rows["row workers"] = _line(
         f"workers: {', '.join(str(track['workers']) for track in longest)}",
-        f"the same, {one[-1]['steps']:,} steps, wall time",
-        _listed(track["wall_ms"] for track in longest),
+        f"the same, {one[-1]['steps']:,} steps, a core for each worker",
+        _listed(track["cpu_ms"] / track["workers"] for track in longest),
         NONE,
         NONE,
         "as much in each process",
