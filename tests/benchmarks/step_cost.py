@@ -6,8 +6,9 @@ FOLDER has the environments of aspher and slippy, as README.md beside this scrip
 that is absent keeps its results with their date. The script marches spheres over plates under loads
 from 0.03 to 10,000 N, gives some of these contacts to the public solvers, and rolls tracks of three
 lengths, the longest on one worker and on two. It writes step_cost.json beside itself, from which
-`python docs/_hooks/pictures.py growth` draws. Processor time counts, of one thread in each process.
-`--quick` stops at 100 N, and needs another `--out`.
+`python docs/_hooks/pictures.py --write growth` draws. Processor time counts, of one thread in each
+process. It takes three to four minutes; `--quick` stops at 100 N, takes one, and needs another
+`--out`.
 """
 
 from __future__ import annotations
