@@ -238,7 +238,7 @@ def measure_rival(rival: Rival, python: str | None, steps: int, repeats: int) ->
     # one more, to plan its transforms
     own = quickest(ours(name, tolerance, steps) for _ in range(repeats + 1))
     detail = (
-        f"ours {own.ms:.1f} ms at tolerance {tolerance:g}, "
+        f"ours {own.mean_ms:.1f} ms at tolerance {tolerance:g}, "
         f"gap error {own.gap_error:.1e} m (limit {most:.1e} m)"
     )
     row = Row(
@@ -254,11 +254,11 @@ def measure_rival(rival: Rival, python: str | None, steps: int, repeats: int) ->
     if other is None:
         row.value = f"not run: give --{peer} PYTHON"
         return row
-    ratio = other.ms / own.ms
+    ratio = other.mean_ms / own.mean_ms
     row.value = f"{ratio:.1f}"
     row.met = ratio >= rival.target and own.gap_error <= most
     row.detail += (
-        f"; {peer} {other.ms:.0f} ms at {other.tolerance:g}, gap error {other.gap_error:.1e} m"
+        f"; {peer} {other.mean_ms:.0f} ms at {other.tolerance:g}, gap error {other.gap_error:.1e} m"
     )
     row.detail += f", {other.convolutions:.1f} convolutions"
     row.numbers |= {"ratio": ratio, peer: asdict(other)}
@@ -284,16 +284,16 @@ def measure_equal(name: str, pythons: dict[str, str | None], steps: int, repeats
     own = quickest(own_runs)
     row.iterations = own.iterations
     row.convolutions = own.convolutions
-    row.detail = f"ours {own.ms:.2f} ms, gap error {own.gap_error:.1e} m"
+    row.detail = f"ours {own.mean_ms:.2f} ms, gap error {own.gap_error:.1e} m"
     row.numbers = {"steps": steps, "ours": asdict(own)}
     if not other_runs:
         row.value = f"not run: give --{peer} PYTHON"
         return row
     other = quickest(other_runs)
-    ratio = other.ms / own.ms
+    ratio = other.mean_ms / own.mean_ms
     row.value = f"{ratio:.1f}"
     row.met = ratio >= target
-    row.detail += f"; {peer} {other.ms:.0f} ms, gap error {other.gap_error:.1e} m"
+    row.detail += f"; {peer} {other.mean_ms:.0f} ms, gap error {other.gap_error:.1e} m"
     row.detail += f", {other.convolutions:.1f} convolutions"
     row.numbers |= {"ratio": ratio, peer: asdict(other)}
     return row
