@@ -25,16 +25,18 @@ class BatchTransforms:
     Parameters
     ----------
     m, n : int
-        Padded lengths along and across. Nodes lie in the first m / 2 + 1 rows and n / 2 + 1 columns.
-    pairs : int
-        Pairs of pieces.
+        Padded lengths along and across. The coefficients are right for nodes up to half of them apart.
+    lines, pairs : int
+        Rows that hold nodes, and pairs of pieces.
     unit : float, m/Pa
         Deflection per pressure and coefficient.
     single : bool
         Whether they are in single precision.
     """
 
-    def __init__(self, m: int, n: int, pairs: int, unit: float, single: bool) -> None:
+    def __init__(
+        self, m: int, n: int, lines: int, pairs: int, unit: float, single: bool
+    ) -> None:
         real, both = ("float32", "complex64") if single else ("float64", "complex128")
         half = half_spectrum(m, n, 1, love)
         along = np.minimum(np.arange(m), m - np.arange(m))
@@ -44,7 +46,7 @@ class BatchTransforms:
         self.spectrum[:, : 2 * n] = np.repeat(spectrum, 2, axis=1)
         numbers = zeros((m, pairs, n + GAP), both)
         self.lines = numbers.view(real)
-        rows = numbers[: m // 2 + 1].reshape(-1, n + GAP)[:, :n]
+        rows = numbers[:lines].reshape(-1, n + GAP)[:, :n]
         columns = numbers.reshape(m, -1)
         self._plans = [
             Plan(rows, rows, 1),

@@ -8,6 +8,7 @@ its convolutions, on sharp edges.
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numba
@@ -24,22 +25,30 @@ from rolling.contact._far_field import coarse_grid, far_field, stencils
 from rolling.contact._linked import reference
 from rolling.contact._position_kernels import measure
 from rolling.contact._system import BORDER, OWN_COEFFICIENT, Direction, Limits, Rules, Solutions
-from rolling.contact._window_kernels import copy_block, loaded_range, undeformed_gap
+from rolling.contact._window_kernels import (
+    copy_block,
+    loaded_range,
+    overlap,
+    reach,
+    undeformed_gap,
+)
 from rolling.contact.compiling import inlined
-from rolling.contact.half_space import HalfSpace, padded_length
+from rolling.contact.half_space import GROUP, HalfSpace, padded_length
+from rolling.contact.march import ROOM
 from rolling.contact.solver import AIM, AIM_FIRST, NEAR, REST
-from rolling.contact.state import ContactState, RollingContact, Window
+from rolling.contact.state import SURE, ContactState, RollingContact
 
 _LINKED = (kernels.iterate, project, settle_load, list_strips, state_of, loaded_range)
 _NOTHING = np.empty(0)
 _NO_FIELD = np.empty((0, 0))
 # columns of the numbers of pieces
-(SLOPE, LONGEST, ZR, LENGTH, NEARLY, MINIMUM, SHARE, GOAL, TOTAL, APPROACH, U_MAX, WORST) = range(12)
-NUMBERS = 12
+(SLOPE, LONGEST, ZR, LENGTH, NEARLY, MINIMUM, SHARE, GOAL, TOTAL) = range(9)
+(APPROACH, APPROACH_BEFORE, APPROACH_ALLOWED, U_MAX, SPREAD, SPREAD_ALLOWED) = range(9, 15)
+NUMBERS = 15
 # columns of their counts
 (NODES, STRIPS, ROW, COLUMN, ITERATIONS, CONVOLUTIONS, DESCENTS, STUCK) = range(8)
-(DESCENDS, ACCEPTED, CARRIED, MISSED, END, POSITION) = range(8, 14)
-COUNTS = 14
+(DESCENDS, ACCEPTED, CARRIED, MISSED, END, POSITION, OUTSIDE) = range(8, 15)
+COUNTS = 15
 
 
 class Frames(NamedTuple):
@@ -136,23 +145,64 @@ def system_of_piece(i, memory, tables, block, nodes, limits, strips):
     )
 
 
-@numba.njit(nogil=True)
-def move(frames, heights, sphere, corner, hardness, numbers, counts):
-    """Move the frames on by a node, with the pressures left on the plate; judge their states.
+@inlined()
+def around(window, other):
+    """Return the minimum window around two windows; one without rows is no window."""
+    if other[2] == 0:
+        return window
+    row = min(window[0], other[0])
+    column = min(window[1], other[1])
+    end = max(window[0] + window[2], other[0] + other[2])
+    right = max(window[1] + window[3], other[1] + other[3])
+    return row, column, end - row, right - column
 
-    `sphere` has spacing, radii, start, step and place across, `corner` the frame's first row and
-    column at position 0.
+
+@numba.njit(nogil=True)
+def find_windows(surface, sphere, load, numbers, counts, windows):
+    """Find the windows (k, 4) of the next position, as a march does.
+
+    `surface` are the heights and their maxima, `sphere` has spacing, radii, start, step and place
+    across, and `load` the minimum deflection times length by the load [m2].
+    """
+    _, maxima = surface
+    spacing, radius, radius_across, start, step, y = sphere
+    for i in range(counts.shape[0]):
+        k = counts[i, POSITION] + 1
+        rise = abs(numbers[i, APPROACH] - numbers[i, APPROACH_BEFORE])
+        approach = numbers[i, APPROACH] + min(4 * rise, 0.1 * numbers[i, U_MAX])
+        spread = ROOM * numbers[i, SPREAD]
+        least = load, spread * spread
+        window = (windows[i, 0], windows[i, 1], windows[i, 2], windows[i, 3])
+        for position in (k, k + 1):
+            place = spacing, radius, radius_across, start + position * step, y
+            window = around(window, overlap(maxima, place, approach, least, False))
+        windows[i, 0] = window[0] - 1
+        windows[i, 1] = window[1] - 1
+        windows[i, 2] = window[2] + 2
+        windows[i, 3] = window[3] + 2
+        numbers[i, APPROACH_ALLOWED] = approach
+        numbers[i, SPREAD_ALLOWED] = spread
+
+
+@numba.njit(nogil=True)
+def move(frames, surface, sphere, corners, hardness, numbers, counts):
+    """Move on by a node to new windows, with the pressures left on the plate; judge the states.
+
+    `corners` (3, k, 2) are the first rows and columns of the windows now, and of the two before.
     """
     p, u, gap, deformed, p_last, u_last, _, _ = frames
+    heights, _ = surface
     spacing, radius, radius_across, start, step, y = sphere
     for i in range(p.shape[0]):
         counts[i, POSITION] += 1
-        k = counts[i, POSITION]
-        copy_block(p_last[i], p[i], -1, 0, False)
-        copy_block(u_last[i], u[i], -1, 0, True)
-        place = spacing, radius, radius_across, start + k * step, y
-        undeformed_gap(heights, place, corner[0] + k, corner[1], gap[i])
+        row = corners[1, i, 0] - corners[0, i, 0]
+        column = corners[1, i, 1] - corners[0, i, 1]
+        copy_block(p_last[i], p[i], row, column, False)
+        copy_block(u_last[i], u[i], row, column, True)
+        place = spacing, radius, radius_across, start + counts[i, POSITION] * step, y
+        undeformed_gap(heights, place, corners[0, i, 0], corners[0, i, 1], gap[i])
         line = p[i].reshape(-1)
+        numbers[i, APPROACH_BEFORE] = numbers[i, APPROACH]
         approach, u_max, _ = state_of(
             gap[i].reshape(-1),
             u[i].reshape(-1),
@@ -166,6 +216,19 @@ def move(frames, heights, sphere, corner, hardness, numbers, counts):
         numbers[i, U_MAX] = u_max
         for column in (ACCEPTED, DESCENTS, STUCK, MISSED, CARRIED):
             counts[i, column] = 0
+
+
+@numba.njit(nogil=True)
+def farthest(pressure, counts):
+    """Return the farthest distances of a loaded node from a node of its window, of all pieces."""
+    rows = 0
+    columns = 0
+    for i in range(pressure.shape[0]):
+        if not counts[i, ACCEPTED]:
+            along, across = reach(pressure[i])
+            rows = max(rows, along)
+            columns = max(columns, across)
+    return rows, columns
 
 
 @numba.njit(nogil=True)
@@ -193,11 +256,13 @@ def list_nodes(frames, listed, hardness, total, numbers, counts, block):
 
 
 @numba.njit(nogil=True)
-def lead(frames, memory, tables, block, corners, hardness, tolerance, numbers, counts):
+def lead(frames, memory, tables, block, corners, blocks, limits, numbers, counts):
     """Take the candidates of the pieces, and find their first directions.
 
-    The block has the same size for all, and begins at `corners` (k, 4) on the frame.
+    `block` is the size that all blocks get and the row length of the coefficients, `blocks` (k, 4)
+    those of the candidates, and `limits` hardness and tolerance.
     """
+    hardness, tolerance = limits
     p, u, _, deformed, _, _, p_before, u_before = frames
     listed, vectors, image, indices, at, residuals, grids, coarse, strips = memory
     for i in range(p.shape[0]):
@@ -206,8 +271,8 @@ def lead(frames, memory, tables, block, corners, hardness, tolerance, numbers, c
             continue
         rows = block[0] + 2 * BORDER
         columns = block[1] + 2 * BORDER
-        row = min(corners[i, 0], p.shape[1] - block[0])
-        column = min(corners[i, 1], p.shape[2] - block[1])
+        row = min(blocks[i, 0], p.shape[1] - block[0])
+        column = min(blocks[i, 1], p.shape[2] - block[1])
         counts[i, ROW] = row
         counts[i, COLUMN] = column
         nodes = counts[i, NODES]
@@ -239,7 +304,9 @@ def lead(frames, memory, tables, block, corners, hardness, tolerance, numbers, c
                 system_of_piece(i, memory, tables, block, nodes, limits, counts[i, STRIPS])
             )
             here = (row, column, block[0], block[1])
-            solutions = Solutions(p[i], u[i], p_before[i], u_before[i], -2, 0, here)
+            back = corners[2, i, 0] - corners[0, i, 0]
+            aside = corners[2, i, 1] - corners[0, i, 1]
+            solutions = Solutions(p[i], u[i], p_before[i], u_before[i], back, aside, here)
             no = not first
             rules = Rules(descents.NEARLY_WHOLE, 0.0, 0.0, np.int64(descents.FIRST_SWEEPS), no, no)
             step, direction = kernels.iterate(system, direction, solutions, rules)
@@ -271,7 +338,7 @@ def step_and_turn(frames, memory, tables, block, hardness, tolerance, numbers, c
             system_of_piece(i, memory, tables, block, nodes, limits, counts[i, STRIPS])
         )
         nothing = p_before[i][:0]
-        none = Solutions(nothing, nothing, nothing, nothing, -2, 0, (0, 0, block[0], block[1]))
+        none = Solutions(nothing, nothing, nothing, nothing, 0, 0, (0, 0, block[0], block[1]))
         direction = Direction(
             numbers[i, SLOPE], numbers[i, LONGEST], numbers[i, ZR], numbers[i, LENGTH]
         )
@@ -324,14 +391,16 @@ def step_and_turn(frames, memory, tables, block, hardness, tolerance, numbers, c
 
 
 @numba.njit(nogil=True)
-def judge_and_measure(frames, sphere, corner, highest, limits, numbers, counts, measures):
+def judge_and_measure(frames, surface, sphere, corners, limits, numbers, counts, windows):
     """Judge fresh deflections, and measure the states that are accepted.
 
-    `limits` are hardness, sum of pressures and tolerance. `measures` (k, 3) are set to the
-    approach, the number of nodes in contact and the sum of p u.
+    `limits` are hardness, sum of pressures, tolerance, and minimum deflection times length by the
+    load. `windows` (k, 4) are set to the blocks of the loaded nodes. States that a march would
+    solve again on a wider window are counted.
     """
     p, u, gap, deformed, _, _, _, _ = frames
-    hardness, total, tolerance = limits
+    hardness, total, tolerance, load = limits
+    _, maxima = surface
     spacing, radius, radius_across, start, step, y = sphere
     for i in range(p.shape[0]):
         if counts[i, ACCEPTED]:
@@ -348,7 +417,6 @@ def judge_and_measure(frames, sphere, corner, highest, limits, numbers, counts, 
         )
         numbers[i, APPROACH] = approach
         numbers[i, U_MAX] = u_max
-        numbers[i, WORST] = worst
         counts[i, CONVOLUTIONS] += 1
         carries = counts[i, CARRIED] or abs(sum_of(line) / total - 1) <= 1e-12
         if not (worst <= tolerance * u_max and carries):
@@ -356,22 +424,39 @@ def judge_and_measure(frames, sphere, corner, highest, limits, numbers, counts, 
         counts[i, ACCEPTED] = 1
         k = counts[i, POSITION]
         place = spacing, radius, radius_across, start + k * step, y
-        _, (touching, _, _, work, _) = measure(
+        loaded, (_, _, _, _, spread) = measure(
             (p[i], u[i], p[i][:0]),
             (hardness, 0.0),
             place,
-            highest,
+            maxima[3],
             approach,
             False,
-            (corner[0] + k, corner[1]),
+            (corners[0, i, 0], corners[0, i, 1]),
         )
-        measures[i, 0] = approach
-        measures[i, 1] = touching
-        measures[i, 2] = work
+        for column in range(4):
+            windows[i, column] = loaded[column]
+        numbers[i, SPREAD] = spread
+        beyond = spread > numbers[i, SPREAD_ALLOWED] or approach > numbers[i, APPROACH_ALLOWED]
+        if beyond:
+            own = corners[0, i, 0], corners[0, i, 1], p.shape[1], p.shape[2]
+            least = load, spread * spread
+            wider = around(own, overlap(maxima, place, approach, least, False))
+            counts[i, OUTSIDE] += wider[2] > own[2] or wider[3] > own[3]
+
+
+@lru_cache(maxsize=None)
+def _transforms_of(*size: Any) -> BatchTransforms:
+    """Return transforms by the arguments of BatchTransforms and a number; they are made once.
+
+    Batches of the same number share their work arrays, so that they must take turns.
+    """
+    return BatchTransforms(*size[:-1])
 
 
 class CompiledBatch:
     """A batch of pieces in lockstep on a processor (see `interface.Batch`).
+
+    All windows of a position have the same size, and so have the blocks of candidates.
 
     Parameters
     ----------
@@ -379,17 +464,19 @@ class CompiledBatch:
         Contact with sharp edges on whole cells, with steps of a node.
     half_space : HalfSpace
         Its half-space.
-    frame : Window
-        Nodes of the frame at position 0.
     states : list of (ContactState, ContactState)
         The first two states of each piece.
+    number : int
+        Batches of other numbers may march at the same time in other threads.
 
     Attributes
     ----------
-    counts, measures : (k, ...) arrays
-        Counts of the pieces, and numbers of their last accepted states.
+    numbers, counts : (k, ...) arrays
+        Numbers and counts of the pieces.
     frames : Frames
         State of the pieces.
+    corners : (3, k, 2) array
+        First rows and columns of the windows now, and at the two positions before.
     rounds : int
         Rounds of transforms in single precision so far, for all pieces together.
     """
@@ -398,27 +485,69 @@ class CompiledBatch:
         self,
         contact: RollingContact,
         half_space: HalfSpace,
-        frame: Window,
         states: list[tuple[ContactState, ContactState]],
+        number: int = 0,
     ) -> None:
+        self._number = number
         for kernel in _LINKED:
             kernel.link()
         self.contact = contact
         self.half_space = half_space
-        self.frame = frame
         pieces = len(states)
-        shape = (pieces, frame.rows, frame.columns)
-        self.frames = Frames(*(np.zeros(shape) for _ in Frames._fields))
         self.numbers = np.zeros((pieces, NUMBERS))
         self.counts = np.zeros((pieces, COUNTS), np.int64)
-        self.measures = np.zeros((pieces, 3))
+        self.corners = np.zeros((3, pieces, 2), np.int64)
         self.rounds = 0
-        nodes = frame.rows * frame.columns
-        rows = frame.rows + 2 * BORDER
-        columns = frame.columns + 2 * BORDER
-        places = rows * columns
-        coarse_rows, coarse_columns, _ = coarse_grid(rows, columns)
-        self.memory = Memory(
+        self._windows = np.zeros((pieces, 4), np.int64)
+        self._blocks = np.zeros((pieces, 4), np.int64)
+        self.block = (0, 0, 0)
+        self._tables: tuple[Any, ...] = ()
+        self._made: dict[tuple[int, ...], Any] = {}
+        befores, lasts = zip(*states, strict=True)
+        nothing = np.zeros((pieces, 0, 0))
+        self.frames = Frames(
+            *self._side_by_side(lasts, 0),
+            nothing,
+            nothing,
+            *self._side_by_side(befores, 1),
+            nothing,
+            nothing,
+        )
+        for i, (before, last) in enumerate(states):
+            self.counts[i, POSITION] = last.position
+            self._windows[i] = last.loaded
+            self.numbers[i, APPROACH_BEFORE] = before.approach
+            self.numbers[i, APPROACH] = last.approach
+            self.numbers[i, U_MAX] = last.max_deflection
+            self.numbers[i, SPREAD] = last.spread
+        self.memory = self._memory_for(*self.frames.p.shape[1:])
+        geometry = contact.geometry
+        place = geometry.sphere(0)
+        self._sphere = (*place[:4], float(contact.step), place[4])
+        self._surface = contact.heights, geometry.maxima
+        self._least = SURE * contact.load / geometry.pi_modulus
+        self._total = float(contact.load / contact.spacing**2)
+
+    def _side_by_side(self, states: tuple[ContactState, ...], age: int) -> tuple[Array, Array]:
+        """Return pressures and deflections on windows of the same size, and set their corners."""
+        rows = max(state.window.rows for state in states)
+        columns = max(state.window.columns for state in states)
+        p = np.zeros((len(states), rows, columns))
+        u = np.zeros(p.shape)
+        for i, state in enumerate(states):
+            window = state.window._replace(rows=rows, columns=columns)
+            state.window.move(state.pressure, window, p[i])
+            state.window.move(state.deflection, window, u[i], continued=True)
+            self.corners[age, i] = window[:2]
+        return p, u
+
+    def _memory_for(self, rows: int, columns: int) -> Memory:
+        """Return memory for windows of up to so many rows and columns."""
+        pieces = len(self.counts)
+        nodes = rows * columns
+        places = (rows + 2 * BORDER) * (columns + 2 * BORDER)
+        coarse_rows, coarse_columns, _ = coarse_grid(rows + 2 * BORDER, columns + 2 * BORDER)
+        return Memory(
             listed=np.zeros((pieces, nodes), np.int64),
             vectors=np.zeros((pieces, 6, nodes)),
             image=np.zeros((pieces, nodes)),
@@ -429,43 +558,37 @@ class CompiledBatch:
             coarse=np.zeros((pieces, 7, 2 * coarse_rows * coarse_columns), np.float32),
             strips=np.zeros((pieces, places // STRIP + 1, 2), np.uint64),
         )
-        self._corners = np.zeros((pieces, 4), np.int64)
-        self._block = (0, 0, 0)
-        self._tables: tuple[Any, ...] = ()
-        self._made: dict[tuple[int, ...], Any] = {}
-        for i, (before, last) in enumerate(states):
-            here = frame.shifted(before.position)
-            before.window.move(before.pressure, here, self.frames.p_last[i])
-            before.window.move(before.deflection, here, self.frames.u_last[i], continued=True)
-            here = frame.shifted(last.position)
-            last.window.move(last.pressure, here, self.frames.p[i])
-            last.window.move(last.deflection, here, self.frames.u[i], continued=True)
-            self.counts[i, POSITION] = last.position
-        geometry = contact.geometry
-        place = geometry.sphere(0)
-        self._sphere = (*place[:4], float(contact.step), place[4])
-        self._highest = float(geometry.maxima[3])
-        self._total = float(contact.load / contact.spacing**2)
 
     def move_on(self) -> None:
         """Move all pieces to their next position."""
+        find_windows(
+            self._surface, self._sphere, self._least, self.numbers, self.counts, self._windows
+        )
+        rows, columns = (int(most) for most in self._windows[:, 2:].max(axis=0))
+        self.corners[2] = self.corners[1]
+        self.corners[1] = self.corners[0]
+        self.corners[0] = self._windows[:, :2]
         f = self.frames
+        shape = (len(self.counts), rows, columns)
         self.frames = Frames(
-            p=f.p_before,
-            u=f.u_before,
-            gap=f.gap,
-            deformed=f.deformed,
+            p=np.empty(shape),
+            u=np.empty(shape),
+            gap=np.empty(shape),
+            deformed=np.empty(shape),
             p_last=f.p,
             u_last=f.u,
             p_before=f.p_last,
             u_before=f.u_last,
         )
+        if rows * columns > self.memory.listed.shape[1]:
+            self.memory = self._memory_for(rows + 8, columns + 8)
+        hardness = float(self.contact.hardness)
         move(
             self.frames,
-            self.contact.heights,
+            self._surface,
             self._sphere,
-            self.frame[:2],
-            float(self.contact.hardness),
+            self.corners,
+            hardness,
             self.numbers,
             self.counts,
         )
@@ -480,19 +603,19 @@ class CompiledBatch:
             self._total,
             self.numbers,
             self.counts,
-            self._corners,
+            self._blocks,
         )
-        rows, columns = (int(most) for most in self._corners[:, 2:].max(axis=0))
+        rows, columns = (int(most) for most in self._blocks[:, 2:].max(axis=0))
         self._tables, influence_row = self._tables_of(rows, columns)
-        self._block = (rows, columns, influence_row)
+        self.block = (rows, columns, influence_row)
         lead(
             self.frames,
             self.memory,
             self._tables,
-            self._block,
-            self._corners,
-            hardness,
-            float(self.contact.tolerance),
+            self.block,
+            self.corners,
+            self._blocks,
+            (hardness, float(self.contact.tolerance)),
             self.numbers,
             self.counts,
         )
@@ -524,14 +647,15 @@ class CompiledBatch:
         slots[: len(pieces)] = pieces
         return slots
 
-    def _transforms(self, reach: tuple[int, int], pairs: int, single: bool) -> BatchTransforms:
-        """Return the transforms for nodes so far apart, which are made once."""
-        m = padded_length(reach[0], False)
-        n = padded_length(reach[1], True)
-        key = (m, n, pairs, int(single))
-        if key not in self._made:
-            self._made[key] = BatchTransforms(m, n, pairs, self.half_space.unit, single)
-        return self._made[key]
+    def _transforms(
+        self, apart: tuple[int, int], rows: int, pairs: int, single: bool
+    ) -> BatchTransforms:
+        """Return the transforms of so many rows of nodes so far apart, which are made once."""
+        m = padded_length(apart[0])
+        n = padded_length(apart[1], across=True)
+        lines = min(m, rows + -rows % GROUP)
+        own = self._number
+        return _transforms_of(m, n, lines, pairs, self.half_space.unit, single, own)
 
     def convolve(self) -> None:
         """Compute the deflection by the directions of all pieces that have one."""
@@ -540,8 +664,8 @@ class CompiledBatch:
         if not pieces.size:
             return
         slots = self._slots(pieces)
-        rows, columns, _ = self._block
-        made = self._transforms((rows - 1, columns - 1), slots.size // 2, True)
+        rows, columns, _ = self.block
+        made = self._transforms((rows - 1, columns - 1), rows, slots.size // 2, True)
         d = self.memory.vectors[:, 3]
         made.deflect_nodes(d, self.counts[:, NODES], self.memory.at, slots, self.memory.image)
         self.counts[pieces, CONVOLUTIONS] += 1
@@ -553,7 +677,7 @@ class CompiledBatch:
             self.frames,
             self.memory,
             self._tables,
-            self._block,
+            self.block,
             float(self.contact.hardness),
             float(self.contact.tolerance),
             self.numbers,
@@ -565,18 +689,18 @@ class CompiledBatch:
         """Judge in double precision; return how many pieces are not accepted."""
         pieces = np.flatnonzero(self.counts[:, ACCEPTED] == 0)
         slots = self._slots(pieces)
-        reach = (self.frame.rows - 1, self.frame.columns - 1)
-        made = self._transforms(reach, slots.size // 2, False)
+        apart = farthest(self.frames.p, self.counts)
+        made = self._transforms(apart, self.frames.p.shape[1], slots.size // 2, False)
         made.deflect_frames(self.frames.p, slots, self.frames.u)
         hardness = float(self.contact.hardness)
         judge_and_measure(
             self.frames,
+            self._surface,
             self._sphere,
-            self.frame[:2],
-            self._highest,
-            (hardness, self._total, float(self.contact.tolerance)),
+            self.corners,
+            (hardness, self._total, float(self.contact.tolerance), self._least),
             self.numbers,
             self.counts,
-            self.measures,
+            self._windows,
         )
         return int((self.counts[:, ACCEPTED] == 0).sum())
