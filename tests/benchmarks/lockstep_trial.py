@@ -2,9 +2,10 @@
 
 The script marches k pieces of the track of the quickstart at 1 and 5 N, with sharp edges and steps
 of a node. The present solver takes them one after the other on one core, and on two processes; a
-batch takes them in lockstep on one core, in two processes and in two threads, each of half of the
-pieces. All take turns. Processor time counts on one core, wall time on two; the numbers are medians
-over rounds. Then the parts: transforms in one plan, sweeps in one call, the Python of a step, and
+batch takes them in lockstep on one core, and half of them each in two processes and in two threads.
+Its k transforms are in one plan, or they are those of the present solver in a single call, which
+are quicker and serve on two cores. All take turns. Processor time counts on one core, wall time on
+two; the numbers are medians over rounds. Then the parts: transforms in one plan, sweeps in one call, the Python of a step, and
 what lockstep costs (blocks of one size, rounds of the slowest piece). The answers of both are
 judged on wider grids by code that neither shares.
 
@@ -22,7 +23,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from multiprocessing import get_context
 from pathlib import Path
@@ -31,15 +32,15 @@ from typing import Any
 if __name__ == "__main__":
     pinned = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
     os.environ.update(dict.fromkeys(pinned, "1"))
-    sys.path.insert(0, str(Path(__file__).parent / "peers"))
 
 import numpy as np
 from lockstep import compiled
 from lockstep.batch_transforms import BatchTransforms
-from lockstep.compiled import CONVOLUTIONS, OUTSIDE, CompiledBatch
+from lockstep.compiled import CompiledBatch
 from lockstep.interface import follow
 from lockstep.parts import Sweeps, transform_each, transform_pairs
-from problem import Problem
+from lockstep.passes import CONVOLUTIONS, OUTSIDE
+from peers.problem import Problem
 
 from rolling.contact import _position_kernels, _window_kernels, solver
 from rolling.contact._transform_kernels import GROUP, nodes_kernel
@@ -91,6 +92,8 @@ class Task:
         Timed steps of each piece, after its first two positions.
     in_lockstep : bool
         Whether they march in lockstep.
+    one_plan : bool
+        Whether k transforms are then in one plan.
     """
 
     load: float
@@ -98,14 +101,12 @@ class Task:
     pieces: int
     steps: int
     in_lockstep: bool
+    one_plan: bool = True
 
     def halves(self) -> list[Task]:
         """Return the tasks of two cores."""
         half = self.pieces // 2
-        return [
-            Task(self.load, self.first + begin, half, self.steps, self.in_lockstep)
-            for begin in (0, half)
-        ]
+        return [replace(self, first=self.first + begin, pieces=half) for begin in (0, half)]
 
     def prepared(self) -> Callable[[], Any]:
         """Solve the first two positions of each piece; return the function that is timed."""
@@ -115,7 +116,7 @@ class Task:
         marches = [march(contact, k, k + 1 + self.steps, half_space) for k in begins]
         states = [(next(each), next(each)) for each in marches]
         if self.in_lockstep:
-            batch = CompiledBatch(contact, half_space, states, number=self.first)
+            batch = CompiledBatch(contact, half_space, states, self.one_plan, self.first)
 
             def run() -> CompiledBatch:
                 for _ in range(self.steps):
@@ -190,22 +191,30 @@ def _wall(times: list[tuple[float, float]], task: Task) -> float:
     return 1e3 * seconds / (task.pieces * task.steps)
 
 
+ONE_BY_ONE = {"in_lockstep": False}
+ONE_PLAN = {"in_lockstep": True, "one_plan": True}
+OWN_PLANS = {"in_lockstep": True, "one_plan": False}
 WAYS = {
-    "one core, one after the other": (on_one_core, False),
-    "one core, lockstep": (on_one_core, True),
-    "two processes, one after the other": (on_two_processes, False),
-    "two processes, lockstep": (on_two_processes, True),
-    "two threads, lockstep": (on_two_threads, True),
+    "one core, one after the other": (on_one_core, ONE_BY_ONE),
+    "one core, k transforms in one plan": (on_one_core, ONE_PLAN),
+    "one core, lockstep": (on_one_core, OWN_PLANS),
+    "two processes, one after the other": (on_two_processes, ONE_BY_ONE),
+    "two processes, lockstep": (on_two_processes, OWN_PLANS),
+    "two threads, lockstep": (on_two_threads, OWN_PLANS),
 }
 
 
 @dataclass(frozen=True)
 class Gain:
-    """Milliseconds of a step of a piece by each way, and the gains of lockstep: medians."""
+    """Milliseconds of a step of a piece by each way, and the gains of lockstep: medians.
+
+    A gain is over pieces one after the other on as many cores.
+    """
 
     load: float
     pieces: int
-    ms: dict[str, float]
+    ms: list[float]
+    one_plan: float
     one_core: float
     two_processes: float
     two_threads: float
@@ -216,23 +225,20 @@ def measure_gain(load: float, pieces: int, steps: int, rounds: int) -> Gain:
 
     Transforms are made before: a task on two threads makes those of the processes.
     """
-    taken: list[list[float]] = []
-    for clock, in_lockstep in WAYS.values():
+    turn = [
+        (clock, Task(load=load, first=0, pieces=pieces, steps=steps, **how))
+        for clock, how in WAYS.values()
+    ]
+    for clock, task in turn:
         if clock is not on_two_processes:
-            clock(Task(load, 0, pieces, steps, in_lockstep))
-    for _ in range(rounds):
-        taken.append(
-            [
-                clock(Task(load, 0, pieces, steps, in_lockstep))
-                for clock, in_lockstep in WAYS.values()
-            ]
-        )
-    table = np.array(taken)
-    one, lockstep, two, processes, threads = table.T
+            clock(task)
+    table = np.array([[clock(task) for clock, task in turn] for _ in range(rounds)])
+    one, one_plan, lockstep, two, processes, threads = table.T
     return Gain(
         load=load,
         pieces=pieces,
-        ms=dict(zip(WAYS, np.median(table, axis=0).tolist(), strict=True)),
+        ms=np.median(table, axis=0).tolist(),
+        one_plan=float(np.median(one / one_plan)),
         one_core=float(np.median(one / lockstep)),
         two_processes=float(np.median(two / processes)),
         two_threads=float(np.median(two / threads)),
@@ -293,7 +299,9 @@ def compare_answers(load: float, pieces: int, steps: int) -> Answers:
         marched = task.prepared()()
     half_space = half_space_for(load)
     starts = [march(contact, APART * i, APART * i + 1, half_space) for i in range(pieces)]
-    batch = CompiledBatch(contact, half_space, [(next(each), next(each)) for each in starts])
+    batch = CompiledBatch(
+        contact, half_space, [(next(each), next(each)) for each in starts], one_plan=True
+    )
     windows = []
     common = []
     mine = []
@@ -388,7 +396,7 @@ def microseconds(run: Callable[[], Any], pieces: int) -> float:
 def measure_parts(load: float, pieces: int, steps: int) -> Parts:
     """Measure the parts on the block of the last position of a batch."""
     half_space = half_space_for(load)
-    batch = Task(load, 0, pieces, 3, in_lockstep=True).prepared()()
+    batch = Task(load, 0, pieces, 3, in_lockstep=True, one_plan=False).prepared()()
     block = batch.block[:2]
     each, pair, together = transforms_of(half_space, block, pieces)
     sweeps = Sweeps(half_space.unit, block, pieces)
@@ -402,7 +410,9 @@ def measure_parts(load: float, pieces: int, steps: int) -> Parts:
         sweeps_each=microseconds(sweeps.one_by_one, pieces),
         sweeps_all=microseconds(sweeps.all_at_once, pieces),
         python=share_of_python(Task(load, 0, pieces, steps, in_lockstep=False)),
-        python_in_lockstep=share_of_python(Task(load, 0, pieces, steps, in_lockstep=True)),
+        python_in_lockstep=share_of_python(
+            Task(load, 0, pieces, steps, in_lockstep=True, one_plan=False)
+        ),
     )
 
 
@@ -434,11 +444,8 @@ COMPILED = (
     (_position_kernels, ("judge", "measure", "carried_by")),
     (_window_kernels, ("overlap", "undeformed_gap", "copy_block")),
     (HalfSpace, ("deflect",)),
-    (
-        compiled,
-        ("find_windows", "move", "list_nodes", "lead", "step_and_turn", "farthest"),
-    ),
-    (compiled, ("judge_and_measure",)),
+    (compiled, ("find_windows", "move", "list_nodes", "lead", "step_and_turn", "farthest")),
+    (compiled, ("nodes_by_own_plans", "frames_by_own_plans", "judge_and_measure")),
     (BatchTransforms, ("deflect_nodes", "deflect_frames")),
 )
 
@@ -476,16 +483,16 @@ def share_of_python(task: Task) -> float:
 def tables(gains: list[Gain], answers: list[Answers], parts: list[Parts]) -> str:
     """Return the measurements as three Markdown tables."""
     lines = [
-        "|load, pieces|one core: present, lockstep [ms]|gain|two processes: present, lockstep [ms]"
-        "|gain|two threads, lockstep [ms]|gain over two processes|",
-        "|---|---|---|---|---|---|---|",
+        "|load, pieces|one core [ms]: one after the other, lockstep, with one plan|gains"
+        "|two cores [ms]: one after the other, lockstep in processes, in threads|gains|",
+        "|---|---|---|---|---|",
     ]
     for g in gains:
-        one, lockstep, two, processes, threads = g.ms.values()
+        one, one_plan, lockstep, two, processes, threads = g.ms
         lines.append(
-            f"|{g.load:g} N, {g.pieces}|{one:.3f}, {lockstep:.3f}|{g.one_core:.2f}"
-            f"|{two:.3f}, {processes:.3f}|{g.two_processes:.2f}|{threads:.3f}"
-            f"|{g.two_threads:.2f}|"
+            f"|{g.load:g} N, {g.pieces}|{one:.3f}, {lockstep:.3f}, {one_plan:.3f}"
+            f"|{g.one_core:.2f}, {g.one_plan:.2f}|{two:.3f}, {processes:.3f}, {threads:.3f}"
+            f"|{g.two_processes:.2f}, {g.two_threads:.2f}|"
         )
     lines += [
         "",
@@ -525,7 +532,6 @@ def main() -> None:
     parser.add_argument("--out", metavar="FOLDER", type=Path, default=OUTPUTS)
     given = parser.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
-    on_one_core(Task(LOADS[0], 0, 2, 3, in_lockstep=True))  # compiles
     gains = []
     answers = []
     parts = []

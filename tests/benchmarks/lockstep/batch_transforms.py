@@ -11,11 +11,13 @@ import numba
 import numpy as np
 
 from acoustics.arrays import Array
+from rolling.contact import _transform_kernels as present
 from rolling.contact._by_address import call
 from rolling.contact._plans import Plan, zeros
 from rolling.contact.half_space import half_spectrum, love
 
 GAP = 4  # complex numbers between lines, so that columns do not meet in the same places of a cache
+_deflect_window = present.window_kernel(1)
 ROWS, COLUMNS, COLUMNS_BACK, ROWS_BACK = range(4)
 
 
@@ -25,7 +27,8 @@ class BatchTransforms:
     Parameters
     ----------
     m, n : int
-        Padded lengths along and across. The coefficients are right for nodes up to half of them apart.
+        Padded lengths along and across. The coefficients are right for nodes up to half a length
+        apart.
     lines, pairs : int
         Rows that hold nodes, and pairs of pieces.
     unit : float, m/Pa
@@ -34,9 +37,7 @@ class BatchTransforms:
         Whether they are in single precision.
     """
 
-    def __init__(
-        self, m: int, n: int, lines: int, pairs: int, unit: float, single: bool
-    ) -> None:
+    def __init__(self, m: int, n: int, lines: int, pairs: int, unit: float, single: bool) -> None:
         real, both = ("float32", "complex64") if single else ("float64", "complex128")
         half = half_spectrum(m, n, 1, love)
         along = np.minimum(np.arange(m), m - np.arange(m))
@@ -89,7 +90,7 @@ def _nodes(d, count, at, slots, lines, spectrum, executable, image):
     `d` and `image` (k, n) have `count` nodes of each piece, at rows `at[0]` and columns `at[1]`.
     `slots` (2 pairs,) tells which piece lies where, -1 none.
     """
-    lines[:] = 0.0
+    lines.reshape(-1)[:] = 0.0  # a single loop, which is faster
     for slot in range(slots.size):
         piece = slots[slot]
         for a in range(count[piece] if piece >= 0 else 0):
@@ -104,7 +105,7 @@ def _nodes(d, count, at, slots, lines, spectrum, executable, image):
 @numba.njit(nogil=True)
 def _frames(pressure, slots, lines, spectrum, executable, deflection):
     """Set the deflection of whole frames by the pressure on them."""
-    lines[:] = 0.0
+    lines.reshape(-1)[:] = 0.0  # a single loop, which is faster
     for slot in range(slots.size):
         piece = slots[slot]
         for i in range(pressure.shape[1] if piece >= 0 else 0):
@@ -118,3 +119,28 @@ def _frames(pressure, slots, lines, spectrum, executable, deflection):
             line = lines[i, slot // 2]
             for j in range(pressure.shape[2]):
                 deflection[piece, i, j] = line[2 * j + slot % 2]
+
+
+@numba.njit(nogil=True)
+def nodes_by_own_plans(d, count, node, pieces, block, transforms, image):
+    """Set the image of listed nodes to the deflection by pressures d on them, piece by piece.
+
+    `d` and `image` are arrays (k, n), and `node` (k, n) are places in the array of the transforms,
+    which the image of a piece has as well. `block` has the rows and columns of the nodes and the
+    deflection per pressure and coefficient. `transforms` are the address of their kernel and their
+    entry (see `deflect_nodes` of the present solver).
+    """
+    kernel, entry = transforms
+    no_cells = np.empty(0, np.int64)
+    here = (0, 0, block[0], block[1])
+    for piece in pieces:
+        nodes = node[piece][: count[piece]], no_cells
+        own = d[piece][: count[piece]]
+        present.deflect_nodes(kernel, entry, here, own, block[2], image[piece], nodes)
+
+
+@numba.njit(nogil=True)
+def frames_by_own_plans(pressure, pieces, unit, entry, deflection):
+    """Set the deflection of whole frames by the pressure on them, piece by piece."""
+    for piece in pieces:
+        _deflect_window(pressure[piece], unit, entry, deflection[piece])

@@ -7,7 +7,6 @@ import numba
 import numpy as np
 
 from lockstep.batch_transforms import transform
-
 from rolling.contact import _system as parts
 from rolling.contact._descent_kernels import SWEEPS
 from rolling.contact._far_field import stencils
