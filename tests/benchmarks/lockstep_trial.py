@@ -1,13 +1,15 @@
 """What pieces of a march gain that advance in lockstep, against pieces one after the other.
 
 The script marches k pieces of the track of the quickstart at 1 and 5 N, with sharp edges and steps
-of a node. The present solver takes them one after the other on one core, and on two processes; a
+of a node. The present solver takes them one after the other on one core, and on two processes. A
 batch takes them in lockstep on one core, and half of them each in two processes and in two threads.
 Its k transforms are in one plan, or they are those of the present solver in a single call, which
 are quicker and serve on two cores. All take turns. Processor time counts on one core, wall time on
-two; the numbers are medians over rounds. Then the parts: transforms in one plan, sweeps in one call, the Python of a step, and
-what lockstep costs (blocks of one size, rounds of the slowest piece). The answers of both are
-judged on wider grids by code that neither shares.
+two; the numbers are medians over rounds.
+
+Then the parts: transforms in one plan, sweeps in one call, the Python of a step, and what lockstep
+costs (blocks of one size, rounds of the slowest piece). The answers of both are judged on wider
+grids by code that neither shares.
 
 python tests/benchmarks/lockstep_trial.py [--steps N] [--rounds N] [--out FOLDER]
 """
