@@ -39,9 +39,9 @@ import numpy as np
 from lockstep import compiled
 from lockstep.batch_transforms import BatchTransforms
 from lockstep.compiled import CompiledBatch
+from lockstep.compiled_passes import CONVOLUTIONS, OUTSIDE
 from lockstep.interface import follow
 from lockstep.parts import Sweeps, transform_each, transform_pairs
-from lockstep.passes import CONVOLUTIONS, OUTSIDE
 from peers.problem import Problem
 
 from rolling.contact import _position_kernels, _window_kernels, solver

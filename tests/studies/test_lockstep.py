@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from lockstep import grids
 from lockstep.compiled import CompiledBatch
+from lockstep.compiled_passes import ACCEPTED, APPROACH, OUTSIDE
 from lockstep.interface import follow
-from lockstep.passes import ACCEPTED, APPROACH, OUTSIDE
 from lockstep_trial import APART, Task, contact_of, half_space_for, judge
 
 from rolling.contact import _far_field as far

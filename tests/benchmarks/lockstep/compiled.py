@@ -9,7 +9,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from lockstep.batch_transforms import BatchTransforms, frames_by_own_plans, nodes_by_own_plans
-from lockstep.passes import (
+from lockstep.compiled_passes import (
     ACCEPTED,
     APPROACH,
     APPROACH_BEFORE,

@@ -40,9 +40,9 @@ LINKED = (kernels.iterate, project, settle_load, list_strips, state_of, loaded_r
 (APPROACH, APPROACH_BEFORE, APPROACH_ALLOWED, U_MAX, SPREAD, SPREAD_ALLOWED) = range(9, 15)
 NUMBERS = 15
 # columns of their counts
-(NODES, STRIPS, ROW, COLUMN, ITERATIONS, CONVOLUTIONS, DESCENTS, STUCK) = range(8)
-(DESCENDS, ACCEPTED, CARRIED, MISSED, END, POSITION, OUTSIDE) = range(8, 15)
-COUNTS = 15
+(NODES, STRIPS, ITERATIONS, CONVOLUTIONS, DESCENTS, STUCK) = range(6)
+(DESCENDS, ACCEPTED, CARRIED, MISSED, END, POSITION, OUTSIDE) = range(6, 13)
+COUNTS = 13
 
 
 class Frames(NamedTuple):
@@ -278,8 +278,6 @@ def lead(frames, memory, tables, block, corners, blocks, limits, numbers, counts
         columns = block[1] + 2 * BORDER
         row = min(blocks[i, 0], frames.p.shape[1] - block[0])
         column = min(blocks[i, 1], frames.p.shape[2] - block[1])
-        counts[i, ROW] = row
-        counts[i, COLUMN] = column
         nodes = counts[i, NODES]
         own = memory.listed[i][:nodes]
         width = frames.p.shape[2]
