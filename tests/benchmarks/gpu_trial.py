@@ -39,7 +39,7 @@ RATE = 4e12  # bytes a second of a card
 REACHED = 0.5  # of its rate
 LAUNCH = 5e-6  # seconds from a call to the next, an assumption
 CALLS = 30  # of the card in an iteration, an assumption
-STEPS = 30
+STEPS = 100
 
 # Bytes that a node of the block takes to and from memory, if each pass is one kernel. Grids of the
 # model and of transforms have 4 bytes, pressures and gaps of nodes 8.
