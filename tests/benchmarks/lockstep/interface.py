@@ -17,7 +17,7 @@ class Batch(Protocol):
     - `move_on`: slices, to shift the frame by a node, and a gather of rows of the surface.
     - `begin`, `iterate`: sums, minima and maxima over a frame with a mask (approach, violation,
       slope, step length, Newton's method for the common shift that restores the load); sums of 24
-      shifted copies with bounds (a sweep of the model, see `grids.sweep`); two small matrix
+      shifted copies with bounds (a sweep of the model, see `grids.settle`); two small matrix
       products there and two back, and a conjugate gradient of matrix products between them (the far
       field, see `grids.restrict` and `grids.prolong`); multiply, add, clip and select.
     - `convolve`, `check`: k transforms in one plan there and back, with a product between them (see
