@@ -10,12 +10,13 @@ MAX_DESCENTS = 20
 class Batch(Protocol):
     """A batch of k pieces of a march that advance together, one method for all pieces.
 
-    Pieces lie side by side in arrays (k, rows, columns) on a frame of nodes that moves along with
-    the sphere, the same for all. A method takes no node and no piece one by one, so that an array
-    library on a GPU can stand behind it. It needs, over the last two axes of these arrays:
+    Pieces lie side by side in arrays (k, rows, columns), on windows of the same size with a corner
+    for each piece. A method takes no node and no piece one by one, so that an array library on a
+    GPU can stand behind it. It needs, over the last two axes of these arrays:
 
-    - `move_on`: slices, to shift the frame by a node, and a gather of rows of the surface.
-    - `begin`, `iterate`: sums, minima and maxima over a frame with a mask (approach, violation,
+    - `move_on`: gathers at the corners, of pressures, deflections and heights, and the rows and
+      columns at which a condition holds first and last (windows).
+    - `begin`, `iterate`: sums, minima and maxima over a window with a mask (approach, violation,
       slope, step length, Newton's method for the common shift that restores the load); sums of 24
       shifted copies with bounds (a sweep of the model, see `grids.settle`); two small matrix
       products there and two back, and a conjugate gradient of matrix products between them (the far
