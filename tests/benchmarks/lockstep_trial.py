@@ -424,7 +424,7 @@ def transforms_of(
     """Return the transforms of a block for all pieces by the three ways."""
     rows, columns = block
     made = half_space.convolution(rows - 1, columns - 1, single=True)
-    each = nodes_kernel(1, True), made.entry
+    each = nodes_kernel(1, True), made.planned_entry(rows)
     m = padded_length(rows - 1)
     n = padded_length(columns - 1, across=True)
     lines = min(m, rows + -rows % GROUP)

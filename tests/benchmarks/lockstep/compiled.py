@@ -284,7 +284,7 @@ class CompiledBatch:
                 self.memory.indices[:, 1],
                 pieces,
                 (rows, columns, self.half_space.unit),
-                (nodes_kernel(1, True), own.entry),
+                (nodes_kernel(1, True), own.planned_entry(rows)),
                 image,
             )
             return
@@ -317,7 +317,7 @@ class CompiledBatch:
             made = self._transforms(apart, p.shape[1], slots.size // 2, False)
             made.deflect_frames(p, slots, u)
         else:
-            entry = self.half_space.convolution(*apart).entry
+            entry = self.half_space.convolution(*apart).planned_entry(p.shape[1])
             frames_by_own_plans(p, pieces, self.half_space.unit, entry, u)
         hardness = float(self.contact.hardness)
         judge_and_measure(

@@ -147,7 +147,8 @@ def system_of_piece(i, memory, tables, block, nodes, limits, strip_count):
             c[5][: tables.coarse_size],
             c[6][: tables.coarse_size],
         ),
-        parts.Influence(tables.coefficients, index[3][:nodes]),
+        # no direct sums: contacts as light as these have too many candidates for their block
+        parts.Influence(tables.coefficients, index[3][:nodes], tables.coefficients[:0]),
     )
 
 
