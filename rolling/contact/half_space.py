@@ -302,6 +302,7 @@ class Convolution:
         self._plans = [Plan(lines[part], columns[part], 0) for part in parts]
         self._plans += [Plan(columns[part], lines[part], 0, backward=True) for part in parts]
         self._row_plans = np.zeros((-(-length // GROUP) + 1, 2), np.int64)
+        self._planned: set[int] = set()  # numbers of rows
         entry = np.zeros(kernels.ENTRIES, np.int64)
         self._entry = entry
         entry[kernels.LENGTH] = m
@@ -322,16 +323,23 @@ class Convolution:
         Plans are made at the first call for so many rows, because a march needs few of them.
         Compiled code must not transform a block of other numbers of rows by them.
         """
+        if rows not in self._planned:
+            self._plan_lines(rows)
+            self._planned.add(rows)
+        return self._entry
+
+    def _plan_lines(self, rows: int) -> None:
+        """Plan the transforms along the lines of a block of so many rows, unless they are there."""
         length, n, _ = self.real.shape
         count = kernels.lines_of(rows, int(self._entry[kernels.SUBCELLS]), 2 * length)
         group = -(-count // GROUP)
-        if not self._row_plans[group].all():
-            head = self._pairs[:count]
-            lines = self._lines[:count, :n]
-            plans = Plan(head, lines, 1), Plan(lines, head, 1, backward=True)
-            self._plans += plans
-            self._row_plans[group] = [plan.address for plan in plans]
-        return self._entry
+        if self._row_plans[group].all():
+            return
+        head = self._pairs[:count]
+        lines = self._lines[:count, :n]
+        plans = Plan(head, lines, 1), Plan(lines, head, 1, backward=True)
+        self._plans += plans
+        self._row_plans[group] = [plan.address for plan in plans]
 
     @property
     def nbytes(self) -> int:
