@@ -7,7 +7,7 @@ are the light ones of the quickstart and the sequences that public solvers are g
 heights for both. Each version marches all of them in a process of its own, one after the other, in
 each round. A position counts by its fastest round, and a contact by the mean of its positions
 without the cold start, so that transforms of new sizes are part of it. Both versions compile once
-before. It takes about three minutes with one thread, in which nothing else should run.
+before. It takes one to two minutes with one thread, in which nothing else should run.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@
 
 FOLDER has an environment for each solver: aspher, slippy, tamaas and contactmechanics, as README.md
 beside this script makes them. One that is absent keeps its curves with their date. The command
-takes some eleven minutes of one core, in which nothing else should run, and writes
+takes some nine minutes of one core a round, in which nothing else should run, and writes
 speed_against_error.json beside itself, from which docs/_hooks/pictures.py draws. In each round all
 programs solve the same problem in turn, each at many tolerances. Processor time of one thread
 counts, and the median of the rounds.
