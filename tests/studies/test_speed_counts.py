@@ -135,7 +135,7 @@ def test_a_solver_that_hangs_or_breaks_leaves_its_other_points() -> None:
 
         return solve
 
-    solved, stalled, hung = curve(problem, [1e-3, 1e-5, 1e-4], 0.3, solver)
+    solved, stalled, hung = curve(problem, [1e-3, 1e-5, 1e-4], 1.5, solver)
     assert isinstance(solved, Solved) and solved.gap_error < 2e-5 * solved.deflection
     assert stalled == Failed(1e-5, "ValueError: stalled")
     assert hung == Failed(1e-4, "Unsolved: took too long")

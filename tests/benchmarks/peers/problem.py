@@ -312,6 +312,8 @@ def at_most(seconds: float) -> Iterator[None]:
     try:
         yield
     finally:
+        # A signal that is on its way would otherwise give up whatever comes next.
+        signal.signal(signal.SIGALRM, signal.SIG_IGN)
         signal.setitimer(signal.ITIMER_REAL, 0)
 
 
