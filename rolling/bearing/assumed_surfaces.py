@@ -298,9 +298,10 @@ def _orders_of(surface: AssumedSurface, model: BearingModel) -> int:
     """Return how many orders of a surface have heights: a slow ring has millions below a band."""
     if isinstance(surface, AssumedWaves):
         return len(surface.amplitudes_m)
-    laws = [surface.law, *(law for ends in surface.others.values() for law in ends)]
     ((_, radius_m),) = _contacts_of(surface.body, model)
-    shortest_m = min(law.along_m for law in laws)
+    shortest_m = surface.law.along_m
+    for low, high in surface.others.values():
+        shortest_m = min(shortest_m, low.along_m, high.along_m)
     return math.ceil(2 * radius_m / shortest_m * math.sqrt(-math.log(_NOTHING))) + 1
 
 

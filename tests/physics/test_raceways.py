@@ -379,7 +379,9 @@ def test_orders_beyond_the_shortest_roughness_have_no_power() -> None:
     """A ring that hardly turns has 300 million orders below the end of the bands."""
     scene = bearing_scene(outer={"kind": "raceway", "finish": "honed"})
     (roughness,) = assumed_roughness(scene)
-    laws = [roughness.law, *(law for ends in roughness.others.values() for law in ends)]
+    laws = [roughness.law]
+    for ends in roughness.others.values():
+        laws.extend(ends)
     orders = assumed_surfaces._orders_of(roughness, scene.model)
     some = order_gains("outer", scene.model, VELOCITY_BANDS_HZ, orders=orders)
     many = order_gains("outer", scene.model, VELOCITY_BANDS_HZ, orders=4 * orders)
