@@ -158,7 +158,7 @@ def sweeps_of(iterations, stuck, nodes):
 
 
 @inlined()
-def convolve(system, block, convolution, cells):
+def deflect_direction(system, block, convolution, cells):
     """Set the image to the deflection by the direction."""
     transform = system.transform
     triangle = system.influence.triangle
@@ -257,7 +257,7 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
     # The snap is divided by the number of nodes, so that its sum makes no difference.
     share = listed.size
     if direction.slope < 0:
-        convolve(system, block, convolution, cells)
+        deflect_direction(system, block, convolution, cells)
         convolutions += 1
         iterations += 1
     minimum = np.inf
@@ -286,7 +286,7 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
             iterations += 1
             break
         stuck = 0
-        convolve(system, block, convolution, cells)
+        deflect_direction(system, block, convolution, cells)
         convolutions += 1
         iterations += 1
     carried = False

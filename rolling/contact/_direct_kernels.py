@@ -1,8 +1,9 @@
 """Compiled deflection of few nodes by direct sums over their pairs, without transforms.
 
 The coefficients between the nodes are a symmetric matrix, of which the lower triangle is stored by
-rows. Where the candidates of a block are few, its products are quicker than transforms of the whole
-block. They are in single precision, as those transforms are.
+rows; a row is one of this triangle here, not one of nodes. Where the candidates of a block are few,
+its products are quicker than transforms of the whole block. They are in single precision, as those
+transforms are.
 """
 
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
@@ -15,18 +16,20 @@ from rolling.contact._linked import linked
 from rolling.contact.compiling import inlined
 
 # After so many rows the sums down the columns are added up in double precision. Each of them grows
-# by one addition a row: over 2,000 rows in one go they would be off by 1e-6 of the largest
-# deflection; so they are off by 2e-7. A sum along a row may stay single, because the processor
-# takes it in several parts.
+# by one addition a row: over 2,000 rows in one go they would be off by 1e-6 of the maximum
+# deflection. In parts they are off by 2e-7, and by 3e-7 over 2,896 rows, the most that DIRECT_UP_TO
+# and MAX_INFLUENCE allow. A sum along a row may stay single, because the processor takes it in
+# several parts.
 ROWS_PER_SUM = 64
-# Sums over n candidates are direct up to n^2 = 8 times the padded points of their block. At 10 the
-# three or four transforms of a descent take as long as as many products with the triangle, and its
-# collection, which costs five of them. Beyond 8 the gain is not worth the memory, 2 n^2 bytes.
+# Sums over n candidates are direct up to n^2 = 8 times the padded points of their block. At 10 a
+# descent takes as long either way: it takes three or four convolutions, and the collection of the
+# triangle costs five products with it. Between 8 and 10 the gain is not worth the memory, 2 n^2
+# bytes (16 MB at most).
 DIRECT_UP_TO = 8
 
 
 def is_direct(candidates: int, padded_points: int) -> bool:
-    """Tell whether sums over pairs of candidates are quicker than transforms of their block."""
+    """Tell whether so few candidates are deflected by direct sums (see DIRECT_UP_TO)."""
     return candidates * candidates <= DIRECT_UP_TO * padded_points
 
 
@@ -48,16 +51,16 @@ def collect_triangle(coefficients, place, triangle):
 
 
 @inlined(fused=True)
-def multiply_row(row, loads, load, sums):
+def multiply_row(row, scaled, own, sums):
     """Deflect the node of a row and the nodes before it by each other.
 
     A coefficient acts both ways: the deflection of the row's node is returned, and those by its
-    load are added to the sums.
+    own pressure are added to the sums.
     """
     total = np.float32(0.0)
     for j in range(row.size):
-        total += row[j] * loads[j]
-        sums[j] += row[j] * load
+        total += row[j] * scaled[j]
+        sums[j] += row[j] * own
     return total
 
 
@@ -68,9 +71,9 @@ def multiply_triangle(triangle, d, unit, deflection):
     `unit` is the deflection per pressure and coefficient.
     """
     nodes = d.size
-    loads = np.empty(nodes, np.float32)
+    scaled = np.empty(nodes, np.float32)  # deflection per coefficient [m]
     for k in range(nodes):
-        loads[k] = unit * d[k]
+        scaled[k] = unit * d[k]
         deflection[k] = 0.0
     sums = np.empty(nodes, np.float32)
     first = 0
@@ -78,8 +81,8 @@ def multiply_triangle(triangle, d, unit, deflection):
         end = min(begin + ROWS_PER_SUM, nodes)
         sums[:end] = 0.0
         for k in range(begin, end):
-            total = multiply_row(triangle[first : first + k], loads, loads[k], sums)
-            deflection[k] += total + triangle[first + k] * loads[k]
+            total = multiply_row(triangle[first : first + k], scaled, scaled[k], sums)
+            deflection[k] += total + triangle[first + k] * scaled[k]
             first += k + 1
         for k in range(end):
             deflection[k] += sums[k]

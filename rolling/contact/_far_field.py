@@ -22,7 +22,7 @@ from rolling.contact._linked import linked
 from rolling.contact._system import BORDER
 from rolling.contact._window_kernels import copy_line
 from rolling.contact.compiling import inlined
-from rolling.contact.half_space import love
+from rolling.contact.half_space import by_signed_distance, love
 
 # Waves up to this many nodes long count in the fit of the stencil. Contacts are some ten to a
 # hundred nodes wide.
@@ -140,10 +140,8 @@ def far_field(rows: int, columns: int, tile: int) -> NDArray[np.float32]:
     coefficients = love(along, across)
     near = half_space_of_stencil()[::tile, ::tile][:rows, :columns]
     coefficients[: near.shape[0], : near.shape[1]] -= near
-    by_distance = coefficients[
-        np.abs(np.arange(1 - rows, rows))[:, None], np.abs(np.arange(1 - columns, columns))
-    ]
-    return np.append(by_distance.ravel(), np.zeros(columns)).astype(np.float32)
+    table = by_signed_distance(coefficients).ravel()
+    return np.append(table, np.zeros(columns)).astype(np.float32)
 
 
 class Stencils(NamedTuple):

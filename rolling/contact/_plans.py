@@ -96,7 +96,7 @@ def _strides(array: Array, axis: int) -> tuple[int, int]:
     return along // array.itemsize, across // array.itemsize
 
 
-_numbers = count()
+_numbers = count(1)  # 0 stands for no plan
 _plans: dict[int, Any] = {}  # plans of pyfftw by number
 
 

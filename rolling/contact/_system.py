@@ -50,9 +50,9 @@ class Nodes(NamedTuple):
 class Transform(NamedTuple):
     """Image of the direction, the deflection that it causes.
 
-    It has the places of the array of the transforms, of which only those of the candidates count,
-    or those of the candidates alone where sums are direct. It is in double precision, whatever the
-    transforms are.
+    It has the places of the array of the transforms, of which only those of the candidates count.
+    Where sums are direct, it has a place for each candidate, in their order. It is in double
+    precision, whatever the transforms are.
     """
 
     image: Array  # flat, deflection by the direction [m]
@@ -111,11 +111,16 @@ class FarField(NamedTuple):
 
 
 class Influence(NamedTuple):
-    """Deflection coefficients between the candidates."""
+    """Deflection coefficients between the candidates.
+
+    Half a row of `coefficients` is the widest distance of two columns, so a difference of places
+    never runs into the next row.
+    """
 
     coefficients: Singles  # flat, by distance along and across from negative to positive, or empty
     node: Indices  # (n,) index of each candidate in an array with rows of the same length
-    triangle: Singles  # (n (n + 1) / 2,) of all pairs by rows; empty unless sums are direct
+    # (n (n + 1) / 2,) of each node with itself and those before it; empty unless sums are direct
+    triangle: Singles
 
 
 class Work(NamedTuple):
@@ -199,7 +204,7 @@ class Progress(NamedTuple):
     """Progress of a solve over its descents, which each descent continues."""
 
     iterations: int = 0
-    convolutions: int = 0
+    convolutions: int = 0  # deflections by transforms or direct sums
     restarts: int = 0
     plain_steps: int = 0
     edge_moves: int = 0  # iterations after which the edges moved

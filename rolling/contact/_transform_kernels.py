@@ -44,9 +44,8 @@ COLUMN_GAP = 4  # complex numbers between two lines of columns
 # padded length and width, sub-cells along the side of a cell, and whether columns are halved (the
 # length of a half, or 0);
 LENGTH, WIDTH, SUBCELLS, HALF = range(4)
-# FFTW's function that executes a plan, plans of rows by the number of lines (0 until they are asked
-# for), and plans of columns,
-# of both halves where they are halved;
+# FFTW's function that executes a plan; plans of rows by the number of lines, 0 until they are asked
+# for; plans of columns, of both halves where they are halved;
 EXECUTE = 4
 ROW_PLANS = 5
 FORWARD = 6

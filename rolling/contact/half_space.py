@@ -11,6 +11,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache
 from threading import Lock
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,6 +95,23 @@ def love(rows: Array, columns: Array) -> Array:
     return coefficients
 
 
+def by_signed_distance(coefficients: NDArray[Any]) -> NDArray[Any]:
+    """Return coefficients by distances of both signs from those by distance, which are even.
+
+    Parameters
+    ----------
+    coefficients : (m, n) array
+        Coefficients by distance along and across, from 0.
+
+    Returns
+    -------
+    (2 m - 1, 2 n - 1) array
+        Coefficients from the distances 1 - m and 1 - n, with that of distance 0 in the middle.
+    """
+    along, across = (np.abs(np.arange(1 - length, length)) for length in coefficients.shape)
+    return coefficients[along][:, across]
+
+
 # Bytes of spectra that a process keeps beside its transforms: the hundred sizes of a rough track up
 # to 300 nodes across, or seven sizes of 1,000 nodes. A longer spectrum is not kept at all.
 KEPT_SPECTRA = 2**26
@@ -108,8 +126,9 @@ def half_spectrum(
     """Return m // 2 + 1 rows and n // 2 + 1 columns of the transform of wrapped coefficients.
 
     The transform is real, and its other rows mirror these, because the coefficients are even in
-    both directions. It is kept for other precisions and half-spaces, by padded lengths and number
-    of sub-cells along the side of a cell.
+    both directions. The padded lengths m and n are even, so a quarter of the coefficients tells
+    all, and each direction is transformed by itself. The spectrum is kept for other precisions and
+    half-spaces, by padded lengths and number of sub-cells along the side of a cell.
     """
     key = (m, n, subcells)
     with _lock:
@@ -128,13 +147,14 @@ def half_spectrum(
 
 
 def even_transform(values: Array) -> Array:
-    """Return the transform along rows that continue as f(-x) = f(x), with the period 2 columns - 2.
+    """Return the transform of each row, continued as f(-x) = f(x) with the period 2 columns - 2.
 
-    It is real and even itself, so it has as many numbers.
+    It is real and even itself, so it has as many numbers. It is that of `scipy.fft.dct` of type 1,
+    which takes long to import.
     """
     last = values.shape[1] - 1
     period = np.concatenate([values, values[:, last - 1 : 0 : -1]], axis=1)
-    # The copy frees the imaginary parts, which are zero.
+    # The copy frees the imaginary parts, which are zero but for rounding.
     return np.fft.rfft(period).real.copy()
 
 
@@ -302,7 +322,8 @@ class Convolution:
         self._plans = [Plan(lines[part], columns[part], 0) for part in parts]
         self._plans += [Plan(columns[part], lines[part], 0, backward=True) for part in parts]
         self._row_plans = np.zeros((-(-length // GROUP) + 1, 2), np.int64)
-        self._planned: set[int] = set()  # numbers of rows
+        # Numbers of rows. Each descent asks, and a set answers without arithmetic.
+        self._planned: set[int] = set()
         entry = np.zeros(kernels.ENTRIES, np.int64)
         self._entry = entry
         entry[kernels.LENGTH] = m
@@ -321,7 +342,8 @@ class Convolution:
         """Return the numbers by which compiled code transforms a block, planned for its rows.
 
         Plans are made at the first call for so many rows, because a march needs few of them.
-        Compiled code must not transform a block of other numbers of rows by them.
+        Only blocks of as many rows may be transformed by them. For others the plan may be missing,
+        and compiled code that executes one at address 0 ends the process.
         """
         if rows not in self._planned:
             self._plan_lines(rows)
@@ -360,9 +382,7 @@ class Convolution:
             length, n, _ = self.real.shape
             if self.real.size <= MAX_INFLUENCE:
                 quarter = love(np.arange(length + 1.0), np.arange(n // 2 + 1.0))
-                along = np.abs(np.arange(-length, length + 1))
-                across = np.abs(np.arange(-(n // 2), n // 2 + 1))
-                self._influence = quarter.astype(np.float32)[along][:, across].ravel()
+                self._influence = by_signed_distance(quarter.astype(np.float32)).ravel()
             else:
                 self._influence = np.empty(0, np.float32)
         return self._influence

@@ -8,8 +8,9 @@ before its single convolution, after which the step along it is exact, and the l
 the final check without a convolution of its own.
 
 `converge` is the algorithm: judge the state, list the candidates, descend on them, and check on the
-whole window. The descent runs in single precision on candidate nodes only. A solution is accepted
-after a double-precision check on the full window.
+whole window. The descent runs in single precision on candidate nodes only: it sums the deflection
+directly over few of them, and transforms the block of more. A solution is accepted after a
+double-precision check on the full window.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ NEAR = 0.01
 # check refuses more descents, above all on sub-cells; with 8 the candidates are up to 14 % more.
 REST = 4
 # Single precision serves no tighter tolerance: its error is 1e-7 of the maximum deflection by
-# transforms, and 2e-7 by direct sums over 2,000 nodes.
+# transforms, and at most 3e-7 by direct sums.
 SINGLE_TOLERANCE = 1e-6
 # Share of the maximum gap that its rounding adds to the violation. Below 32 eps some solves still
 # converge, so the limit that is named is four times that.
@@ -463,7 +464,7 @@ def _tables(
         (transforms.planned_entry(rows), coefficients, kernel),
         far_field(coarse_rows, coarse_columns, tile),
     )
-    pairs = count * (count + 1) // 2 if _sums_directly(transforms, count) else 0
+    coefficients_of_pairs = count * (count + 1) // 2 if _sums_directly(transforms, count) else 0
     size = along * across
     coarse_size = 2 * coarse_rows * coarse_columns
     places = max(transforms.real.size, rows * columns)
@@ -472,19 +473,19 @@ def _tables(
         scratch.array("singles", (7 * (size + coarse_size),), np.float32),
         scratch.array("indices", (4 * count,), np.uint32),
         scratch.array("strips", (size // STRIP + 1, 2), np.uint64),
-        scratch.array("triangle", (pairs,), np.float32),
+        scratch.array("triangle", (coefficients_of_pairs,), np.float32),
     )
     return tables, memory
 
 
-def _sums_directly(transforms: Convolution, candidates: int) -> bool:
+def _sums_directly(transforms: Convolution, count: int) -> bool:
     """Tell whether a descent sums over pairs of candidates instead of transforming their block.
 
     Direct sums are in single precision, so a descent in double precision does not take them. They
     need coefficients by distance, which sub-cells and large transforms do not have.
     """
     has_coefficients = transforms.influence().size > 0
-    return transforms.single and has_coefficients and is_direct(candidates, transforms.real.size)
+    return transforms.single and has_coefficients and is_direct(count, transforms.real.size)
 
 
 def _not_converged(problem: Problem, solution: Solution, progress: Progress) -> ContactError:

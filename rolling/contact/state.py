@@ -445,7 +445,7 @@ class ContactState:
     residual : float
         KKT residual.
     iterations, convolutions : int
-        Cost of the solve.
+        Cost of the solve. A convolution is a deflection by transforms or by direct sums.
     edge : (rows, columns) array, m, or None
         Half the range of gaps over the cells; None unless edges are blended.
     edge_share : float

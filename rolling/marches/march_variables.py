@@ -23,7 +23,7 @@ STATES = (
     Variable("stored_energy", "position", "J", "f8", "stored elastic energy"),
     Variable("residual", "position", "1", "f8", "KKT residual of the solver"),
     Variable("iterations", "position", "1", "u4", "iterations of the solver"),
-    Variable("convolutions", "position", "1", "u4", "convolutions of the solver"),
+    Variable("convolutions", "position", "1", "u4", "transforms or direct sums of the solver"),
 )
 SNAPSHOT = (
     Variable("pressure", "along across", "Pa", "f8", "contact pressure"),

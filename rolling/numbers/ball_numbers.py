@@ -435,7 +435,7 @@ class EffortNumbers:
     tolerance: float = number("tolerance of the solver")
     residual_max: float = number("largest KKT residual of a position")
     iterations_mean: float = number("mean iterations of a position")
-    convolutions_mean: float = number("mean convolutions of a position")
+    convolutions_mean: float = number("mean convolutions of a position: transforms or direct sums")
     step_nodes: float = number("length of a step in nodes")
     step_choice: str | None = number(
         "who chose the length of a step: the scene, or auto with its reason", "", default=None
