@@ -18,10 +18,10 @@ from acoustics.pairs import LOOKS, MOST_PAIRS
 from rolling.ball_kinds import linear_response
 from rolling.choice.audition import Specimens
 from rolling.choice.candidate import Candidate
+from rolling.contact.kept import Kept
 from rolling.in_si import scene_surface
 from rolling.in_si.physics_of_scene import smooth_contact_of
 from rolling.scene.identity import digest
-from rolling.scene.kept import Kept
 from rolling.scene.scene import Scene
 from rolling.scene.seeds import seeds_of, with_seed
 from rolling.surface.alike_places import alike_levels

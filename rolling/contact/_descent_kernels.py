@@ -103,7 +103,8 @@ def system_of(window, listed, block, numbers, half_space, memory):
     count = search.take_nodes(listed, p.shape[1], corner, row_lengths, rows, state, out)
     if triangle.size:
         direct.collect_triangle(coefficients, index[3], triangle)
-        # Direct sums leave the deflections in the order of the candidates.
+        # Direct sums leave the deflections in the order of the candidates, not in the array of the
+        # transforms.
         for a in range(listed.size):
             index[1, a] = a
     stiffness = 1 / (unit * OWN_COEFFICIENT)

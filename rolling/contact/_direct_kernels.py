@@ -16,10 +16,10 @@ from rolling.contact._linked import linked
 from rolling.contact.compiling import inlined
 
 # After so many rows the sums down the columns are added up in double precision. Each of them grows
-# by one addition a row: over 2,000 rows in one go they would be off by 1e-6 of the maximum
-# deflection. In parts they are off by 2e-7, and by 3e-7 over 2,896 rows, the most that DIRECT_UP_TO
-# and MAX_INFLUENCE allow. A sum along a row may stay single, because the processor takes it in
-# several parts.
+# by one addition a row: 2,000 rows in one go give an error of 1e-6 of the maximum deflection, in
+# parts 2e-7, and 3e-7 for 2,896 rows, the most that DIRECT_UP_TO and MAX_INFLUENCE allow (pressures
+# of one sign at places drawn at random). A sum along a row may stay single: it is `fused`, so the
+# processor takes it in several parts.
 ROWS_PER_SUM = 64
 # Sums over n candidates are direct up to n^2 = 8 times the padded points of their block. At 10 a
 # descent takes as long either way: it takes three or four convolutions, and the collection of the

@@ -6,11 +6,8 @@ Love's influence coefficients are convolved with the pressure by zero-padded FFT
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections import OrderedDict
 from collections.abc import Callable
-from contextlib import suppress
 from functools import lru_cache
-from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -22,6 +19,7 @@ from rolling.contact import _transform_kernels as kernels
 from rolling.contact import _window_kernels
 from rolling.contact._plans import Plan, zeros
 from rolling.contact._transform_kernels import COLUMN_GAP, GROUP
+from rolling.contact.kept import Kept
 
 # Columns of these lengths, and all longer columns, are transformed in two halves, because half of a
 # column is zero. Elsewhere this takes longer.
@@ -84,8 +82,10 @@ def love(rows: Array, columns: Array) -> Array:
     """
     # Neighbouring squares share corners, so each corner is computed once instead of four times.
     # Distances may repeat or leave some out, as those between sub-cells do.
-    x, (x_minus, x_plus) = np.unique([rows - 0.5, rows + 0.5], return_inverse=True)
-    y, (y_minus, y_plus) = np.unique([columns - 0.5, columns + 0.5], return_inverse=True)
+    sides = np.add.outer([-0.5, 0.5], np.asarray(rows, np.float64))
+    ends = np.add.outer([-0.5, 0.5], np.asarray(columns, np.float64))
+    x, (x_minus, x_plus) = np.unique(sides, return_inverse=True)
+    y, (y_minus, y_plus) = np.unique(ends, return_inverse=True)
     s, t = x[:, None], y[None, :]
     # Corners lie half a spacing off the nodes, so neither s nor t is ever zero; arcsinh does not
     # cancel where log(y + r) would.
@@ -116,8 +116,7 @@ def by_signed_distance(coefficients: NDArray[Any]) -> NDArray[Any]:
 # to 300 nodes across, or seven sizes of 1,000 nodes. A longer spectrum is not kept at all.
 KEPT_SPECTRA = 2**26
 
-_kept: OrderedDict[tuple[int, int, int], Array] = OrderedDict()
-_lock = Lock()
+_spectra: Kept[Array] = Kept(KEPT_SPECTRA, lambda half: half.nbytes, fewest=0)
 
 
 def half_spectrum(
@@ -130,20 +129,13 @@ def half_spectrum(
     all, and each direction is transformed by itself. The spectrum is kept for other precisions and
     half-spaces, by padded lengths and number of sub-cells along the side of a cell.
     """
-    key = (m, n, subcells)
-    with _lock:
-        if key in _kept:
-            _kept.move_to_end(key)
-            return _kept[key]
-    quarter = coefficients(np.arange(m // 2 + 1.0), np.arange(n // 2 + 1.0))
-    across = even_transform(quarter)
-    half = np.ascontiguousarray(even_transform(across.T).T)
-    if half.nbytes <= KEPT_SPECTRA:
-        with _lock:
-            _kept[key] = half
-            while sum(kept.nbytes for kept in _kept.values()) > KEPT_SPECTRA:
-                _kept.popitem(last=False)
-    return half
+
+    def make() -> Array:
+        quarter = coefficients(np.arange(m // 2 + 1.0), np.arange(n // 2 + 1.0))
+        across = even_transform(quarter)
+        return np.ascontiguousarray(even_transform(across.T).T)
+
+    return _spectra.value((m, n, subcells), make)
 
 
 def even_transform(values: Array) -> Array:
@@ -201,7 +193,8 @@ class HalfSpace:
         self.unit = self.spacing / (np.pi * self.contact_modulus)
         self.subcells = 1
         self.count = 0
-        self._convolutions: OrderedDict[tuple[int, int, bool], Convolution] = OrderedDict()
+        # The last two sizes are kept in any case: solves take turns in both precisions.
+        self._convolutions: Kept[Convolution] = Kept(KEPT_BYTES, lambda size: size.nbytes, fewest=2)
         self._coarser: HalfSpace | None = None
 
     def coarser(self) -> HalfSpace:
@@ -262,21 +255,12 @@ class HalfSpace:
             padded_length(column_reach, True, self.subcells),
             single,
         )
-        kept = self._convolutions
-        convolution = kept.get(key)
-        if convolution is None:
+
+        def make() -> Convolution:
             with np.errstate(under="ignore"):
-                convolution = self._make(*key)
-            room = KEPT_BYTES - convolution.nbytes
-            # The last size is kept in any case: solves take turns in both precisions. Another
-            # thread may march on the same half-space.
-            while len(kept) > 1 and sum(other.nbytes for other in [*kept.values()]) > room:
-                kept.popitem(last=False)
-            kept[key] = convolution
-        else:
-            with suppress(KeyError):  # another thread has just dropped it
-                kept.move_to_end(key)
-        return convolution
+                return self._make(*key)
+
+        return self._convolutions.value(key, make)
 
     def _make(self, m: int, n: int, single: bool) -> Convolution:
         """Make the transforms of a padded size."""
@@ -287,8 +271,8 @@ class Convolution:
     """Transforms of one padded size and their work arrays.
 
     Compiled code uses them by the numbers of `planned_entry`, which _transform_kernels lists. In
-    single precision their error is about 1e-7 of the maximum deflection, and they are up to twice
-    as fast.
+    single precision their error is typically 1e-7 of the maximum deflection, and they are up to
+    twice as fast.
     `real` (m / 2, n, 2) holds rows of cells side by side in pairs.
     """
 
@@ -342,8 +326,8 @@ class Convolution:
         """Return the numbers by which compiled code transforms a block, planned for its rows.
 
         Plans are made at the first call for so many rows, because a march needs few of them.
-        Only blocks of as many rows may be transformed by them. For others the plan may be missing,
-        and compiled code that executes one at address 0 ends the process.
+        Only blocks of numbers of rows that were asked for may be transformed by them: executing a
+        plan that was not made ends the process.
         """
         if rows not in self._planned:
             self._plan_lines(rows)

@@ -51,8 +51,8 @@ NEAR = 0.01
 # Nodes at the hardness rest beyond so many times the reach of the open candidates. With 1 the last
 # check refuses more descents, above all on sub-cells; with 8 the candidates are up to 14 % more.
 REST = 4
-# Single precision serves no tighter tolerance: its error is 1e-7 of the maximum deflection by
-# transforms, and at most 3e-7 by direct sums.
+# Single precision serves no tighter tolerance: its error is typically 1e-7 of the maximum
+# deflection by transforms, and 2e-7 by direct sums.
 SINGLE_TOLERANCE = 1e-6
 # Share of the maximum gap that its rounding adds to the violation. Below 32 eps some solves still
 # converge, so the limit that is named is four times that.
@@ -464,7 +464,9 @@ def _tables(
         (transforms.planned_entry(rows), coefficients, kernel),
         far_field(coarse_rows, coarse_columns, tile),
     )
-    coefficients_of_pairs = count * (count + 1) // 2 if _sums_directly(transforms, count) else 0
+    pairs = 0
+    if _sums_directly(transforms, count):
+        pairs = count * (count + 1) // 2
     size = along * across
     coarse_size = 2 * coarse_rows * coarse_columns
     places = max(transforms.real.size, rows * columns)
@@ -473,7 +475,7 @@ def _tables(
         scratch.array("singles", (7 * (size + coarse_size),), np.float32),
         scratch.array("indices", (4 * count,), np.uint32),
         scratch.array("strips", (size // STRIP + 1, 2), np.uint64),
-        scratch.array("triangle", (coefficients_of_pairs,), np.float32),
+        scratch.array("triangle", (pairs,), np.float32),
     )
     return tables, memory
 

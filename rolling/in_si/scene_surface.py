@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
+from rolling.contact.kept import Kept
 from rolling.in_si import in_metres, measured, plate_file
 from rolling.in_si.plate_file import prepared_file
 from rolling.scene import height_files, height_grid, surfaces
 from rolling.scene.height_files import reason_of
-from rolling.scene.kept import Kept
 from rolling.scene.laws import HeightLaw
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -86,7 +86,7 @@ class _Plate:
 
 MAX_KEPT = 64_000_000  # bytes of the heights of all surfaces that are kept, apart from the last
 _kept: Kept[SceneSurface] = Kept(MAX_KEPT, lambda made: made.heights.nbytes)
-_plates: Kept[_Plate] = Kept(MAX_KEPT, lambda made: made.heights.nbytes, keeps_last=False)
+_plates: Kept[_Plate] = Kept(MAX_KEPT, lambda made: made.heights.nbytes, fewest=0)
 
 
 def scene_surface(scene: Scene) -> SceneSurface:

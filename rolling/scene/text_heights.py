@@ -14,9 +14,9 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
+from rolling.contact.kept import Kept
 from rolling.scene import text_words
 from rolling.scene.height_format import UNITS, HeightFormatError
-from rolling.scene.kept import Kept
 from rolling.scene.text_look import Look, cells_of
 from rolling.scene.text_table import TextTable, read_table
 from rolling.scene.text_words import Heading, Metadata, Unit

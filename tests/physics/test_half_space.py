@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import weakref
+from threading import Thread
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from helpers import STEEL, convolved, make_track, roll, rough, space_of
 
 from rolling.contact import _plans, half_space
 from rolling.contact.half_space import HalfSpace, love, padded_length
+from rolling.contact.kept import Kept
 from rolling.contact.march import march
 from rolling.contact.subcells import half_space_of
 
@@ -162,10 +164,10 @@ def test_kept_transforms_stay_within_their_memory(
     subcells: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A hundred sizes of window once took gigabytes; the sizes used last are kept."""
+    monkeypatch.setattr(half_space, "KEPT_BYTES", 2**24)
     plate = half_space_of(SPACING, STEEL, subcells)
     pressure = np.ones((24, 24))
     first = plate.deflection(pressure)
-    monkeypatch.setattr(half_space, "KEPT_BYTES", 2**24)
     made = weakref.WeakSet(plate.convolution(reach, reach) for reach in range(40, 200, 8))
     assert len(made) > 1 and sum(transforms.nbytes for transforms in made) <= 2**24
     assert plate.convolution(192, 192) in made
@@ -177,7 +179,8 @@ def test_kept_transforms_stay_within_their_memory(
 
 def test_kept_spectra_stay_within_their_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     """They once were 32 of any size: 2 GB where windows have 2,000 nodes across."""
-    monkeypatch.setattr(half_space, "KEPT_SPECTRA", 2**18)
+    small = Kept(2**18, lambda half: half.nbytes, fewest=0)
+    monkeypatch.setattr(half_space, "_spectra", small)
     first = half_space.half_spectrum(40, 48, 1, love)
     assert half_space.half_spectrum(40, 48, 1, love) is first
     made = [weakref.ref(half_space.half_spectrum(n, n, 1, love)) for n in range(64, 240, 8)]
@@ -192,6 +195,29 @@ def test_kept_spectra_stay_within_their_memory(monkeypatch: pytest.MonkeyPatch) 
     distances = [np.minimum(np.arange(k), k - np.arange(k)) for k in (40, 48)]
     expected = np.fft.rfft2(love(*distances)).real[:21]
     np.testing.assert_allclose(again, expected, rtol=0, atol=1e-14 * expected.max())
+
+
+def test_threads_keep_values_side_by_side() -> None:
+    """A thread that asks while the bytes of another one's values are added up waits for the sum."""
+    others = []
+
+    def size(value: int) -> int:
+        if not others:
+            others.append(Thread(target=kept.value, args=("other", lambda: 1)))
+            others[0].start()
+            others[0].join(timeout=0.1)
+        return 1
+
+    kept = Kept(2, size)
+    assert [kept.value(key, lambda: 0) for key in "abc"] == [0, 0, 0]
+    others[0].join()
+
+
+def test_coefficients_of_distances_in_single_precision_are_those_of_whole_numbers() -> None:
+    distance = np.arange(0, 120, 7)
+    np.testing.assert_array_equal(
+        love(distance.astype(np.float32), distance.astype(np.float16)), love(distance, distance)
+    )
 
 
 def test_plans_of_pyfftw_serve_where_the_library_tells_no_functions(

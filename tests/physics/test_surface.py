@@ -9,9 +9,9 @@ import pytest
 from hard_cases.gaussian_heights import gaussian
 from scene_text import PLAIN
 
+from rolling.contact.kept import Kept
 from rolling.in_si import in_metres, scene_surface
 from rolling.scene import file as scene_file
-from rolling.scene.kept import Kept
 from rolling.scene.laws import AUTOCORRELATIONS, Roughness
 from rolling.surface import heights as surface
 from rolling.surface import made

@@ -18,11 +18,11 @@ from hard_cases.gaussian_heights import gaussian
 from acoustics.numbers import rounded
 from rolling import cli
 from rolling.check import findings
+from rolling.contact.kept import Kept
 from rolling.in_si import scene_surface
 from rolling.in_si.described_file import DescribedFile, FileOptions, described_file
 from rolling.scene import file, height_files, height_grid, text_heights, text_look, text_table
 from rolling.scene.height_format import HeightFormatError
-from rolling.scene.kept import Kept
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 
