@@ -21,10 +21,9 @@ from rolling.contact.compiling import inlined
 # of one sign at places drawn at random). A sum along a row may stay single: it is `fused`, so the
 # processor takes it in several parts.
 ROWS_PER_SUM = 64
-# Sums over n candidates are direct up to n^2 = 8 times the padded points of their block. At 10 a
-# descent takes as long either way: it takes three or four convolutions, and the collection of the
-# triangle costs five products with it. Between 8 and 10 the gain is not worth the memory, 2 n^2
-# bytes (16 MB at most).
+# Sums over n candidates are direct up to n^2 = 8 times the padded points of their block. With 16 no
+# contact of tests/benchmarks/solver_in_turn.py is quicker by more than 2 %, and the triangle takes
+# more memory: 2 n^2 bytes, 16 MB at most with 8.
 DIRECT_UP_TO = 8
 
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -98,13 +99,19 @@ def main() -> None:
         return
     if len(given.pythons) != 2:
         parser.error("two interpreters are needed, of the old and the new version")
+    pythons = []
+    for python in given.pythons:
+        found = shutil.which(python)
+        if found is None:
+            parser.error(f"{python}: got no interpreter, allowed: path or name of one")
+        pythons.append(str(Path(found).absolute()))  # the march begins in another folder
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         write_contacts(folder)
-        for python in given.pythons:
+        for python in pythons:
             marched_by(python, folder, 3)  # compiles
         rounds = [
-            [marched_by(python, folder, given.steps) for python in given.pythons]
+            [marched_by(python, folder, given.steps) for python in pythons]
             for _ in range(given.rounds)
         ]
     print("|contact|old, ms|new, ms|old over new|\n|---|---|---|---|")
