@@ -172,8 +172,8 @@ def seed_statistics(runs: Sequence[RunFolder], over: str = SEED) -> pd.DataFrame
             rows.append(place | row)
     bands = bands_table(runs).reset_index().rename(columns={"quantity": "level"})
     names = [*keys, "level", BAND, EXACT, "value", "uncertainty"]
-    table = pd.concat([pd.DataFrame(rows, columns=names), bands[names]], ignore_index=True)
-    table = table.astype({"value": float, "uncertainty": float})
+    rows += bands[names].to_dict("records")
+    table = pd.DataFrame(rows, columns=names).astype({"value": float, "uncertainty": float})
     known = table[table["value"].notna()].assign(
         square=lambda frame: np.square(frame["uncertainty"])
     )
