@@ -192,6 +192,17 @@ def find_windows(surface, sphere, load, numbers, counts, windows):
 
 
 @numba.njit(nogil=True)
+def sharp_state(frames, i, hardness, fresh):
+    """Return approach, maximum deflection and violation of a piece whose edges are sharp (see `state_of`)."""
+    pressure = frames.p[i].reshape(-1)
+    gap = frames.gap[i].reshape(-1)
+    deflection = frames.u[i].reshape(-1)
+    deformed = frames.deformed[i].reshape(-1)
+    no_edge = pressure[:0]
+    return state_of(gap, deflection, pressure, no_edge, hardness, deformed, fresh)
+
+
+@numba.njit(nogil=True)
 def move(frames, surface, sphere, corners, hardness, numbers, counts):
     """Move on by a node to new windows, with the pressures left on the plate; judge the states.
 
@@ -207,17 +218,8 @@ def move(frames, surface, sphere, corners, hardness, numbers, counts):
         copy_block(frames.u_last[i], frames.u[i], row, column, True)
         place = spacing, radius, radius_across, start + counts[i, POSITION] * step, y
         undeformed_gap(heights, place, corners[0, i, 0], corners[0, i, 1], frames.gap[i])
-        line = frames.p[i].reshape(-1)
         numbers[i, APPROACH_BEFORE] = numbers[i, APPROACH]
-        approach, u_max, _ = state_of(
-            frames.gap[i].reshape(-1),
-            frames.u[i].reshape(-1),
-            line,
-            line[:0],
-            hardness,
-            frames.deformed[i].reshape(-1),
-            False,
-        )
+        approach, u_max, _ = sharp_state(frames, i, hardness, False)
         numbers[i, APPROACH] = approach
         numbers[i, U_MAX] = u_max
         for column in (ACCEPTED, DESCENTS, STUCK, MISSED, CARRIED):
@@ -407,15 +409,7 @@ def judge_and_measure(frames, surface, sphere, corners, limits, numbers, counts,
         if counts[i, ACCEPTED]:
             continue
         line = frames.p[i].reshape(-1)
-        approach, u_max, worst = state_of(
-            frames.gap[i].reshape(-1),
-            frames.u[i].reshape(-1),
-            line,
-            line[:0],
-            hardness,
-            frames.deformed[i].reshape(-1),
-            True,
-        )
+        approach, u_max, worst = sharp_state(frames, i, hardness, True)
         numbers[i, APPROACH] = approach
         numbers[i, U_MAX] = u_max
         counts[i, CONVOLUTIONS] += 1
