@@ -193,7 +193,7 @@ def find_windows(surface, sphere, load, numbers, counts, windows):
 
 @numba.njit(nogil=True)
 def sharp_state(frames, i, hardness, fresh):
-    """Return approach, maximum deflection and violation of a piece whose edges are sharp (see `state_of`)."""
+    """Return approach, maximum deflection and violation of a piece with sharp edges."""
     pressure = frames.p[i].reshape(-1)
     gap = frames.gap[i].reshape(-1)
     deflection = frames.u[i].reshape(-1)
