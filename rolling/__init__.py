@@ -31,7 +31,7 @@ from typing import Any
 
 from rolling import _own_acoustics
 
-__version__ = "0.13.0.dev0"
+__version__ = "0.13.0"
 
 # Public names by the module that has them.
 _NAMES = {
