@@ -25,6 +25,7 @@ from commands import contents, tree, words_of
 from scene_text import TINY
 
 from rolling import cli
+from rolling.results import listening
 from rolling.terminal import whole_files
 
 pytestmark = [
@@ -149,6 +150,14 @@ def faults(function: Callable[..., str], jobs: list[tuple[Any, ...]]) -> list[st
     """Return the faults of all jobs, done in forks."""
     with multiprocessing.get_context("fork").Pool(2) as pool:
         return [fault for fault in pool.starmap(function, jobs, chunksize=1) if fault]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def short_sounds() -> Iterator[None]:
+    """Let sounds for the ear last a moment instead of 5 s; they are written by the same calls."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(listening, "MIN_S", 0.02)
+        yield
 
 
 @pytest.fixture(scope="module")
