@@ -76,7 +76,7 @@ def choose(
     --------
     >>> import rolling
     >>> words = ["sweep.surface.roughness_ra_um=[0.05, 0.2]", "rolling.duration_s=0.003"]
-    >>> scene = rolling.read_scene("quickstart", [*words, "rolling.load_n=1"])
+    >>> scene = rolling.read_scene("quickstart", [*words, "rolling.load_n=0.2", "sphere.radius_mm=1"])
     >>> choice = rolling.choose(scene, pairs=2, workers=1, progress=False)
     >>> choice.contenders[0].label, choice.differences[0].pairs
     ('Ra 0.05 µm', 2)
@@ -164,7 +164,7 @@ def sensitivities(
     Examples
     --------
     >>> import rolling
-    >>> words = ["rolling.load_n=1", "rolling.duration_s=0.003"]
+    >>> words = ["sphere.radius_mm=1", "rolling.load_n=0.2", "rolling.duration_s=0.003"]
     >>> scene = rolling.read_scene("quickstart", words)
     >>> found = rolling.sensitivities(scene, ["distance_m"], pairs=2, workers=1, progress=False)
     >>> round(found.rows[0].db, 2)
@@ -247,7 +247,7 @@ def coarsest_below(
     Examples
     --------
     >>> import rolling
-    >>> words = ["rolling.load_n=1", "rolling.duration_s=0.003"]
+    >>> words = ["sphere.radius_mm=1", "rolling.load_n=0.2", "rolling.duration_s=0.003"]
     >>> scene = rolling.read_scene("quickstart", words)
     >>> limit = rolling.coarsest_below(
     ...     scene, "distance_m", 200, between=(1, 1.1), seeds=3, workers=1, progress=False
@@ -328,7 +328,7 @@ def design(
     Examples
     --------
     >>> import rolling
-    >>> words = ["rolling.load_n=1", "rolling.duration_s=0.003"]
+    >>> words = ["sphere.radius_mm=1", "rolling.load_n=0.2", "rolling.duration_s=0.003"]
     >>> scene = rolling.read_scene("quickstart", words)
     >>> design = rolling.design(scene, 2, pairs=2, workers=1, progress=False)
     >>> abs(design.fall.db - 2) < design.fall.uncertainty_db

@@ -214,7 +214,7 @@ def test_simulate_a_sweep(kept: Kept) -> None:
 
 @pytest.mark.slow
 def test_sensitivities(kept: Kept) -> None:
-    scene = rc.read_scene(kept.scene)
+    scene = rc.read_scene(kept.scene.with_name("swept.yaml"), ["sweep="])  # of a short record
     pairs = 2 if kept.name == "rolling" else None
     found = rc.sensitivities(scene, [kept.of_kind.key], pairs=pairs, workers=1, progress=False)
     assert [row.change.key for row in found.rows] == [kept.of_kind.key]

@@ -260,7 +260,7 @@ def test_a_thousand_runs_of_different_seeds_start_within_seconds(tmp_path: Path)
 @pytest.mark.slow
 def test_runs_that_share_a_march_are_as_runs_alone(tmp_path: Path) -> None:
     """Loads, film and marches of an earlier run of another speed leave no trace in a later one."""
-    moving = VIBRATING.replace("distance_mm: 0.48", "distance_mm: 2.8").replace("160", "120")
+    moving = VIBRATING.replace("distance_mm: 0.48", "distance_mm: 1.4").replace("160", "120")
     moving = moving.replace("load_n: 1,", "load_n: 0.05,")
     moving = moving.replace("sound: {", "sound: {listen_s: 0.5, ")
     speeds = "sweep: {rolling.speed_m_s: [%s]}\n"

@@ -203,7 +203,7 @@ def test_a_filter_is_found_and_a_wrong_one_is_not(monkeypatch: pytest.MonkeyPatc
     """
     scene = validate._scene("synthetic-recording")
     seeds = scene.sweep["surface.seed"][:4]
-    shorter = scene.with_(distance_mm=10, sweep={"surface.seed": seeds})
+    shorter = scene.with_(distance_mm=6, sweep={"surface.seed": seeds})
     runs, _ = validate.simulate_runs(shorter, 1, False)  # for which processes start too slowly
     monkeypatch.setattr(validate, "_runs", lambda scene: runs)
     rows = validate.rows_of(TABLE["synthetic-recording"], validate.synthetic_recording())
