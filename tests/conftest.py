@@ -22,6 +22,7 @@ for _name in ("OMP", "OPENBLAS", "MKL", "NUMBA"):
 import numpy as np  # noqa: E402
 import pytest  # noqa: E402
 
+from rolling.results import listening  # noqa: E402
 from rolling.terminal import progress  # noqa: E402
 
 # Files with tests of a minute. A process that begins one at the end leaves the other one idle.
@@ -59,6 +60,17 @@ def no_lines_of_long_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """Say no lines for steps that only a busy machine makes long: tests compare what is printed."""
     monkeypatch.setattr(progress, "PATIENCE", 600.0)
     monkeypatch.setattr(progress, "LINE_SECONDS", 600.0)
+
+
+@pytest.fixture(scope="module")
+def short_sounds() -> Iterator[None]:
+    """Let sounds for the ear last a moment instead of 5 s, where nobody listens to them.
+
+    Each file of 5 s takes a tenth of a second, a third of what a small run takes.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(listening, "MIN_S", 0.02)
+        yield
 
 
 @pytest.hookimpl(wrapper=True)

@@ -221,6 +221,7 @@ def drawn(scene: rc.Scene) -> list[rc.Scene]:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("short_sounds")
 @pytest.mark.law("Design: surfaces that it has not seen get quieter by its promise, within its ±.")
 def test_unseen_surfaces_get_quieter_by_what_was_promised(scene: rc.Scene, tmp_path: Path) -> None:
     for number, (one, wanted) in enumerate(zip(drawn(scene), (3.0, 2.0), strict=True)):

@@ -25,11 +25,11 @@ from commands import contents, tree, words_of
 from scene_text import TINY
 
 from rolling import cli
-from rolling.results import listening
 from rolling.terminal import whole_files
 
 pytestmark = [
     pytest.mark.slow,
+    pytest.mark.usefixtures("short_sounds"),
     pytest.mark.skipif(not hasattr(os, "fork"), reason="no forks on Windows"),
     # From Python 3.12 on, which counts threads; those of idle libraries hold no lock.
     pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning"),
@@ -152,16 +152,10 @@ def faults(function: Callable[..., str], jobs: list[tuple[Any, ...]]) -> list[st
         return [fault for fault in pool.starmap(function, jobs, chunksize=1) if fault]
 
 
-@pytest.fixture(scope="module", autouse=True)
-def short_sounds() -> Iterator[None]:
-    """Let sounds for the ear last a moment instead of 5 s; they are written by the same calls."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(listening, "MIN_S", 0.02)
-        yield
-
-
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, bytes]]:
+def whole(
+    tmp_path_factory: pytest.TempPathFactory, short_sounds: None
+) -> tuple[Path, dict[str, bytes]]:
     """Return the folder of a scene, and the files of its sweep that nothing disturbs."""
     folder = tmp_path_factory.mktemp("whole")
     (folder / "scene.yaml").write_text(TINY + "sweep: {rolling.load_n: [0.005, 0.006]}\n")
