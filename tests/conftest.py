@@ -64,12 +64,12 @@ def no_lines_of_long_steps(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(scope="module")
 def short_sounds() -> Iterator[None]:
-    """Let sounds for the ear last a moment instead of 5 s, where nobody listens to them.
+    """Let sounds for the ear last 0.1 s instead of 5 s, where nobody listens to them.
 
     Each file of 5 s takes a tenth of a second, a third of what a small run takes.
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(listening, "MIN_S", 0.02)
+        patch.setattr(listening, "MIN_S", 0.1)
         yield
 
 
