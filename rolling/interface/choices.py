@@ -75,8 +75,9 @@ def choose(
     Examples
     --------
     >>> import rolling
-    >>> words = ["sweep.surface.roughness_ra_um=[0.05, 0.2]", "rolling.duration_s=0.003"]
-    >>> scene = rolling.read_scene("quickstart", [*words, "rolling.load_n=0.2", "sphere.radius_mm=1"])
+    >>> words = ["sphere.radius_mm=1", "rolling.load_n=0.2", "rolling.duration_s=0.003"]
+    >>> words += ["sweep.surface.roughness_ra_um=[0.05, 0.2]"]
+    >>> scene = rolling.read_scene("quickstart", words)
     >>> choice = rolling.choose(scene, pairs=2, workers=1, progress=False)
     >>> choice.contenders[0].label, choice.differences[0].pairs
     ('Ra 0.05 µm', 2)

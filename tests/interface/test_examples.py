@@ -86,6 +86,7 @@ LONG = (
 )
 
 
+@pytest.mark.usefixtures("short_sounds")
 @pytest.mark.parametrize(
     "module",
     [
