@@ -6,15 +6,14 @@ from pathlib import Path
 
 import pytest
 from made_numbers import bands, computed, estimated, run_with
+from scene_text import BALLS
 
 from rolling.kinds.reading import read_scene
-from rolling.kinds.registry import name_of_file
 from rolling.kinds.run_folder import RunFolder
 from rolling.numbers.ball_numbers import RunNumbers
 from rolling.numbers.quantity import BandQuantity
 from rolling.results.answer import follows, gap
 from rolling.results.description import runs_sentence, special
-from rolling.scene import library
 
 
 def loads(of_loads: dict[float, RunNumbers]) -> list[RunFolder]:
@@ -142,9 +141,7 @@ def test_the_gap_names_both_levels() -> None:
     assert gap([estimated(record={"q": None})]) == ""
 
 
-@pytest.mark.parametrize(
-    "name", [name for name in library.scenes() if name_of_file(name) == "ball"]
-)
+@pytest.mark.parametrize("name", BALLS)
 def test_every_scene_of_the_library_has_a_sentence(name: str) -> None:
     runs = [RunFolder(run.values, run.scene, Path()) for run in read_scene(Path(name)).runs()]
     sentence = runs_sentence(runs)

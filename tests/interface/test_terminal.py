@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 from commands import ROOT, wait_for
+from scene_text import BALLS
 
 from rolling import cli
 from rolling.contact import compiling
-from rolling.kinds.registry import name_of_file
 from rolling.run import folder as folders
 from rolling.scene import library
 from rolling.terminal import progress, streams
@@ -141,7 +141,7 @@ def test_check_prints_the_cost_and_quiet_its_warnings(
     assert all(line.startswith("warning: ") for line in printed.out.splitlines())
 
 
-@pytest.mark.parametrize("name", [x for x in library.scenes() if name_of_file(x) == "ball"][::6])
+@pytest.mark.parametrize("name", BALLS[::6])
 def test_a_check_fits_on_a_screen(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     """The verdict comes first, then at most ten lines of 80 letters on cost and doubts."""
     code = cli.main(["check", name, "--fast"])

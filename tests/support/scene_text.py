@@ -6,11 +6,15 @@ from typing import Any
 import pytest
 
 from rolling.kinds.registry import name_of_file
+from rolling.scene import library
 from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
 
+# The kind of each scene of the library by its name. Each file is read once while tests are found.
+KINDS = {name: name_of_file(path) for name, path in library.scenes().items()}
+BALLS = [name for name, kind in KINDS.items() if kind == "ball"]
 FILES = sorted((Path(__file__).parents[2] / "scenarios").glob("*.yaml"))
-BEARINGS = [path for path in FILES if name_of_file(path) == "bearing"]
+BEARINGS = [path for path in FILES if KINDS[path.stem] == "bearing"]
 SCENES = [path for path in FILES if path not in BEARINGS]
 
 TEXT = """\
