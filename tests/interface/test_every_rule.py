@@ -18,6 +18,7 @@ from finished import VIBRATING, marched
 from made_numbers import bands, changed, computed
 from memory_scenes import MEMORY
 from scene_text import PLAIN, TINY
+from source_trees import tree_of
 
 import rolling
 from acoustics.bands import BAND_NAMES
@@ -42,7 +43,7 @@ def rule_names() -> set[str]:
     """Return module and name of each function of the rules that returns or yields doubts."""
     names = set()
     for path in RULES:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(tree_of(path)):
             if not isinstance(node, ast.FunctionDef) or node.returns is None:
                 continue
             if "Doubt" in ast.unparse(node.returns):

@@ -7,11 +7,13 @@ import importlib
 import re
 import subprocess
 import sys
+from collections.abc import Iterator, Sequence
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
+from source_trees import tree_of
 
 ROOT = Path(__file__).parents[2]
 
@@ -88,22 +90,32 @@ def imported(module: str, for_types: bool = True) -> tuple[str, ...]:
     """
     path = modules(module.split(".")[0])[module]
     names: list[str] = []
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    left_out: list[ast.stmt] = []
+    statements = tree_of(path).body
     if not for_types or module in CLIMBING:
-        tree.body = [node for node in tree.body if not _is_for_types(node)]
+        left_out += [node for node in statements if _is_for_types(node)]
     climbing = CLIMBING.get(module, set())
-    for node in tree.body:
+    for node in statements:
         if isinstance(node, ast.ClassDef):
-            node.body = [
-                part for part in node.body if f"{node.name}.{name_of(part)}" not in climbing
-            ]
-    for node in ast.walk(tree):
+            left_out += [part for part in node.body if f"{node.name}.{name_of(part)}" in climbing]
+    for node in walked(statements, without=left_out):
         if isinstance(node, ast.Import):
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}:{node.lineno}: relative imports are not followed here"
             names += [f"{node.module}.{alias.name}" for alias in node.names]
     return tuple(names)
+
+
+def walked(statements: Sequence[ast.stmt], without: Sequence[ast.stmt]) -> Iterator[ast.AST]:
+    """Yield statements and all that is in them, but for some statements and what is in those."""
+    skipped = {id(node) for node in without}
+    rest: list[ast.AST] = list(statements)
+    while rest:
+        node = rest.pop()
+        if id(node) not in skipped:
+            yield node
+            rest += ast.iter_child_nodes(node)
 
 
 def name_of(node: ast.stmt) -> str:
@@ -158,7 +170,7 @@ def test_the_house_is_small() -> None:
         node.name
         for package in FLOORS
         for path in modules(package).values()
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(tree_of(path))
         if isinstance(node, ast.ClassDef)
     ]
     assert sorted({name for name in names if names.count(name) > 1}) == []
@@ -180,7 +192,7 @@ def test_rooms_take_nothing_from_the_front_door_but_version_and_place(package: s
     taken = set()
     for _, there, module, name in arrows(package):
         if there == FRONT_DOOR and name == package:
-            tree = ast.parse(modules(package)[module].read_text(encoding="utf-8"))
+            tree = tree_of(modules(package)[module])
             attributes = [node for node in ast.walk(tree) if isinstance(node, ast.Attribute)]
             taken |= {node.attr for node in attributes if ast.unparse(node.value) == package}
         elif there == FRONT_DOOR:
@@ -191,7 +203,7 @@ def test_rooms_take_nothing_from_the_front_door_but_version_and_place(package: s
 def test_methods_that_climb_only_call_the_function_of_a_higher_room() -> None:
     """Each is an import and a return; one that is gone leaves the list."""
     for module, methods in CLIMBING.items():
-        tree = ast.parse(modules("rolling")[module].read_text(encoding="utf-8"))
+        tree = tree_of(modules("rolling")[module])
         bodies = {
             f"{node.name}.{name_of(part)}": part.body
             for node in tree.body
@@ -306,7 +318,7 @@ def test_no_run_imports_the_slowest_packages_of_scipy() -> None:
 
 def test_a_room_that_lists_its_files_lists_all_of_them() -> None:
     for name, path in modules("rolling").items():
-        words = set(re.findall(r"\w+", ast.get_docstring(ast.parse(path.read_text())) or ""))
+        words = set(re.findall(r"\w+", ast.get_docstring(tree_of(path)) or ""))
         files = {file.stem for file in path.parent.glob("[a-z]*.py")}
         if path.stem == FRONT_DOOR and len(files & words) > len(files) / 2 and name != "rolling":
             assert files <= words, f"{name}: {sorted(files - words)} are lacking"

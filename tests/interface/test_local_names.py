@@ -6,6 +6,7 @@ import ast
 from pathlib import Path
 
 import pytest
+from source_trees import tree_of
 
 ROOT = Path(__file__).parents[2]
 NO_NOUNS = {"apart", "found", "heard", "one", "said", "told"}  # of a class
@@ -49,7 +50,7 @@ def test_variables_are_nouns(room: Path) -> None:
     for file in files:
         if is_kernels(file):
             continue
-        wrong = NO_NOUNS & variables_of(ast.parse(file.read_text(encoding="utf-8")))
+        wrong = NO_NOUNS & variables_of(tree_of(file))
         assert not wrong, f"{file.relative_to(ROOT)}: {sorted(wrong)}"
 
 

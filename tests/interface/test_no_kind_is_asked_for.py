@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeGuard
 
+from source_trees import tree_of
+
 ROLLING = Path(__file__).parents[2] / "rolling"
 # Rooms and files that are of one kind, or make its runs and scenes, and may name it.
 OF_A_KIND = {
@@ -118,7 +120,7 @@ def test_no_file_asks_for_a_kind_but_those_that_are_listed() -> None:
         name = path.relative_to(ROLLING).as_posix()
         if name.split("/")[0] in OF_A_KIND:
             continue
-        for node in questions(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in questions(tree_of(path)):
             if name.startswith(WITH_FALLS) and _asks_for_a_fall(node):
                 continue
             found[name] += 1

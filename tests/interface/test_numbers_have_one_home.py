@@ -7,13 +7,13 @@ import dataclasses
 import typing
 import warnings
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 from finished import marched
 from scene_text import TINY
+from source_trees import tree_of
 
 import rolling
 from rolling.numbers.ball_numbers import RunNumbers
@@ -32,11 +32,9 @@ WRITERS = {
 HOLDERS = {"numbers", "summary", "summaries"}
 
 
-@cache
 def trees() -> list[tuple[Path, ast.AST]]:
     """Return the syntax trees of the program."""
-    paths = sorted(ROOM.rglob("*.py"))
-    return [(path, ast.parse(path.read_text(encoding="utf-8"))) for path in paths]
+    return [(path, tree_of(path)) for path in sorted(ROOM.rglob("*.py"))]
 
 
 def last_name(node: ast.AST) -> str:

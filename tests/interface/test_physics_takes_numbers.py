@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from source_trees import tree_of
 
 ROOT = Path(__file__).parents[2] / "rolling"
 PHYSICS = ("bearing", "contact", "dynamics", "sound", "surface")
@@ -70,7 +71,7 @@ def test_a_room_of_physics_imports_neither_scenes_nor_the_terminal(room: str) ->
     strangers = [
         f"{path.relative_to(ROOT)}: {name}"
         for path in modules(room)
-        for name in imported(ast.parse(path.read_text(encoding="utf-8")))
+        for name in imported(tree_of(path))
         if name.startswith(STRANGERS)
     ]
     assert not strangers, "\n".join(strangers)
@@ -81,13 +82,13 @@ def test_no_function_of_a_room_of_physics_takes_a_scene(room: str) -> None:
     taken = [
         f"{path.relative_to(ROOT)}, {place}"
         for path in modules(room)
-        for place in scenes_taken(ast.parse(path.read_text(encoding="utf-8")))
+        for place in scenes_taken(tree_of(path))
     ]
     assert not taken, "\n".join(taken)
 
 
 def test_memory_and_disk_are_judged_by_sizes_alone() -> None:
-    tree = ast.parse((ROOT / "check" / "memory_and_disk.py").read_text(encoding="utf-8"))
+    tree = tree_of(ROOT / "check" / "memory_and_disk.py")
     assert not [*scenes_taken(tree)]
     assert [name for name in imported(tree) if name.startswith("rolling.")] == [
         "rolling.check.run_size.RunSize"
