@@ -25,7 +25,7 @@ KEYS = [
     "rolling.duration_s=0.01",
     "surface.width_um=128",
     "numerics.error_estimate=false",
-    "sound.listen_s=2",
+    "sound.listen_s=0.5",
 ]
 
 
