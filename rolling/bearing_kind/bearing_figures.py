@@ -117,8 +117,6 @@ def spectrum(run: BearingRun, ax: Axes | None = None) -> Axes:
             alpha=0.25,
             label=_beyond(run),
         )
-        text = f" {_beyond(run)}"
-        ax.text(run.scene.ring_holds_hz, 0.02, text, transform=ax.get_xaxis_transform())
     ax.set(xlabel="frequency [Hz]", ylabel="rms velocity of a line [µm/s]")
     ax.xaxis.set_major_formatter("{x:g}")
     return finish(ax, f"Velocity of the {run.moving} ring: {run_title(run)}", _facts(run))
@@ -126,7 +124,7 @@ def spectrum(run: BearingRun, ax: Axes | None = None) -> Axes:
 
 def _beyond(run: BearingRun) -> str:
     """Say what lies above the frequency up to which the ring is as a real one."""
-    return "modes that are left out" if run.model.bending else "the ring bends"
+    return "modes left out" if run.model.bending else "the ring bends"
 
 
 def envelope(run: BearingRun, ax: Axes | None = None) -> Axes:

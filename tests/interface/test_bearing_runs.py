@@ -16,6 +16,7 @@ import pandas as pd
 import pytest
 import soundfile
 from bearing_runs import PLATE, SWEPT, WAVY, loads_bearing, moved_as, solved, written
+from matplotlib.figure import Figure
 from stored_arrays import stored_arrays
 
 import rolling
@@ -681,6 +682,21 @@ def test_commands_on_a_stored_bearing(
     assert cli.main(["listen", str(folder), "--speed", "1"]) == 2
     assert cli.main(["listen", str(folder), "--reverberation", "1"]) == 2
     assert "acceleration of its ring, which no room carries" in capsys.readouterr().err
+
+
+def test_texts_of_the_spectrum_stay_in_its_axes() -> None:
+    """Modes that an elastic ring leaves out begin near the end of the axis."""
+    words = ["bearing.ring=elastic", "sound.duration_s=0.1", "sound.listen_s=0.1"]
+    figure = Figure((6.2, 4.2))
+    run = rolling.simulate(loads_bearing(WAVY, words), progress=False)
+    ax = rolling.plot.spectrum(run, figure.subplots())
+    figure.draw_without_rendering()
+    assert "modes left out" in [text.get_text() for text in ax.get_legend().get_texts()]
+    for text in (*ax.texts, *ax.get_legend().get_texts()):
+        box = text.get_window_extent()
+        assert box.x0 >= -2 and box.x1 <= figure.bbox.x1 + 2
+    for text in ax.texts:
+        assert text.get_window_extent().x1 <= ax.bbox.x1 + 2
 
 
 def test_a_sweep_has_a_row_for_each_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
