@@ -197,6 +197,10 @@ class HalfSpace:
         self._convolutions: Kept[Convolution] = Kept(KEPT_BYTES, lambda size: size.nbytes, fewest=2)
         self._coarser: HalfSpace | None = None
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy and pickle without transforms, whose plans are addresses of this process."""
+        return type(self), (self.spacing, self.contact_modulus)
+
     def coarser(self) -> HalfSpace:
         """Return the half-space of cells twice as wide, which is made once."""
         if self._coarser is None:

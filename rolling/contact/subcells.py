@@ -10,6 +10,7 @@ symmetric and positive.
 from __future__ import annotations
 
 from functools import lru_cache, partial
+from typing import Any
 
 import numpy as np
 
@@ -72,6 +73,9 @@ class SubcellSpace(HalfSpace):
     def __init__(self, spacing: float, contact_modulus: float, subcells: int) -> None:
         super().__init__(spacing, contact_modulus)
         self.subcells = subcells
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.spacing, self.contact_modulus, self.subcells)
 
     def _make(self, m: int, n: int, single: bool) -> SubcellConvolution:
         """Make the transforms of a padded size of cells."""

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import gc
+import pickle
 import weakref
+from collections.abc import Callable
 from threading import Thread
 
 import numpy as np
@@ -195,6 +198,22 @@ def test_kept_spectra_stay_within_their_memory(monkeypatch: pytest.MonkeyPatch) 
     distances = [np.minimum(np.arange(k), k - np.arange(k)) for k in (40, 48)]
     expected = np.fft.rfft2(love(*distances)).real[:21]
     np.testing.assert_allclose(again, expected, rtol=0, atol=1e-14 * expected.max())
+
+
+@pytest.mark.parametrize("subcells", [1, 2])
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda space: pickle.loads(pickle.dumps(space))])
+def test_a_copy_has_transforms_of_its_own(
+    subcells: int, copied: Callable[[HalfSpace], HalfSpace]
+) -> None:
+    """Plans are addresses of one process, in which the copy may not live."""
+    plate = half_space_of(SPACING, STEEL, subcells)
+    pressure = np.random.default_rng(3).random((24, 24))
+    deflection = plate.deflection(pressure)
+    other = copied(plate)
+    assert type(other) is type(plate) and other.count == 0
+    np.testing.assert_array_equal(other.deflection(pressure), deflection)
+    size = 23, 23
+    assert other.convolution(*size) is not plate.convolution(*size)
 
 
 def test_threads_keep_values_side_by_side() -> None:
